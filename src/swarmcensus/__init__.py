@@ -1,0 +1,2 @@
+"""swarmcensus."""
+__version__ = "0.1.0"

@@ -1,0 +1,163 @@
+"""The brains that are shipped, and the contract that any brain file keeps."""
+
+import ast
+import hashlib
+import types
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.errors import InputError
+
+HERE = Path(__file__).parent
+FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
+BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
+BYTES_A_NUMBER = 4  # on the robot
+TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
+ALLOCATES = (
+    ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda,
+    ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef, ast.Import, ast.ImportFrom, ast.Global, ast.Nonlocal,
+    ast.Yield, ast.YieldFrom, ast.Await, ast.Try, ast.With, ast.AsyncWith, ast.AsyncFor, ast.JoinedStr,
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Brain:
+    """One brain file, read and found to keep the contract."""
+
+    name: str  # a shipped brain's name, or the file's path as the user gave it
+    path: Path
+    source: str
+    memory: dict[str, float]  # every field and its value before the first observation
+    message: tuple[str, ...]
+    sums: tuple[str, ...]  # the fields to which `receive` only adds what depends on the message alone
+    functions: types.ModuleType = field(compare=False)  # the file itself, run by CPython
+
+    @property
+    def sha256(self) -> str:
+        """The hash of the source, as stored with results."""
+        return hashlib.sha256(self.source.encode()).hexdigest()
+
+    @property
+    def memory_bytes(self) -> int:
+        """What a robot remembers, beliefs about its sensor included."""
+        return BYTES_A_NUMBER * (len(self.memory) + len(BELIEFS))
+
+    @property
+    def message_bytes(self) -> int:
+        """What a robot broadcasts in one message."""
+        return BYTES_A_NUMBER * len(self.message)
+
+    def robot(self, b: float, w: float) -> Any:
+        """A blank mind for CPython: it can hold the fields of MEMORY and nothing else."""
+        fields = (*self.memory, *BELIEFS)
+        mind = type("Robot", (), {"__slots__": fields})()
+        for name, value in zip(fields, (*self.memory.values(), b, w), strict=True):
+            setattr(mind, name, value)
+        return mind
+
+
+def shipped() -> list[str]:
+    """The names of the brains that come with swarmcensus."""
+    return sorted(p.stem for p in HERE.glob("*.py") if not p.stem.startswith("_"))
+
+
+def load(name: str | Path, base: Path | None = None) -> Brain:
+    """Read a shipped brain by its name or a brain file by its path, relative to `base`.
+
+    Raises InputError where the file is not there or breaks the contract.
+    """
+    if str(name) in shipped():
+        path = HERE / f"{name}.py"
+    else:
+        path = (base or Path()) / name
+        if not path.is_file():
+            raise InputError(
+                f"brain {str(name)!r}: neither a shipped brain ({', '.join(shipped())}) nor a file at {path}"
+            )
+    try:
+        return parse(path.read_text(encoding="utf-8"), str(name), path)
+    except (OSError, UnicodeDecodeError) as error:
+        raise InputError(f"brain file {path}: cannot be read as text: {error}") from error
+
+
+def parse(source: str, name: str, path: Path) -> Brain:
+    """Check a brain's source against the contract and run it once. Raises InputError."""
+    try:
+        tree = ast.parse(source, filename=str(path))
+    except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
+        line = getattr(error, "lineno", None)
+        what = getattr(error, "msg", error)
+        raise InputError(f"brain file {path}{f', line {line}' if line else ''}: not Python: {what}") from error
+    _check_syntax(tree, path)
+    module = types.ModuleType("brain")
+    module.__file__ = str(path)
+    try:
+        exec(compile(tree, str(path), "exec"), vars(module))
+    except Exception as error:
+        raise InputError(f"brain file {path}: fails when it is loaded: {error!r}") from error
+    return Brain(name, path, source, *_check_contents(module, path), functions=module)
+
+
+def _check_syntax(tree: ast.Module, path: Path) -> None:
+    def bad(node: ast.stmt | ast.expr, what: str) -> InputError:
+        return InputError(f"brain file {path}, line {node.lineno}: {what}")
+
+    for node in tree.body:
+        if not isinstance(node, TOP_LEVEL) or (
+            isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
+        ):
+            raise bad(node, "a brain file holds constants and small functions, nothing else")
+        modules = (
+            [a.name for a in node.names]
+            if isinstance(node, ast.Import)
+            else [node.module]
+            if isinstance(node, ast.ImportFrom)
+            else []
+        )
+        if any(m != "math" for m in modules):
+            raise bad(node, f"imports {', '.join(map(str, modules))}: a brain may import math alone")
+        if isinstance(node, ast.FunctionDef):
+            if node.decorator_list:
+                raise bad(node, f"{node.name} has a decorator: a brain's functions are plain")
+            for inner in (n for statement in node.body for n in ast.walk(statement)):
+                if isinstance(inner, ALLOCATES):
+                    kind = type(inner).__name__
+                    raise bad(inner, f"{kind} in {node.name}: a brain allocates and defines nothing")  # type: ignore[arg-type]
+
+
+def _check_contents(
+    module: types.ModuleType, path: Path
+) -> tuple[dict[str, float], tuple[str, ...], tuple[str, ...]]:
+    def need(holds: bool, what: str) -> None:
+        if not holds:
+            raise InputError(f"brain file {path}: {what}")
+
+    def names(value: object) -> bool:
+        return isinstance(value, tuple) and all(isinstance(v, str) and v.isidentifier() for v in value)
+
+    memory = getattr(module, "MEMORY", None)
+    need(isinstance(memory, dict) and bool(memory), 'MEMORY is missing: a dict such as {"t": 0.0, "x": 0.5}')
+    assert isinstance(memory, dict)
+    for key, value in memory.items():
+        need(isinstance(key, str) and key.isidentifier(), f"MEMORY key {key!r} is not a name")
+        need(key not in (*BELIEFS, "estimate"), f"MEMORY key {key!r} is taken by the engine")
+        need(
+            isinstance(value, int | float) and not isinstance(value, bool), f"MEMORY[{key!r}] = {value!r}: not a number"
+        )
+    message = getattr(module, "MESSAGE", None)
+    need(names(message) and bool(message), 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")')
+    sums = getattr(module, "SUMS", ())
+    need(names(sums), "SUMS is a tuple of MEMORY names")
+    for key in sums:
+        need(key in memory, f"SUMS names {key!r}, which is not in MEMORY")
+    for name, arity in FUNCTIONS.items():
+        function = getattr(module, name, None)
+        need(isinstance(function, types.FunctionType), f"the function {name} is missing")
+        assert isinstance(function, types.FunctionType)
+        found = function.__code__.co_argcount
+        need(found == arity, f"{name} takes {found} arguments: {arity} are right")
+    assert isinstance(message, tuple)
+    return {k: float(v) for k, v in memory.items()}, message, tuple(sums)
+
+

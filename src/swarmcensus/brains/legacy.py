@@ -1,0 +1,97 @@
+"""The rival that ignores confidence: the social estimate is the neighbours' plain mean.
+
+Local estimate as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect
+Sensors", Eqs. 4 and 5; the social confidence is the harmonic mean of the neighbours' confidences. The
+local functions stand here again because a brain is one file: it goes onto the robot alone.
+"""
+
+MEMORY = {
+    "t": 0.0,  # observations made
+    "n": 0.0,  # of which said black
+    "x_hat": 0.5,  # local estimate
+    "alpha": 0.0,  # local confidence
+    "x_bar": 0.5,  # social estimate
+    "beta": 0.0,  # social confidence
+    "x": 0.5,  # informed estimate
+    "heard": 0.0,  # messages since the last round
+    "heard_x": 0.0,  # the sum of their estimates
+    "blind": 0.0,  # how many of them had no confidence at all
+    "doubt": 0.0,  # the sum of the others' inverse confidences
+}
+MESSAGE = ("x_hat", "alpha")
+SUMS = ("heard", "heard_x", "blind", "doubt")
+
+
+def observe(me, blacks, looks):
+    """Local estimate (Eq. 4) and its Fisher information (Eq. 5)."""
+    me.t += looks
+    me.n += blacks
+    t = me.t
+    n = me.n
+    b = me.b
+    w = me.w
+    slope = b + w - 1.0  # how much more often black says black than white does
+    if t == 0.0 or abs(slope) < 1e-12:
+        return  # nothing seen, or a sensor that says the same of black and white
+    q = slope * slope
+    low = (1.0 - w) * t  # the blacks that an all-white floor is expected to give
+    high = b * t  # and an all-black one
+    if slope > 0.0:
+        white = n <= low
+        black = n >= high
+    else:
+        white = n >= low
+        black = n <= high
+    if white:  # Eq. 4 and 5, first case, in a form that has a value at w = 1 too
+        me.x_hat = 0.0
+        me.alpha = q * (share(n, (1.0 - w) * (1.0 - w)) + share(t - n, w * w))
+    elif black:  # third case, likewise at b = 1
+        me.x_hat = 1.0
+        me.alpha = q * (share(n, b * b) + share(t - n, (1.0 - b) * (1.0 - b)))
+    else:
+        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+        me.alpha = q * t * t * t / (n * (t - n))
+
+
+def share(count, variance):
+    """What `count` readings of one colour add to the confidence: none add nothing."""
+    if count == 0.0:
+        return 0.0
+    return count / variance
+
+
+def broadcast(me):
+    """The local values."""
+    return me.x_hat, me.alpha
+
+
+def receive(me, message):
+    """One neighbour's terms of the two means."""
+    x_hat, alpha = message
+    me.heard += 1.0
+    me.heard_x += x_hat
+    if alpha > 0.0:
+        me.doubt += 1.0 / alpha
+    else:
+        me.blind += 1.0
+
+
+def fuse(me):
+    """The two means, then the informed estimate (Eq. 6)."""
+    if me.heard > 0.0:  # with no neighbour in reach the last social values stay
+        me.x_bar = me.heard_x / me.heard
+        me.beta = 0.0  # a harmonic mean with a zero in it is zero
+        if me.blind == 0.0:
+            me.beta = me.heard / me.doubt
+        me.heard = 0.0
+        me.heard_x = 0.0
+        me.blind = 0.0
+        me.doubt = 0.0
+    total = me.alpha + me.beta
+    if total > 0.0:
+        me.x = (me.alpha * me.x_hat + me.beta * me.x_bar) / total
+
+
+def estimate(me):
+    """The informed estimate."""
+    return me.x

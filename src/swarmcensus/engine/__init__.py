@@ -1,0 +1,1 @@
+"""Compiles brains, addresses random numbers, runs worlds. Knows nothing of studies."""

@@ -1,0 +1,171 @@
+"""From a brain file to machine code: the kernel is compiled around the very file, once per machine.
+
+Numba caches machine code beside a source file and does not see what that file imports. So each brain gets
+a folder of its own, named by the hash of all that the code depends on, with a copy of the brain, of the
+kernel, and of a few lines that fit the brain's fields to the kernel's arrays.
+"""
+
+import functools
+import hashlib
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+import types
+from pathlib import Path
+
+import numba
+import numpy as np
+
+from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
+
+HERE = Path(__file__).parent
+SOURCES = ("kernel.py", "draws.py", "random.py", "compiler.py")
+
+GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
+
+from swarmcensus.engine.compiler import {decorators}
+
+from . import brain
+
+for name, value in list(vars(brain).items()):
+    if isinstance(value, type(lambda: None)):
+        setattr(brain, name, compiled(value))
+{functions}
+outbox_width = {width}
+
+
+@compiled
+def pack(outbox, i, message):
+    {slots} = message
+
+
+@compiled
+def unpack(outbox, i):
+    return {slots}
+
+
+@compiled
+def add_sums(me, other):
+    {additions}
+'''
+
+
+def compiled(function: types.FunctionType) -> types.FunctionType:
+    """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
+    return numba.njit(nogil=True, error_model="python")(function)  # type: ignore[no-any-return]
+
+
+def entry(function: types.FunctionType) -> types.FunctionType:
+    """The same, kept on disk: what CPython calls."""
+    return numba.njit(nogil=True, error_model="python", cache=True)(function)  # type: ignore[no-any-return]
+
+
+def plain(function: types.FunctionType) -> types.FunctionType:
+    """The function itself: the whole engine as CPython runs it, for tests."""
+    return function
+
+
+def record_type(brain: Brain) -> np.dtype:
+    """A robot's mind as a NumPy record."""
+    return np.dtype([(name, np.float64) for name in (*brain.memory, *BELIEFS)])
+
+
+def blank(brain: Brain) -> np.ndarray:
+    """One mind before its first observation, shape (1,)."""
+    mind = np.zeros(1, record_type(brain))
+    for name, value in brain.memory.items():
+        mind[name] = value
+    return mind
+
+
+def cache_root() -> Path:
+    """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder."""
+    if "SWARMCENSUS_CACHE" in os.environ:
+        return Path(os.environ["SWARMCENSUS_CACHE"])
+    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    return Path(base) / "swarmcensus"
+
+
+def _glue(brain: Brain, decorators: str) -> str:
+    slots = "".join(f"outbox[i, {j}], " for j in range(len(brain.message))).strip()
+    return GLUE.format(
+        decorators=decorators,
+        functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
+        width=len(brain.message),
+        slots=slots,
+        additions="\n    ".join(f"me.{name} += other.{name}" for name in brain.sums) or "pass",
+    )
+
+
+def _write_once(folder: Path, files: dict[str, str]) -> None:
+    """Make the folder whole or not at all; a race is won by whoever renames first."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
+    for name, text in files.items():
+        (beside / name).write_text(text, encoding="utf-8")
+    try:
+        beside.rename(folder)
+    except OSError:
+        shutil.rmtree(beside, ignore_errors=True)
+        if not folder.is_dir():
+            raise
+
+
+@functools.cache
+def _engine_hash() -> str:
+    parts = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
+    parts += [sys.version, numba.__version__, np.__version__]
+    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
+
+
+def compile_brain(brain: Brain, interpreted: bool = False) -> types.ModuleType:
+    """The kernel around a brain, as a module whose functions are the engine's entry points.
+
+    With `interpreted`, the same code as CPython runs it: slow, and to the same bits.
+    """
+    decorators = "plain as compiled, plain as entry" if interpreted else "compiled, entry"
+    glue = _glue(brain, decorators)
+    digest = hashlib.sha256("\0".join((_engine_hash(), brain.source, glue)).encode()).hexdigest()[:24]
+    name = f"_swarmcensus_{digest}"
+    if f"{name}.kernel" in sys.modules:
+        return sys.modules[f"{name}.kernel"]
+    files = {
+        "__init__.py": "",
+        "brain.py": brain.source,
+        "mind.py": glue,
+        "kernel.py": (HERE / "kernel.py").read_text(encoding="utf-8"),
+    }
+    folder = cache_root() / digest
+    if not folder.is_dir():
+        try:
+            _write_once(folder, files)
+        except OSError:  # a machine without a home: compile for this process alone
+            folder = Path(tempfile.mkdtemp(prefix="swarmcensus-")) / digest
+            _write_once(folder, files)
+    return _import_folder(name, folder, HERE / "kernel.py" if interpreted else folder / "kernel.py")
+
+
+def is_compiled(brain: Brain) -> bool:
+    """Whether the machine code of this brain is on disk."""
+    digest = hashlib.sha256(
+        "\0".join((_engine_hash(), brain.source, _glue(brain, "compiled, entry"))).encode()
+    ).hexdigest()[:24]
+    return any((cache_root() / digest / "__pycache__").glob("kernel.simulate-*.nbc"))
+
+
+def _import_folder(name: str, folder: Path, kernel: Path) -> types.ModuleType:
+    def execute(full_name: str, path: Path, package: bool) -> types.ModuleType:
+        spec = importlib.util.spec_from_file_location(
+            full_name, path, submodule_search_locations=[str(folder)] if package else None
+        )
+        assert spec is not None
+        assert spec.loader is not None
+        module = importlib.util.module_from_spec(spec)
+        sys.modules[full_name] = module
+        spec.loader.exec_module(module)
+        return module
+
+    execute(name, folder / "__init__.py", package=True)
+    return execute(f"{name}.kernel", kernel, package=False)

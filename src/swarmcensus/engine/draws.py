@@ -1,0 +1,87 @@
+"""What the engine draws from addressed words: how many of a round's observations said black.
+
+The R coin flips of a round are exchangeable, so one binomial draw stands for them. It is made with
+Walker's alias method (Walker 1977; Vose 1991): one 64-bit word, one table look-up, one comparison. More
+than `PART` observations are drawn as several binomials that add up.
+"""
+
+import numpy as np
+from numba import njit
+
+COLUMNS = 16  # a power of two, so that the word's top bits pick a column without bias
+PART = COLUMNS - 1  # the most observations that one word can stand for
+LOW = np.uint64(COLUMNS - 1)
+SHIFT = np.uint64(60)
+BITS = np.uint64(4)
+
+
+@njit(nogil=True)
+def alias_row(weights, row):
+    """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
+    columns = weights.size
+    share = weights * columns
+    alias = np.arange(columns)
+    small = np.empty(columns, np.int64)
+    large = np.empty(columns, np.int64)
+    smalls = larges = 0
+    for c in range(columns):
+        if share[c] < 1.0:
+            small[smalls] = c
+            smalls += 1
+        else:
+            large[larges] = c
+            larges += 1
+    while smalls > 0 and larges > 0:
+        s = small[smalls - 1]
+        g = large[larges - 1]
+        smalls -= 1
+        alias[s] = g
+        share[g] -= 1.0 - share[s]
+        if share[g] < 1.0:
+            larges -= 1
+            small[smalls] = g
+            smalls += 1
+    for c in range(columns):
+        # a column left over is full but for rounding: it is its own alias
+        threshold = np.uint64(min(max(share[c], 0.0), 0.9999999999999999) * 18446744073709551616.0)
+        row[c] = (threshold & ~LOW) | np.uint64(alias[c])
+
+
+@njit(nogil=True)
+def binomial_row(looks, p, row):
+    """The alias row of Binomial(looks, p), looks <= PART."""
+    weights = np.zeros(row.size)
+    choose = 1.0
+    for k in range(looks + 1):
+        weights[k] = choose * p**k * (1.0 - p) ** (looks - k)
+        choose = choose * (looks - k) / (k + 1)
+    alias_row(weights / weights.sum(), row)
+
+
+@njit(nogil=True)
+def black_tables(b, w, fill_ratio, looks):
+    """Alias rows (kind, robot, column): kind 0 for PART observations, the last kind for what remains.
+
+    `b` and `w` are the true accuracies, of one robot where all are alike. A reading says black with
+    probability b f + (1 - w)(1 - f) (paper, Sec. III-C).
+    """
+    rest = looks % PART
+    kinds = (1 if looks >= PART else 0) + (1 if rest > 0 else 0)
+    tables = np.zeros((kinds, b.size, COLUMNS), np.uint64)
+    for i in range(b.size):
+        p = min(max(b[i] * fill_ratio + (1.0 - w[i]) * (1.0 - fill_ratio), 0.0), 1.0)
+        if looks >= PART:
+            binomial_row(PART, p, tables[0, i])
+        if rest > 0:
+            binomial_row(rest, p, tables[kinds - 1, i])
+    return tables
+
+
+@njit(nogil=True)
+def pick(row, word):
+    """The column that a word picks from an alias row."""
+    column = word >> SHIFT
+    entry = row[column]
+    if (word << BITS) < (entry & ~LOW):
+        return column
+    return entry & LOW

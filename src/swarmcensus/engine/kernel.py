@@ -1,0 +1,279 @@
+"""The engine's inner loops: minds that observe, talk and fuse, and when their estimates settle.
+
+This file is compiled anew for every brain (see `compiler.py`): `.mind` is that brain.
+"""
+
+import numpy as np
+
+from swarmcensus.engine.draws import PART, black_tables, pick
+from swarmcensus.engine.random import block, counter, unit, words
+
+from .mind import (
+    add_sums,
+    broadcast,
+    compiled,
+    entry,
+    estimate,
+    fuse,
+    observe,
+    outbox_width,
+    pack,
+    receive,
+    unpack,
+)
+
+GRAPH, FULL, PAIRS = 0, 1, 2  # who hears whom: listed links, all in two sums, all one by one
+
+
+@compiled
+def begin(memory, blank, b, w):
+    """Blank minds that believe in the accuracies b and w (of one robot where all are alike)."""
+    for i in range(memory.size):
+        memory[i] = blank[0]
+        memory[i].b = b[i % b.size]
+        memory[i].w = w[i % w.size]
+
+
+@compiled
+def count_blacks(blacks, bits, tables, looks, key, trial, tick):
+    """How many of this round's observations said black, for each robot."""
+    parts = (looks + PART - 1) // PART
+    rows = tables.shape[1]
+    for part in range(parts):
+        words(key, trial, tick, part, bits)
+        kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
+        for i in range(blacks.size):
+            drawn = pick(tables[kind, i if rows > 1 else 0], bits[i])
+            blacks[i] = drawn if part == 0 else blacks[i] + drawn
+
+
+@compiled
+def arrange(reading, blacks, bits, left, key, trial, step):
+    """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
+    words(key, trial, step, 0, bits)
+    for i in range(reading.size):
+        black = unit(bits[i]) * left < blacks[i]
+        reading[i] = 1.0 if black else 0.0
+        blacks[i] -= 1 if black else 0
+
+
+@compiled
+def heard(key, trial, tick, receiver, sender, threshold):
+    """Whether a message gets through, with probability threshold / 2^64."""
+    return block(key[0], key[1], counter(trial, tick), counter(receiver, sender))[0] < threshold
+
+
+@compiled
+def exchange(memory, outbox, pool, blank, links, offsets, neighbours, key, trial, tick, threshold):
+    """Every robot hears its neighbours; `threshold` 0 means that no message is ever lost."""
+    n = memory.size
+    if links == FULL:
+        # What all but one robot say is a sum over those before it and a sum over those after it:
+        # O(N), and without the cancellation of "all minus own".
+        pool[0] = blank[0]
+        for i in range(n):
+            add_sums(memory[i], pool[0])
+            receive(pool[0], unpack(outbox, i))
+        pool[0] = blank[0]
+        for i in range(n - 1, -1, -1):
+            add_sums(memory[i], pool[0])
+            receive(pool[0], unpack(outbox, i))
+        return
+    for i in range(n):
+        me = memory[i]
+        first = offsets[i] if links == GRAPH else 0
+        last = offsets[i + 1] if links == GRAPH else n - 1
+        for e in range(first, last):
+            j = neighbours[e] if links == GRAPH else e + (1 if e >= i else 0)
+            if threshold == 0 or heard(key, trial, tick, i, j, threshold):
+                receive(me, unpack(outbox, j))
+
+
+@compiled
+def settle(rows, top, delta, low, high, where, value):
+    """One backward pass of the paper's convergence rule over rows[0], rows[1], ... = indices top, top + 1, ...
+
+    `low` and `high` hold each robot's extremes over all later indices, `where` and `value` the earliest
+    index that is within delta of all later ones. False once no earlier index can qualify for any robot.
+    """
+    for r in range(rows.shape[0] - 1, -1, -1):
+        undecided = False
+        for i in range(low.size):
+            x = rows[r, i]
+            low[i] = min(low[i], x)
+            high[i] = max(high[i], x)
+            if high[i] - x < delta and x - low[i] < delta:
+                where[i] = top + r
+                value[i] = x
+            undecided |= high[i] - low[i] <= 2.0 * delta
+        if not undecided:
+            return False
+    return True
+
+
+@compiled
+def advance(
+    memory, outbox, pool, blank, blacks, bits, reading, tables, first, last, local, looks, trial,
+    read_key, order_key, link_key, links, offsets, neighbours, threshold, rows, stop,
+):  # fmt: skip
+    """Run indices first ... last - 1 (rounds; single observations when `local`); their estimates go to `rows`."""
+    n = memory.size
+    for k in range(first, last):
+        if stop[0] != 0:
+            return
+        if local:
+            tick = (k - 1) // looks + 1
+            left = looks - (k - 1) % looks
+            if left == looks:
+                count_blacks(blacks, bits, tables, looks, read_key, trial, tick)
+            arrange(reading, blacks, bits, left, order_key, trial, k)
+            for i in range(n):
+                observe(memory[i], reading[i], 1.0)
+        else:
+            count_blacks(blacks, bits, tables, looks, read_key, trial, k)
+            for i in range(n):
+                observe(memory[i], float(blacks[i]), float(looks))
+                pack(outbox, i, broadcast(memory[i]))
+            exchange(memory, outbox, pool, blank, links, offsets, neighbours, link_key, trial, k, threshold)
+        for i in range(n):
+            fuse(memory[i])
+            rows[k - first, i] = estimate(memory[i])
+
+
+@entry
+def simulate(
+    blank, robots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds, segment,
+    read_key, order_key, link_key, links, starts, offsets, neighbours, threshold,
+    delta, bin_low, bin_high, checkpoints, where, value, final, correct, stop,
+):  # fmt: skip
+    """Run a batch of trials from blank minds to their metrics; False if stopped.
+
+    Accuracies are (trial, robot or 1). With `local`, robots hear nobody and `rounds` counts single
+    observations. Estimates are kept for `segment` indices at a time; where the convergence rule must look
+    further back, the segment before is run again from a snapshot of the minds, to the same bits.
+    """
+    memory = np.empty(robots, blank.dtype)
+    pool = np.empty(1, blank.dtype)
+    outbox = np.empty((robots, outbox_width), np.float64)
+    blacks = np.zeros(robots, np.int64)
+    bits = np.zeros(robots, np.uint64)
+    reading = np.zeros(robots)
+    low = np.empty(robots)
+    high = np.empty(robots)
+    segments = (rounds + segment - 1) // segment
+    snapshots = np.empty((segments, robots if segments > 1 else 0), blank.dtype)
+    rows = np.empty((segment, robots))
+    for trial in range(where.shape[0]):
+        number = first_trial + trial
+        graph = trial if starts.size > 1 else 0
+        graph_offsets = offsets[graph]
+        graph_neighbours = neighbours[starts[graph] :]
+        tables = black_tables(b[trial], w[trial], fill_ratio, looks)
+        begin(memory, blank, assumed_b[trial], assumed_w[trial])
+        start = np.empty((1, robots))
+        for i in range(robots):
+            start[0, i] = estimate(memory[i])
+        low[:] = np.inf
+        high[:] = -np.inf
+        undecided = True
+        for step in range(2 * segments - 1):  # forward through all segments, then back where needed
+            forward = step < segments
+            s = step if forward else 2 * segments - 2 - step
+            if segments > 1:
+                if forward:
+                    snapshots[s, :] = memory
+                elif undecided:
+                    memory[:] = snapshots[s, :]
+            if forward or undecided:
+                first = s * segment + 1
+                last = min(first + segment, rounds + 1)
+                advance(
+                    memory, outbox, pool, blank, blacks, bits, reading, tables, first, last, local, looks,
+                    number, read_key, order_key, link_key, links, graph_offsets, graph_neighbours, threshold,
+                    rows, stop,
+                )  # fmt: skip
+                if stop[0] != 0:
+                    return False
+                if forward:
+                    for c in range(checkpoints.size):
+                        if first <= checkpoints[c] < last:
+                            right = 0
+                            for i in range(robots):
+                                x = rows[checkpoints[c] - first, i]
+                                right += bin_low <= x < bin_high
+                            correct[c, trial] = right / robots
+                if s == segments - 1:
+                    final[trial, :] = rows[last - 1 - first]
+                if not forward or s == segments - 1:
+                    undecided = settle(
+                        rows[: last - first], first, delta, low, high, where[trial], value[trial]
+                    )
+        if undecided:
+            settle(start, 0, delta, low, high, where[trial], value[trial])
+    return True
+
+
+@entry
+def record(
+    blank, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, blacks_seen,
+    read_key, link_key, links, offsets, neighbours, threshold,
+):  # fmt: skip
+    """Run one trial and keep every mind after every round in `history`, (round, robot), and its readings."""
+    robots = history.shape[1]
+    memory = np.empty(robots, blank.dtype)
+    pool = np.empty(1, blank.dtype)
+    outbox = np.empty((robots, outbox_width), np.float64)
+    bits = np.zeros(robots, np.uint64)
+    bits = np.zeros(robots, np.uint64)
+    reading = np.zeros(robots)
+    rows = np.empty((1, robots))
+    stop = np.zeros(1, np.uint8)
+    tables = black_tables(b, w, fill_ratio, looks)
+    begin(memory, blank, assumed_b, assumed_w)
+    history[0, :] = memory
+    for k in range(1, history.shape[0]):
+        advance(
+            memory, outbox, pool, blank, blacks_seen[k], bits, reading, tables, k, k + 1, False, looks, trial,
+            read_key, read_key, link_key, links, offsets, neighbours, threshold, rows, stop,
+        )  # fmt: skip
+        history[k, :] = memory
+
+
+@entry
+def follow(blank, b, w, readings, every, periodic, first_message, senders, receivers, history):
+    """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
+
+    A round ends every `every` steps and at the last. With `periodic`, all messages pass at the end of each
+    whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1].
+    """
+    robots = readings.shape[1]
+    memory = np.empty(robots, blank.dtype)
+    outbox = np.empty((robots, outbox_width), np.float64)
+    begin(memory, blank, b, w)
+    history[0, :] = memory
+    k = 0
+    for s in range(readings.shape[0]):
+        whole = (s + 1) % every == 0
+        for i in range(robots):
+            if readings[s, i] >= 0.0:
+                observe(memory[i], readings[s, i], 1.0)
+            pack(outbox, i, broadcast(memory[i]))
+        if periodic:
+            first, last = 0, senders.size if whole else 0
+        else:
+            first, last = first_message[s], first_message[s + 1]
+        for m in range(first, last):
+            receive(memory[receivers[m]], unpack(outbox, senders[m]))
+        if whole or s == readings.shape[0] - 1:
+            for i in range(robots):
+                fuse(memory[i])
+            k += 1
+            history[k, :] = memory
+
+
+@entry
+def believe(history, out):
+    """The estimates of minds (round, robot)."""
+    for k in range(history.shape[0]):
+        for i in range(history.shape[1]):
+            out[k, i] = estimate(history[k, i])

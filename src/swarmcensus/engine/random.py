@@ -1,0 +1,86 @@
+"""Addressed random numbers: the Threefry-2x64-13 block cipher of a key and a counter.
+
+Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. A key is the hash of a seed, a
+purpose and the content that the draw depends on; the counter holds trial, tick and robot. Nothing is
+ever drawn in turn, so no result depends on order, threads or batches.
+"""
+
+import hashlib
+import json
+
+import numpy as np
+from numba import njit, uint64
+
+PARITY = np.uint64(0x1BD11BDAA9FC1A22)
+U = np.uint64
+
+
+def address(seed: int, purpose: str, **content: object) -> np.ndarray:
+    """The 128-bit key, two uint64, of all draws for one purpose of one content."""
+    text = json.dumps([seed, purpose, content], sort_keys=True)
+    digest = hashlib.blake2b(text.encode(), digest_size=16).digest()
+    return np.frombuffer(digest, dtype="<u8").astype(np.uint64)
+
+
+@njit(nogil=True, inline="always")
+def mix(a, b, r):
+    """One add, rotate and xor of the cipher."""
+    a = a + b
+    b = (b << U(r)) | (b >> U(64 - r))
+    return a, b ^ a
+
+
+@njit(nogil=True)
+def block(k0, k1, c0, c1):
+    """Two uint64 that are uniform and independent over counters (c0, c1), under the key (k0, k1)."""
+    k2 = PARITY ^ k0 ^ k1
+    a = c0 + k0
+    b = c1 + k1
+    a, b = mix(a, b, 16)
+    a, b = mix(a, b, 42)
+    a, b = mix(a, b, 12)
+    a, b = mix(a, b, 31)
+    a = a + k1
+    b = b + k2 + U(1)
+    a, b = mix(a, b, 16)
+    a, b = mix(a, b, 32)
+    a, b = mix(a, b, 24)
+    a, b = mix(a, b, 21)
+    a = a + k2
+    b = b + k0 + U(2)
+    a, b = mix(a, b, 16)
+    a, b = mix(a, b, 42)
+    a, b = mix(a, b, 12)
+    a, b = mix(a, b, 31)
+    a = a + k0
+    b = b + k1 + U(3)
+    return mix(a, b, 16)
+
+
+@njit(nogil=True)
+def counter(high, low):
+    """One counter word of two 32-bit numbers."""
+    return (uint64(high) << U(32)) | uint64(low)
+
+
+@njit(nogil=True)
+def unit(word):
+    """A uint64 as a float64 in [0, 1), uniform on multiples of 2^-53."""
+    return (word >> U(11)) * (1.0 / 9007199254740992.0)
+
+
+@njit(nogil=True)
+def words(key, trial, tick, part, out):
+    """Fill `out`, a uint64 for each robot: robots 2j and 2j + 1 share the block of counter j."""
+    k0 = key[0]
+    k1 = key[1]
+    c0 = counter(trial, tick)
+    high = uint64(part) << U(32)
+    pairs = out.size // 2
+    for j in range(pairs):
+        a, b = block(k0, k1, c0, high | uint64(j))
+        out[2 * j] = a
+        out[2 * j + 1] = b
+    if out.size % 2 == 1:
+        a, b = block(k0, k1, c0, high | uint64(pairs))
+        out[out.size - 1] = a
