@@ -1,2 +1,42 @@
-"""swarmcensus."""
+"""swarmcensus: robot swarms with lying sensors agree on how much of a floor is black.
+
+    import swarmcensus as sc
+    results = sc.run(sc.Study.load("study.toml"), jobs=2)     # -> xarray.Dataset
+    trace   = sc.replay(results, setting=3, trial=0)          # -> xarray.Dataset, every round
+"""
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
 __version__ = "0.1.0"
+
+if TYPE_CHECKING:
+    from swarmcensus.errors import InputError, Interrupted
+    from swarmcensus.results import load, save
+    from swarmcensus.running import run
+    from swarmcensus.studies import Study
+    from swarmcensus.traces import infer, replay
+
+_HOME = {
+    "InputError": "errors",
+    "Interrupted": "errors",
+    "Study": "studies",
+    "infer": "traces",
+    "load": "results",
+    "replay": "traces",
+    "run": "running",
+    "save": "results",
+}
+__all__ = ["InputError", "Interrupted", "Study", "infer", "load", "replay", "run", "save"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import on first use, so that the command line answers at once."""
+    if name not in _HOME:
+        raise AttributeError(f"module 'swarmcensus' has no attribute {name!r}")
+    return getattr(importlib.import_module(f"swarmcensus.{_HOME[name]}"), name)
+
+
+def __dir__() -> list[str]:
+    """The public names."""
+    return [*__all__, "__version__"]

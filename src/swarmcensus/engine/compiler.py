@@ -12,6 +12,7 @@ import os
 import shutil
 import sys
 import tempfile
+import threading
 import types
 from pathlib import Path
 
@@ -21,7 +22,7 @@ import numpy as np
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 
 HERE = Path(__file__).parent
-SOURCES = ("kernel.py", "draws.py", "random.py", "compiler.py")
+SOURCES = ("draws.py", "random.py", "modes.py", "compiler.py")  # what every kernel depends on
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 
@@ -34,6 +35,7 @@ for name, value in list(vars(brain).items()):
         setattr(brain, name, compiled(value))
 {functions}
 outbox_width = {width}
+no_sums = {no_sums}
 
 
 @compiled
@@ -47,14 +49,21 @@ def unpack(outbox, i):
 
 
 @compiled
-def add_sums(me, other):
+def add_sums(me, sums):
     {additions}
+
+
+@compiled
+def sums_with(sums, message, scratch):
+    {clearing}
+    receive(scratch, message)
+    return {sums}
 '''
 
 
 def compiled(function: types.FunctionType) -> types.FunctionType:
     """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
-    return numba.njit(nogil=True, error_model="python")(function)  # type: ignore[no-any-return]
+    return numba.njit(nogil=True, error_model="python", forceinline=True)(function)  # type: ignore[no-any-return]
 
 
 def entry(function: types.FunctionType) -> types.FunctionType:
@@ -95,7 +104,10 @@ def _glue(brain: Brain, decorators: str) -> str:
         functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
         width=len(brain.message),
         slots=slots,
-        additions="\n    ".join(f"me.{name} += other.{name}" for name in brain.sums) or "pass",
+        additions="\n    ".join(f"me.{name} += sums[{j}]" for j, name in enumerate(brain.sums)) or "pass",
+        sums="".join(f"sums[{j}] + scratch.{name}, " for j, name in enumerate(brain.sums)).strip() or "sums",
+        clearing="\n    ".join(f"scratch.{name} = 0.0" for name in brain.sums) or "pass",
+        no_sums=(0.0,) * max(1, len(brain.sums)),
     )
 
 
@@ -113,30 +125,61 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
-@functools.cache
-def _engine_hash() -> str:
-    parts = [(HERE / name).read_text(encoding="utf-8") for name in SOURCES]
-    parts += [sys.version, numba.__version__, np.__version__]
-    return hashlib.sha256("\0".join(parts).encode()).hexdigest()
-
-
 def compile_brain(brain: Brain, interpreted: bool = False) -> types.ModuleType:
     """The kernel around a brain, as a module whose functions are the engine's entry points.
 
     With `interpreted`, the same code as CPython runs it: slow, and to the same bits.
     """
+    return _module(_brain_files(brain, interpreted), "kernel", HERE if interpreted else None)
+
+
+def compile_world() -> types.ModuleType:
+    """The entry points that know of no brain: `world.py`."""
+    return _module({"__init__.py": "", "world.py": _source("world.py")}, "world")
+
+
+def is_compiled(brain: Brain) -> bool:
+    """Whether the machine code of this brain is on disk."""
+    folder = cache_root() / _digest(_brain_files(brain, interpreted=False))
+    return any((folder / "__pycache__").glob("kernel.simulate-*.nbc"))
+
+
+def _source(name: str) -> str:
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+def _brain_files(brain: Brain, interpreted: bool) -> dict[str, str]:
     decorators = "plain as compiled, plain as entry" if interpreted else "compiled, entry"
-    glue = _glue(brain, decorators)
-    digest = hashlib.sha256("\0".join((_engine_hash(), brain.source, glue)).encode()).hexdigest()[:24]
-    name = f"_swarmcensus_{digest}"
-    if f"{name}.kernel" in sys.modules:
-        return sys.modules[f"{name}.kernel"]
-    files = {
+    return {
         "__init__.py": "",
         "brain.py": brain.source,
-        "mind.py": glue,
-        "kernel.py": (HERE / "kernel.py").read_text(encoding="utf-8"),
+        "mind.py": _glue(brain, decorators),
+        "kernel.py": _source("kernel.py"),
     }
+
+
+@functools.cache
+def _engine() -> tuple[str, ...]:
+    return (*map(_source, SOURCES), sys.version, numba.__version__, np.__version__)
+
+
+def _digest(files: dict[str, str]) -> str:
+    return hashlib.sha256("\0".join((*_engine(), *files.values())).encode()).hexdigest()[:24]
+
+
+_LOCK = threading.Lock()
+
+
+def _module(files: dict[str, str], main: str, run_from: Path | None = None) -> types.ModuleType:
+    with _LOCK:  # a module is in sys.modules before it is whole
+        return _load(files, main, run_from)
+
+
+def _load(files: dict[str, str], main: str, run_from: Path | None) -> types.ModuleType:
+    digest = _digest(files)
+    name = f"_swarmcensus_{digest}"
+    if f"{name}.{main}" in sys.modules:
+        return sys.modules[f"{name}.{main}"]
     folder = cache_root() / digest
     if not folder.is_dir():
         try:
@@ -144,28 +187,17 @@ def compile_brain(brain: Brain, interpreted: bool = False) -> types.ModuleType:
         except OSError:  # a machine without a home: compile for this process alone
             folder = Path(tempfile.mkdtemp(prefix="swarmcensus-")) / digest
             _write_once(folder, files)
-    return _import_folder(name, folder, HERE / "kernel.py" if interpreted else folder / "kernel.py")
+    _execute(name, folder / "__init__.py", package=True)
+    return _execute(f"{name}.{main}", (run_from or folder) / f"{main}.py", package=False)
 
 
-def is_compiled(brain: Brain) -> bool:
-    """Whether the machine code of this brain is on disk."""
-    digest = hashlib.sha256(
-        "\0".join((_engine_hash(), brain.source, _glue(brain, "compiled, entry"))).encode()
-    ).hexdigest()[:24]
-    return any((cache_root() / digest / "__pycache__").glob("kernel.simulate-*.nbc"))
-
-
-def _import_folder(name: str, folder: Path, kernel: Path) -> types.ModuleType:
-    def execute(full_name: str, path: Path, package: bool) -> types.ModuleType:
-        spec = importlib.util.spec_from_file_location(
-            full_name, path, submodule_search_locations=[str(folder)] if package else None
-        )
-        assert spec is not None
-        assert spec.loader is not None
-        module = importlib.util.module_from_spec(spec)
-        sys.modules[full_name] = module
-        spec.loader.exec_module(module)
-        return module
-
-    execute(name, folder / "__init__.py", package=True)
-    return execute(f"{name}.kernel", kernel, package=False)
+def _execute(name: str, path: Path, package: bool) -> types.ModuleType:
+    spec = importlib.util.spec_from_file_location(
+        name, path, submodule_search_locations=[str(path.parent)] if package else None
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules[name] = module
+    spec.loader.exec_module(module)
+    return module

@@ -77,11 +77,9 @@ def black_tables(b, w, fill_ratio, looks):
     return tables
 
 
-@njit(nogil=True)
+@njit(nogil=True, forceinline=True)
 def pick(row, word):
     """The column that a word picks from an alias row."""
     column = word >> SHIFT
     entry = row[column]
-    if (word << BITS) < (entry & ~LOW):
-        return column
-    return entry & LOW
+    return np.int64(column) if (word << BITS) < (entry & ~LOW) else np.int64(entry & LOW)

@@ -4,8 +4,10 @@ This file is compiled anew for every brain (see `compiler.py`): `.mind` is that 
 """
 
 import numpy as np
+from numba import njit
 
 from swarmcensus.engine.draws import PART, black_tables, pick
+from swarmcensus.engine.modes import FULL, LISTED
 from swarmcensus.engine.random import block, counter, unit, words
 
 from .mind import (
@@ -15,15 +17,14 @@ from .mind import (
     entry,
     estimate,
     fuse,
+    no_sums,
     observe,
     outbox_width,
     pack,
     receive,
+    sums_with,
     unpack,
 )
-
-GRAPH, FULL, PAIRS = 0, 1, 2  # who hears whom: listed links, all in two sums, all one by one
-
 
 @compiled
 def begin(memory, blank, b, w):
@@ -48,6 +49,15 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick):
 
 
 @compiled
+def observe_round(memory, outbox, blacks, bits, tables, looks, key, trial, tick):
+    """Every robot makes its round's observations and says what it holds then."""
+    count_blacks(blacks, bits, tables, looks, key, trial, tick)
+    for i in range(memory.size):
+        observe(memory[i], float(blacks[i]), float(looks))
+        pack(outbox, i, broadcast(memory[i]))
+
+
+@compiled
 def arrange(reading, blacks, bits, left, key, trial, step):
     """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
     words(key, trial, step, 0, bits)
@@ -57,36 +67,47 @@ def arrange(reading, blacks, bits, left, key, trial, step):
         blacks[i] -= 1 if black else 0
 
 
-@compiled
+@njit(nogil=True)
 def heard(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
     return block(key[0], key[1], counter(trial, tick), counter(receiver, sender))[0] < threshold
 
 
 @compiled
-def exchange(memory, outbox, pool, blank, links, offsets, neighbours, key, trial, tick, threshold):
-    """Every robot hears its neighbours; `threshold` 0 means that no message is ever lost."""
+def hear_all(memory, outbox, scratch):
+    """Everyone hears everyone, in O(N), for a brain whose `receive` only adds.
+
+    What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
+    unlike "all minus own".
+    """
     n = memory.size
-    if links == FULL:
-        # What all but one robot say is a sum over those before it and a sum over those after it:
-        # O(N), and without the cancellation of "all minus own".
-        pool[0] = blank[0]
-        for i in range(n):
-            add_sums(memory[i], pool[0])
-            receive(pool[0], unpack(outbox, i))
-        pool[0] = blank[0]
-        for i in range(n - 1, -1, -1):
-            add_sums(memory[i], pool[0])
-            receive(pool[0], unpack(outbox, i))
-        return
+    before = no_sums
     for i in range(n):
-        me = memory[i]
-        first = offsets[i] if links == GRAPH else 0
-        last = offsets[i + 1] if links == GRAPH else n - 1
-        for e in range(first, last):
-            j = neighbours[e] if links == GRAPH else e + (1 if e >= i else 0)
-            if threshold == 0 or heard(key, trial, tick, i, j, threshold):
-                receive(me, unpack(outbox, j))
+        add_sums(memory[i], before)
+        before = sums_with(before, unpack(outbox, i), scratch[0])
+    after = no_sums
+    for i in range(n - 1, -1, -1):
+        add_sums(memory[i], after)
+        after = sums_with(after, unpack(outbox, i), scratch[0])
+
+
+@compiled
+def hear_listed(memory, outbox, receivers, senders, key, trial, tick, threshold):
+    """Every robot hears the neighbours that the links list; `threshold` 0 means that no message is lost."""
+    for e in range(receivers.size):
+        if threshold == 0 or heard(key, trial, tick, receivers[e], senders[e], threshold):
+            receive(memory[receivers[e]], unpack(outbox, senders[e]))
+
+
+@compiled
+def hear_pairs(memory, outbox, key, trial, tick, threshold, stop):
+    """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
+    for i in range(memory.size):
+        if stop[0] != 0:
+            return
+        for j in range(memory.size):
+            if i != j and (threshold == 0 or heard(key, trial, tick, i, j, threshold)):
+                receive(memory[i], unpack(outbox, j))
 
 
 @compiled
@@ -96,25 +117,29 @@ def settle(rows, top, delta, low, high, where, value):
     `low` and `high` hold each robot's extremes over all later indices, `where` and `value` the earliest
     index that is within delta of all later ones. False once no earlier index can qualify for any robot.
     """
-    for r in range(rows.shape[0] - 1, -1, -1):
-        undecided = False
-        for i in range(low.size):
+    undecided = False
+    for i in range(low.size):
+        least = low[i]
+        most = high[i]
+        r = rows.shape[0] - 1
+        while r >= 0 and most - least <= 2.0 * delta:
             x = rows[r, i]
-            low[i] = min(low[i], x)
-            high[i] = max(high[i], x)
-            if high[i] - x < delta and x - low[i] < delta:
+            least = least if least <= x else x  # NaN sticks, and is near to nothing
+            most = most if most >= x else x
+            if most - x < delta and x - least < delta:
                 where[i] = top + r
                 value[i] = x
-            undecided |= high[i] - low[i] <= 2.0 * delta
-        if not undecided:
-            return False
-    return True
+            r -= 1
+        low[i] = least
+        high[i] = most
+        undecided |= most - least <= 2.0 * delta
+    return undecided
 
 
 @compiled
 def advance(
-    memory, outbox, pool, blank, blacks, bits, reading, tables, first, last, local, looks, trial,
-    read_key, order_key, link_key, links, offsets, neighbours, threshold, rows, stop,
+    memory, outbox, scratch, blacks, bits, reading, tables, first, last, local, looks, trial,
+    read_key, order_key, link_key, links, receivers, senders, threshold, rows, stop,
 ):  # fmt: skip
     """Run indices first ... last - 1 (rounds; single observations when `local`); their estimates go to `rows`."""
     n = memory.size
@@ -130,11 +155,13 @@ def advance(
             for i in range(n):
                 observe(memory[i], reading[i], 1.0)
         else:
-            count_blacks(blacks, bits, tables, looks, read_key, trial, k)
-            for i in range(n):
-                observe(memory[i], float(blacks[i]), float(looks))
-                pack(outbox, i, broadcast(memory[i]))
-            exchange(memory, outbox, pool, blank, links, offsets, neighbours, link_key, trial, k, threshold)
+            observe_round(memory, outbox, blacks, bits, tables, looks, read_key, trial, k)
+            if links == LISTED:
+                hear_listed(memory, outbox, receivers, senders, link_key, trial, k, threshold)
+            elif links == FULL:
+                hear_all(memory, outbox, scratch)
+            else:
+                hear_pairs(memory, outbox, link_key, trial, k, threshold, stop)
         for i in range(n):
             fuse(memory[i])
             rows[k - first, i] = estimate(memory[i])
@@ -143,17 +170,18 @@ def advance(
 @entry
 def simulate(
     blank, robots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds, segment,
-    read_key, order_key, link_key, links, starts, offsets, neighbours, threshold,
+    read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold,
     delta, bin_low, bin_high, checkpoints, where, value, final, correct, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
-    Accuracies are (trial, robot or 1). With `local`, robots hear nobody and `rounds` counts single
+    Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
+    all trials or one for each. With `local`, robots hear nobody and `rounds` counts single
     observations. Estimates are kept for `segment` indices at a time; where the convergence rule must look
     further back, the segment before is run again from a snapshot of the minds, to the same bits.
     """
     memory = np.empty(robots, blank.dtype)
-    pool = np.empty(1, blank.dtype)
+    scratch = blank.copy()
     outbox = np.empty((robots, outbox_width), np.float64)
     blacks = np.zeros(robots, np.int64)
     bits = np.zeros(robots, np.uint64)
@@ -165,9 +193,9 @@ def simulate(
     rows = np.empty((segment, robots))
     for trial in range(where.shape[0]):
         number = first_trial + trial
-        graph = trial if starts.size > 1 else 0
-        graph_offsets = offsets[graph]
-        graph_neighbours = neighbours[starts[graph] :]
+        graph = trial if starts.size > 2 else 0
+        receivers = all_receivers[starts[graph] : starts[graph + 1]]
+        senders = all_senders[starts[graph] : starts[graph + 1]]
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
         begin(memory, blank, assumed_b[trial], assumed_w[trial])
         start = np.empty((1, robots))
@@ -179,17 +207,16 @@ def simulate(
         for step in range(2 * segments - 1):  # forward through all segments, then back where needed
             forward = step < segments
             s = step if forward else 2 * segments - 2 - step
-            if segments > 1:
-                if forward:
-                    snapshots[s, :] = memory
-                elif undecided:
-                    memory[:] = snapshots[s, :]
+            if forward and segments > 1:
+                snapshots[s, :] = memory
+            elif not forward and undecided:
+                memory[:] = snapshots[s, :]
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 advance(
-                    memory, outbox, pool, blank, blacks, bits, reading, tables, first, last, local, looks,
-                    number, read_key, order_key, link_key, links, graph_offsets, graph_neighbours, threshold,
+                    memory, outbox, scratch, blacks, bits, reading, tables, first, last, local, looks,
+                    number, read_key, order_key, link_key, links, receivers, senders, threshold,
                     rows, stop,
                 )  # fmt: skip
                 if stop[0] != 0:
@@ -204,6 +231,8 @@ def simulate(
                             correct[c, trial] = right / robots
                 if s == segments - 1:
                     final[trial, :] = rows[last - 1 - first]
+                    where[trial, :] = rounds
+                    value[trial, :] = final[trial, :]
                 if not forward or s == segments - 1:
                     undecided = settle(
                         rows[: last - first], first, delta, low, high, where[trial], value[trial]
@@ -216,14 +245,13 @@ def simulate(
 @entry
 def record(
     blank, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, blacks_seen,
-    read_key, link_key, links, offsets, neighbours, threshold,
+    read_key, link_key, links, receivers, senders, threshold,
 ):  # fmt: skip
     """Run one trial and keep every mind after every round in `history`, (round, robot), and its readings."""
     robots = history.shape[1]
     memory = np.empty(robots, blank.dtype)
-    pool = np.empty(1, blank.dtype)
+    scratch = blank.copy()
     outbox = np.empty((robots, outbox_width), np.float64)
-    bits = np.zeros(robots, np.uint64)
     bits = np.zeros(robots, np.uint64)
     reading = np.zeros(robots)
     rows = np.empty((1, robots))
@@ -233,8 +261,8 @@ def record(
     history[0, :] = memory
     for k in range(1, history.shape[0]):
         advance(
-            memory, outbox, pool, blank, blacks_seen[k], bits, reading, tables, k, k + 1, False, looks, trial,
-            read_key, read_key, link_key, links, offsets, neighbours, threshold, rows, stop,
+            memory, outbox, scratch, blacks_seen[k], bits, reading, tables, k, k + 1, False, looks, trial,
+            read_key, read_key, link_key, links, receivers, senders, threshold, rows, stop,
         )  # fmt: skip
         history[k, :] = memory
 

@@ -1,0 +1,108 @@
+"""Runs batches of trials of one setting, and single trials again in full."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.engine import compiler
+from swarmcensus.engine.draws import PART
+from swarmcensus.errors import InputError
+from swarmcensus.metrics import right_bin
+from swarmcensus.settings import Setting
+
+ROWS_BYTES = 8_000_000  # of estimates kept at a time, where the convergence rule needs no more
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """What is measured: see `swarmcensus.metrics`."""
+
+    delta: float
+    bins: int
+    checkpoints: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Batch:
+    """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
+    fraction of robots in the right bin (checkpoint, trial)."""  # noqa: D205, D209
+
+    convergence: np.ndarray
+    error: np.ndarray
+    final: np.ndarray
+    correct: np.ndarray
+
+
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
+    """How many indices of estimates to keep at a time.
+
+    All of them where they are few; else so many that they and the snapshots between them together take the
+    least memory, which grows with the square root of the rounds.
+    """
+    fits = ROWS_BYTES // (8 * robots)
+    balanced = math.isqrt(rounds * record_bytes // 8)
+    length = max(fits, balanced, 1)
+    return min(rounds, -(-length // multiple) * multiple)
+
+
+def run_batch(
+    setting: Setting, seed: int, first: int, trials: int, metrics: Metrics, stop: np.ndarray, local: bool = False
+) -> Batch | None:
+    """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
+
+    With `local`, the metrics are of the local estimate by single observation.
+    """
+    blank = compiler.blank(setting.brain)
+    looks = setting.observations_per_round
+    rounds = setting.rounds * (looks if local else 1)
+    shape = (trials, setting.robots)
+    where, value, final = np.zeros(shape, np.int64), np.zeros(shape), np.zeros(shape)
+    checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
+    correct = np.full((checkpoints.size, trials), np.nan)
+    links = setting.links(seed, first, trials)
+    arguments = (
+        blank, setting.robots, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks,
+        rounds, segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1),
+        setting.readings_key(seed), setting.readings_key(seed, "order"), setting.losses_key(seed),
+        links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
+        metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
+        where, value, final, correct, stop,
+    )  # fmt: skip
+    try:
+        finished = compiler.compile_brain(setting.brain).simulate(*arguments)
+    except Exception as error:
+        what = f"{type(error).__name__}: {error}"
+        trial = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
+        raise InputError(f"brain {setting.brain.name!r} fails in {trial} of {setting}: {what}") from error
+    return Batch(where, np.abs(value - setting.fill_ratio), final, correct) if finished else None
+
+
+def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot)."""
+    blank = compiler.blank(setting.brain)
+    kernel = compiler.compile_brain(setting.brain)
+    shape = (setting.rounds + 1, setting.robots)
+    history, estimates, blacks = np.empty(shape, blank.dtype), np.empty(shape), np.zeros(shape, np.int64)
+    links = setting.links(seed, trial, 1)
+    kernel.record(
+        blank, trial, *(a[0] for a in setting.accuracies(seed, trial, 1)), setting.fill_ratio,
+        setting.observations_per_round, history, blacks, setting.readings_key(seed), setting.losses_key(seed),
+        links.mode, links.receivers, links.senders, setting.loss_threshold,
+    )  # fmt: skip
+    kernel.believe(history, estimates)
+    return history, estimates, blacks
+
+
+def seconds(setting: Setting, local: bool = False) -> float:
+    """A rough prediction of a trial's cost on one core, for batches of a fair size and the time left."""
+    looks = setting.observations_per_round
+    if local:
+        return setting.rounds * looks * setting.robots * 15e-9
+    links = setting.links(0, 0, 1) if setting.topology.edges is not None else None
+    messages = len(links.receivers) / setting.robots if links else 2.0
+    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
+        messages = float(setting.robots)
+    return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
+
+

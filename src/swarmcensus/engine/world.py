@@ -1,0 +1,84 @@
+"""Draws that a world makes once a trial: accuracies spread over a swarm, and random trees.
+
+Like the kernel, this file is compiled from a copy in the cache folder (see `compiler.py`).
+"""
+
+import math
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compiled, entry
+from swarmcensus.engine.random import block, counter, unit, words
+
+
+@entry
+def spread_uniform(key, first_trial, low, high, out):
+    """Fill `out` (trial, robot) with U(low, high)."""
+    bits = np.empty(out.shape[1], np.uint64)
+    for trial in range(out.shape[0]):
+        words(key, first_trial + trial, 0, 0, bits)
+        for i in range(out.shape[1]):
+            out[trial, i] = low + (high - low) * unit(bits[i])
+
+
+@entry
+def spread_normal(key, first_trial, mean, sd, out):
+    """Fill `out` (trial, robot) with N(mean, sd) truncated to [0, 1]; the mean lies in [0, 1], sd > 0.
+
+    Rejection from a uniform on [0, 1] or, where that is narrower, nine deviations either side: what lies
+    further out has a probability below 2^-53.
+    """
+    low = max(0.0, mean - 9.0 * sd)
+    high = min(1.0, mean + 9.0 * sd)
+    for trial in range(out.shape[0]):
+        for i in range(out.shape[1]):
+            attempt = 0
+            while True:
+                a, b = block(key[0], key[1], counter(first_trial + trial, attempt), np.uint64(i))
+                x = low + (high - low) * unit(a)
+                z = (x - mean) / sd
+                if unit(b) < math.exp(-0.5 * z * z):
+                    out[trial, i] = x
+                    break
+                attempt += 1
+
+
+@compiled
+def both_ways(parent):
+    """The links of a tree, given each robot's parent (robot 0 has none), sorted by receiver and sender."""
+    robots = parent.size
+    first = np.zeros(robots + 1, np.int64)
+    for i in range(1, robots):
+        first[i + 1] += 1
+        first[parent[i] + 1] += 1
+    for i in range(robots):
+        first[i + 1] += first[i]
+    receivers = np.empty(first[robots], np.int32)
+    senders = np.empty(first[robots], np.int32)
+    place = first[:robots].copy()
+    for i in range(robots):
+        if i > 0:  # a parent is always an earlier robot, and children come in order
+            receivers[place[i]] = i
+            senders[place[i]] = parent[i]
+            place[i] += 1
+            receivers[place[parent[i]]] = parent[i]
+            senders[place[parent[i]]] = i
+            place[parent[i]] += 1
+    return receivers, senders
+
+
+@entry
+def random_tree(key, trial, robots):
+    """Barabasi-Albert tree (m = 1): each robot joins one that it picks in proportion to its links.
+
+    The pick is a uniform end of a uniform earlier link. Returns directed links (receivers, senders), both
+    ways, in order of receiver and sender.
+    """
+    parent = np.zeros(robots, np.int64)
+    bits = np.empty(robots, np.uint64)
+    words(key, trial, 0, 0, bits)
+    for i in range(2, robots):
+        end = np.int64(unit(bits[i]) * (2 * (i - 1)))
+        child = 1 + end // 2  # link number `child` joins that robot to its parent
+        parent[i] = child if end % 2 == 0 else parent[child]
+    return both_ways(parent)

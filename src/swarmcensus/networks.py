@@ -1,0 +1,191 @@
+"""Static communication topologies: who hears whom, for the whole of a trial.
+
+Full, ring, line and scale-free are the paper's (Sec. IV-B); any edge list and any networkx graph or
+generator will do as well.
+"""
+
+import csv
+import inspect
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.modes import FULL, LISTED, PAIRS
+from swarmcensus.engine.random import address
+from swarmcensus.errors import InputError
+
+NAMED = ("full", "ring", "line", "scale-free")
+FORMS = (
+    f'one of {", ".join(NAMED)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
+    'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
+)
+
+
+@dataclass(frozen=True)
+class Links:
+    """Directed links of the graphs of a batch: graph g holds links starts[g] to starts[g + 1]."""
+
+    mode: int
+    starts: np.ndarray
+    receivers: np.ndarray
+    senders: np.ndarray
+
+
+@dataclass(frozen=True)
+class Topology:
+    """A communication topology: a name of the paper's, a list of undirected edges, or a networkx generator."""
+
+    name: str
+    edges: tuple[tuple[int, int], ...] | None = None
+    generator: tuple[str, str] | None = None  # the function's name, its arguments as JSON
+    source: str = ""  # the edge list's file, for messages
+
+    def __str__(self) -> str:
+        """The name, as in the dataset."""
+        return self.name
+
+    @property
+    def content(self) -> object:
+        """What the random numbers of this topology depend on."""
+        return [self.name, self.edges, self.generator]
+
+    def check(self, robots: int) -> None:
+        """Raise ValueError where the topology does not fit a swarm of this size."""
+        for i, j in self.edges or ():
+            if max(i, j) >= robots:
+                where = f"{self.source}: " if self.source else ""
+                raise ValueError(
+                    f"{where}edge ({i}, {j}) of topology {self.name!r} leads to a robot that is not there: "
+                    f"{robots} robots are numbered 0 to {robots - 1}"
+                )
+        if self.generator:
+            self._generate(robots, 0)
+
+    def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
+        """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
+        if self.name == "full" and self.edges is None:
+            empty = np.zeros(0, np.int32)
+            return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
+        if self.name == "scale-free" or self.generator:
+            key = address(seed, "topology", topology=self.content, robots=robots)
+            graphs = [self._random(robots, key, first_trial + k) for k in range(trials)]
+        else:
+            graphs = [_directed(self._fixed(robots))]
+        starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
+        return Links(
+            LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs])
+        )
+
+    def _fixed(self, robots: int) -> np.ndarray:
+        if self.edges is not None:
+            return np.array(self.edges, np.int64).reshape(-1, 2)
+        line = np.stack([np.arange(robots - 1), np.arange(1, robots)], axis=1)
+        return np.concatenate([line, [[0, robots - 1]]]) if self.name == "ring" and robots > 2 else line
+
+    def _random(self, robots: int, key: np.ndarray, trial: int) -> tuple[np.ndarray, np.ndarray]:
+        if self.generator:
+            number = int(np.random.SeedSequence([*map(int, key), trial]).generate_state(1)[0])
+            return _directed(self._generate(robots, number))
+        return compile_world().random_tree(key, trial, robots)  # type: ignore[no-any-return]
+
+    def _generate(self, robots: int, seed: int) -> np.ndarray:
+        import networkx
+
+        assert self.generator
+        name, arguments = self.generator
+        function = getattr(networkx, name, None)
+        if not name.endswith("_graph") or not callable(function):
+            raise ValueError(f"networkx has no graph generator {name!r}")
+        keywords: dict[str, Any] = {"n": robots, **json.loads(arguments)}
+        try:
+            if "seed" in inspect.signature(function).parameters:
+                keywords["seed"] = seed
+            graph = function(**keywords)
+        except Exception as error:
+            raise ValueError(f"networkx.{name} with {robots} robots and {arguments} fails: {error}") from error
+        if graph.number_of_nodes() != robots:
+            raise ValueError(f"networkx.{name} gives {graph.number_of_nodes()} robots instead of {robots}")
+        return np.array(_numbered(graph), np.int64).reshape(-1, 2)
+
+
+def _numbered(graph: Any) -> list[tuple[int, int]]:
+    number = {node: k for k, node in enumerate(graph.nodes)}
+    return [(number[a], number[b]) for a, b in graph.edges if a != b]
+
+
+def _directed(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Undirected edges as directed links (receivers, senders), each once, sorted by receiver and sender."""
+    if not edges.size:
+        return np.zeros(0, np.int32), np.zeros(0, np.int32)
+    n = np.int64(edges.max()) + 1
+    links = np.unique(np.concatenate([edges @ [n, 1], edges @ [1, n]]))
+    return (links // n).astype(np.int32), (links % n).astype(np.int32)
+
+
+def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topology:
+    """Read any form of topology that a study may hold. Raises ValueError with what would be right.
+
+    Edge-list files are looked for in `known` (path to edges) first, then below `base`.
+    """
+    if isinstance(value, Topology):
+        return value
+    if isinstance(value, str):
+        if value in NAMED:
+            return Topology(value)
+        if value in known:
+            return Topology(Path(value).stem, _edges(known[value]), source=value)
+        if not (base / value).is_file():
+            raise ValueError(f"a topology is {FORMS}; there is no file {base / value}")
+        return Topology(Path(value).stem, _edges(read_edges(base / value)), source=value)
+    if isinstance(value, Mapping):
+        if "networkx" in value:
+            arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
+            text = ",".join(f"{k}={v}" for k, v in arguments.items())
+            return Topology(
+                f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments))
+            )
+        if set(value) == {"name", "edges"}:
+            if value["name"] in NAMED:
+                raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")
+            return Topology(str(value["name"]), _edges(value["edges"]))
+    if hasattr(value, "edges") and hasattr(value, "nodes"):
+        return Topology(str(getattr(value, "name", "") or "graph"), _edges(_numbered(value)))
+    raise ValueError(f"a topology is {FORMS}")
+
+
+def _edges(pairs: Iterable[Any]) -> tuple[tuple[int, int], ...]:
+    try:
+        edges = {(min(i, j), max(i, j)) for i, j in pairs}
+        if not all(isinstance(i, int) and i >= 0 for edge in edges for i in edge):
+            raise TypeError
+    except (TypeError, ValueError):
+        raise ValueError("edges are pairs of robot numbers, from 0: [[0, 1], [1, 2]]") from None
+    loops = [i for i, j in edges if i == j]
+    if loops:
+        raise ValueError(f"edge ({loops[0]}, {loops[0]}) joins a robot to itself")
+    return tuple(sorted(edges))
+
+
+def read_edges(path: Path) -> list[tuple[int, ...]]:
+    """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError."""
+    rows: list[tuple[int, ...]] = []
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            for number, row in enumerate(csv.reader(file), start=1):
+                if not row or (number == 1 and not all(_is_whole(cell) for cell in row)):
+                    continue
+                if not all(_is_whole(cell) for cell in row) or (rows and len(row) != len(rows[0])):
+                    raise InputError(f"{path}, line {number}: {','.join(row)!r}: not a row of whole numbers >= 0")
+                rows.append(tuple(int(cell) for cell in row))
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
+    return rows
+
+
+def _is_whole(cell: str) -> bool:
+    return cell.strip().isascii() and cell.strip().isdigit()

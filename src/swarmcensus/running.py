@@ -1,0 +1,146 @@
+"""Runs a study: settings become tasks of a fair size, threads run them, Ctrl-C keeps what is done."""
+
+import os
+import time
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus import results
+from swarmcensus.engine import compiler
+from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds
+from swarmcensus.errors import InputError, Interrupted
+from swarmcensus.settings import Setting
+from swarmcensus.studies import Study
+
+TASK_SECONDS = 0.1  # long against the cost of starting a task, short against a person's patience
+WAIT_SECONDS = 0.1
+
+
+@dataclass(frozen=True)
+class Task:
+    """Some trials of one setting; a local task serves every setting whose robots see the same."""
+
+    settings: tuple[int, ...]
+    first: int
+    trials: int
+    local: bool
+    cost: float
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is: trials, and predicted seconds of work."""
+
+    done: int
+    total: int
+    work_done: float
+    work_total: float
+
+
+def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
+    """Run every trial of every setting and return the dataset (see docs/data-format.md).
+
+    `jobs` threads, by default one a core; the numbers do not depend on it. `progress` is called from this
+    thread about ten times a second. Ctrl-C raises Interrupted, which carries the dataset of what was done.
+    """
+    jobs = jobs or os.cpu_count() or 1
+    if jobs < 1:
+        raise InputError(f"jobs = {jobs}: at least one thread is needed")
+    settings = study.settings()
+    tasks = list(plan(study, settings))
+    begun, cpu = time.monotonic(), time.process_time()
+    data = results.empty(study, settings)
+    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
+    for brain in study.swarm.brain:  # here, so that threads do not wait for one another
+        compiler.compile_brain(brain)
+    done, interrupted = _work(study, settings, tasks, metrics, jobs, data, progress or (lambda _: None))
+    total = study.trials * len(settings)
+    data.attrs |= {
+        "trials_done": done,
+        "trials_total": total,
+        "wall_seconds": round(time.monotonic() - begun, 3),
+        "cpu_seconds": round(time.process_time() - cpu, 3),
+    }
+    if interrupted:
+        raise Interrupted(data, done, total)
+    return data
+
+
+def plan(study: Study, settings: list[Setting]) -> Iterator[Task]:
+    """The tasks of a study, in the order of its settings."""
+    for number, setting in enumerate(settings):
+        yield from _split((number,), setting, study.trials, local=False)
+    if study.measure.local:
+        alike: dict[object, list[int]] = {}
+        for number, setting in enumerate(settings):
+            mute = replace(setting, topology=settings[0].topology, link_success=1.0)
+            alike.setdefault(mute, []).append(number)
+        for numbers in alike.values():
+            yield from _split(tuple(numbers), settings[numbers[0]], study.trials, local=True)
+
+
+def _split(numbers: tuple[int, ...], setting: Setting, trials: int, local: bool) -> Iterator[Task]:
+    cost = seconds(setting, local)
+    size = max(1, min(trials, int(TASK_SECONDS / cost)))
+    for first in range(0, trials, size):
+        count = min(size, trials - first)
+        yield Task(numbers, first, count, local, cost * count)
+
+
+def _work(
+    study: Study,
+    settings: list[Setting],
+    tasks: list[Task],
+    metrics: Metrics,
+    jobs: int,
+    data: xr.Dataset,
+    progress: Callable[[Progress], None],
+) -> tuple[int, bool]:
+    stop = np.zeros(1, np.uint8)
+    total, work_total = study.trials * len(settings), sum(t.cost for t in tasks)
+    done, work_done, interrupted = 0, 0.0, False
+
+    def job(task: Task) -> Batch | None:
+        setting = settings[task.settings[0]]
+        return run_batch(setting, study.seed, task.first, task.trials, metrics, stop, task.local)
+
+    waiting: dict[Future[Batch | None], Task] = {}
+    rest = iter(tasks)
+    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as pool:
+        try:
+            while True:
+                while len(waiting) < 4 * jobs and (task := next(rest, None)) is not None:
+                    waiting[pool.submit(job, task)] = task
+                if not waiting:
+                    break
+                progress(Progress(done, total, work_done, work_total))
+                finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
+                for future in finished:
+                    task = waiting.pop(future)
+                    done += _keep(data, settings, task, future)
+                    work_done += task.cost
+        except KeyboardInterrupt:
+            interrupted = True
+        finally:
+            stop[0] = 1
+            for future in waiting:
+                future.cancel()
+        if interrupted:
+            for future, task in waiting.items():
+                if not future.cancelled():
+                    done += _keep(data, settings, task, future)
+    progress(Progress(done, total, work_done, work_total))
+    return done, interrupted
+
+
+def _keep(data: xr.Dataset, settings: list[Setting], task: Task, future: Future[Batch | None]) -> int:
+    batch = future.result()
+    if batch is None:
+        return 0
+    for number in task.settings:
+        results.store(data, number, task.first, batch, task.local)
+    return 0 if task.local else task.trials

@@ -1,0 +1,89 @@
+"""A setting: one point of a study's grid, and the addresses of its random numbers.
+
+Each address holds just what its draws depend on. So two settings that differ only in brain or topology
+meet the same tiles and readings, trial by trial, and no setting's numbers depend on its place in a grid.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.brains import Brain
+from swarmcensus.engine.random import address
+from swarmcensus.networks import Links, Topology
+from swarmcensus.sensors import Accuracy
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One combination of a study's values."""
+
+    brain: Brain
+    topology: Topology
+    robots: int
+    accuracy: Accuracy
+    assumed_accuracy: Accuracy | None  # None: robots know their sensors
+    fill_ratio: float
+    link_success: float
+    rounds: int
+    observations_per_round: int
+
+    def __str__(self) -> str:
+        """The setting in a line, for messages."""
+        return (
+            f"{self.topology}, N = {self.robots}, accuracy {self.accuracy}, f = {self.fill_ratio}, "
+            f"C = {self.rounds}, R = {self.observations_per_round}"
+        )
+
+    @property
+    def coordinates(self) -> dict[str, object]:
+        """What the dataset says of this setting."""
+        return {
+            "brain": self.brain.name,
+            "topology": str(self.topology),
+            "robots": self.robots,
+            "density": np.nan,
+            "accuracy": str(self.accuracy),
+            "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
+            "fill_ratio": self.fill_ratio,
+            "link_success": self.link_success,
+            "rounds": self.rounds,
+            "observations_per_round": self.observations_per_round,
+        }
+
+    def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
+        """The address of what the robots' sensors say."""
+        return address(
+            seed,
+            purpose,
+            robots=self.robots,
+            accuracy=str(self.accuracy),
+            fill_ratio=self.fill_ratio,
+            observations_per_round=self.observations_per_round,
+        )
+
+    def losses_key(self, seed: int) -> np.ndarray:
+        """The address of which messages are lost."""
+        return address(
+            seed, "losses", topology=self.topology.content, robots=self.robots, success=self.link_success
+        )
+
+    def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
+        """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
+        true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)
+        if self.assumed_accuracy is None:
+            return *true, *true
+        return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
+
+    def links(self, seed: int, first_trial: int, trials: int) -> Links:
+        """Who hears whom in these trials."""
+        return self.topology.links(
+            self.robots, seed, first_trial, trials, self.link_success == 1.0, bool(self.brain.sums)
+        )
+
+    @property
+    def loss_threshold(self) -> np.uint64:
+        """A message gets through where a uniform uint64 is below this; 0 stands for always."""
+        if self.link_success == 1.0:
+            return np.uint64(0)
+        return np.uint64(max(1, int(self.link_success * 2.0**64)))

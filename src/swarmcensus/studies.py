@@ -1,0 +1,287 @@
+"""The study file: what to simulate and what to measure, checked key by key."""
+
+import difflib
+import itertools
+import re
+import tomllib
+import warnings
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any, Self
+
+import numpy as np
+from pydantic import (
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Field,
+    ValidationError,
+    ValidationInfo,
+    model_validator,
+)
+
+from swarmcensus import brains
+from swarmcensus.errors import InputError
+from swarmcensus.networks import Topology, parse_topology
+from swarmcensus.sensors import Accuracy, parse_accuracy
+from swarmcensus.settings import Setting
+
+LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list | tuple) else [value]
+
+
+def _context(info: ValidationInfo, key: str, default: Any) -> Any:
+    return (info.context or {}).get(key, default)
+
+
+def _topology(value: object, info: ValidationInfo) -> Topology:
+    return parse_topology(value, _context(info, "base", Path()), _context(info, "edges", {}))
+
+
+def _brain(value: object, info: ValidationInfo) -> brains.Brain:
+    if isinstance(value, brains.Brain):
+        return value
+    if not isinstance(value, str | Path):
+        raise ValueError("a brain is a shipped brain's name or the path of a brain file")
+    known = _context(info, "brains", {})
+    if str(value) in known:
+        return known[str(value)]  # type: ignore[no-any-return]
+    if _context(info, "shipped_only", False) and str(value) not in brains.shipped():
+        raise ValueError(
+            f"the brain {str(value)!r} is a file, and a file named in results is not run unasked: "
+            "give it yourself (--brain FILE, or brain=...)"
+        )
+    return brains.load(value, _context(info, "base", None))
+
+
+def _plain_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("a number is wanted, not a truth value")
+    return value
+
+
+Whole = Annotated[int, Field(strict=True, ge=1, le=LARGEST)]
+Number = Annotated[float, BeforeValidator(_plain_number)]
+Share = Annotated[Number, Field(ge=0.0, le=1.0)]
+BrainField = Annotated[brains.Brain, BeforeValidator(_brain)]
+TopologyField = Annotated[Topology, BeforeValidator(_topology)]
+AccuracyField = Annotated[Accuracy, BeforeValidator(parse_accuracy)]
+
+
+def _grid(item: Any) -> Any:
+    return Annotated[list[item], BeforeValidator(_listed), Field(min_length=1)]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+
+class Swarm(_Table):
+    """The robots: their brains, how many, how good their sensors are, and what they think of them."""
+
+    brain: _grid(BrainField) = Field(default=["minimalistic"], validate_default=True)  # type: ignore[valid-type]
+    robots: _grid(Whole)  # type: ignore[valid-type]
+    accuracy: _grid(AccuracyField)  # type: ignore[valid-type]
+    assumed_accuracy: _grid(AccuracyField) | None = None  # type: ignore[valid-type]
+
+
+class World(_Table):
+    """What the robots live in: who hears whom, how much is black, how often a message gets through."""
+
+    topology: _grid(TopologyField)  # type: ignore[valid-type]
+    fill_ratio: _grid(Share)  # type: ignore[valid-type]
+    link_success: _grid(Share) = [1.0]  # type: ignore[valid-type]  # noqa: RUF012
+
+
+class Schedule(_Table):
+    """How long: communication rounds (C), and observations in each (R)."""
+
+    rounds: _grid(Whole) = [1000]  # type: ignore[valid-type]  # noqa: RUF012
+    observations_per_round: _grid(Whole) = [10]  # type: ignore[valid-type]  # noqa: RUF012
+
+
+class Measure(_Table):
+    """What is kept: convergence within delta, decisions among bins at checkpoints, the local estimate or not."""
+
+    delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
+    bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
+    checkpoints: list[Whole] | None = None
+    local: Annotated[bool, Field(strict=True)] = False
+
+
+class Tables(_Table):
+    """The study file as a whole."""
+
+    name: Annotated[str, Field(min_length=1)] = "study"
+    seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
+    trials: Whole
+    swarm: Swarm
+    world: World
+    schedule: Schedule = Schedule()
+    measure: Measure = Measure()
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        for topology, robots in itertools.product(self.world.topology, self.swarm.robots):
+            topology.check(robots)
+        for key, values in (("swarm.brain", self.swarm.brain), ("world.topology", self.world.topology)):
+            names = [v.name for v in values]
+            if len(set(names)) < len(names):
+                raise ValueError(f"two entries of {key} have one name: {', '.join(names)}")
+        late = [c for c in self.measure.checkpoints or () if c > max(self.schedule.rounds)]
+        if late:
+            raise ValueError(
+                f"measure.checkpoints = {late[0]} comes after the last round, {max(self.schedule.rounds)}"
+            )
+        return self
+
+
+class Study:
+    """A grid of settings, each run for a number of trials."""
+
+    def __init__(
+        self, *, text: str | None = None, where: str = "study", context: Mapping[str, Any] = {}, **tables: Any
+    ) -> None:
+        """Build a study from the study file's tables as keywords.
+
+        `context` may hold `base` (the folder of brain files and edge lists), `brains` and `edges` (known by
+        name, so that no file is read) and `shipped_only`. Raises InputError, naming file, key and value.
+        """
+        try:
+            checked = Tables.model_validate(tables, context=dict(context))
+        except ValidationError as error:
+            raise InputError(explain(error, where)) from None
+        self.name, self.seed, self.trials = checked.name, checked.seed, checked.trials
+        self.swarm, self.world = checked.swarm, checked.world
+        self.schedule, self.measure = checked.schedule, checked.measure
+        self.text = text if text is not None else to_toml(tables)
+        for accuracy in self.swarm.accuracy:
+            if accuracy.is_blind:
+                warnings.warn(
+                    f"{where}: accuracy {accuracy} carries no information: "
+                    "such a sensor says the same of black and white",
+                    stacklevel=2,
+                )
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a study file. Brain files and edge lists are looked for beside it."""
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except (OSError, UnicodeDecodeError, ValueError) as error:
+            raise InputError(f"study file {path}: cannot be read as text: {error}") from error
+        return cls.parse(text, where=f"study file {path}", context={"base": Path(path).parent})
+
+    @classmethod
+    def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
+        """Read a study from TOML text; `context` as in the constructor."""
+        return cls(text=text, where=where, context=context, **read_toml(text, where))
+
+    def with_(self, **changes: Any) -> Self:
+        """The same study with another seed or number of trials; None leaves a value as it is."""
+        changes = {k: v for k, v in changes.items() if v is not None}
+        if not changes:
+            return self
+        known = {
+            "brains": {b.name: b for b in self.swarm.brain},
+            "edges": {t.source: t.edges for t in self.world.topology if t.source},
+        }
+        return type(self)(context=known, **{**read_toml(self.text, "study"), **changes})
+
+    @property
+    def checkpoints(self) -> list[int]:
+        """The rounds at which decisions are recorded: by default 1, 2, 5, 10, 20, 50 ... and the last."""
+        if self.measure.checkpoints is not None:
+            return sorted(set(self.measure.checkpoints))
+        last = max(self.schedule.rounds)
+        steps = {m * 10**k for k in range(10) for m in (1, 2, 5)}
+        return sorted({s for s in steps if s < last} | set(self.schedule.rounds))
+
+    def settings(self) -> list[Setting]:
+        """Every combination of the study's values, in the order of the file's tables."""
+        swarm, world, schedule = self.swarm, self.world, self.schedule
+        return [
+            Setting(*values)
+            for values in itertools.product(
+                swarm.brain,
+                world.topology,
+                swarm.robots,
+                swarm.accuracy,
+                swarm.assumed_accuracy or [None],
+                world.fill_ratio,
+                world.link_success,
+                schedule.rounds,
+                schedule.observations_per_round,
+            )
+        ]
+
+
+def read_toml(text: str, where: str) -> dict[str, Any]:
+    """Parse TOML; raises InputError."""
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        raise InputError(f"{where}: not TOML: {error}") from None
+
+
+def explain(error: ValidationError, name: str) -> str:
+    """The first thing that is wrong, as a sentence: file, key, value, and what would be right."""
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in first["loc"]).lstrip(".")
+    more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    if first["type"] == "extra_forbidden":
+        known = _known_keys(Tables, first["loc"][:-1])
+        close = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
+        hint = f"did you mean {close[0]!r}? " if close else ""
+        return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
+    if first["type"] == "missing":
+        return f"{name}: {key} is missing{more}"
+    message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
+    if not key:
+        return f"{name}: {message}{more}"
+    value = first["input"]
+    shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
+    return f"{name}: {key} = {shown[:200]}: {message}{more}"
+
+
+def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
+    for part in path:
+        field = model.model_fields.get(str(part))
+        if field is None or not isinstance(field.annotation, type):
+            return []
+        model = field.annotation
+    return list(model.model_fields)
+
+
+def to_toml(data: Mapping[str, Any]) -> str:
+    """A study's tables as TOML text."""
+    tables = {k: v for k, v in data.items() if isinstance(v, Mapping | BaseModel)}
+    lines = [f"{k} = {to_toml_value(v)}" for k, v in data.items() if k not in tables]
+    for key, table in tables.items():
+        fields = table.model_dump() if isinstance(table, BaseModel) else table
+        lines += ["", f"[{key}]", *(f"{k} = {to_toml_value(v)}" for k, v in fields.items() if v is not None)]
+    return "\n".join(lines) + "\n"
+
+
+def to_toml_value(value: Any) -> str:
+    """One value in TOML."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float | np.number):
+        return repr(value.item() if isinstance(value, np.number) else value)
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{k} = {to_toml_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return "[" + ", ".join(map(to_toml_value, value)) + "]"
+    if isinstance(value, brains.Brain):
+        return to_toml_value(value.name)
+    if hasattr(value, "edges") and hasattr(value, "nodes"):
+        value = parse_topology(value, Path(), {})
+    if isinstance(value, Topology) and value.edges is not None:
+        return to_toml_value({"name": value.name, "edges": value.edges})
+    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + text.replace("\n", "\\n").replace("\r", "\\r").replace("\t", "\\t") + '"'
