@@ -170,8 +170,8 @@ def to_frame(data: xr.Dataset) -> Any:
     return pd.DataFrame(columns)
 
 
-def export(data: xr.Dataset, path: str | Path, kind: str) -> None:
-    """Write results in long form as "csv" or "parquet". Raises InputError."""
+def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
+    """Write results in long form as "csv" or "parquet"; returns the number of rows. Raises InputError."""
     frame = to_frame(data)
     with whole(path) as beside:
         if kind == "csv":
@@ -181,3 +181,4 @@ def export(data: xr.Dataset, path: str | Path, kind: str) -> None:
                 frame.to_parquet(beside, index=False)
             except ImportError:
                 raise InputError("parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
+    return len(frame)

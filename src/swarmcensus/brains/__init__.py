@@ -28,9 +28,9 @@ class Brain:
     name: str  # a shipped brain's name, or the file's path as the user gave it
     path: Path
     source: str
-    memory: dict[str, float]  # every field and its value before the first observation
-    message: tuple[str, ...]
-    sums: tuple[str, ...]  # the fields to which `receive` only adds what depends on the message alone
+    memory: dict[str, float] = field(compare=False)  # every field, its value before the first observation
+    message: tuple[str, ...] = field(compare=False)
+    sums: tuple[str, ...] = field(compare=False)  # the fields to which `receive` only adds what depends on the message alone
     functions: types.ModuleType = field(compare=False)  # the file itself, run by CPython
 
     @property

@@ -26,7 +26,7 @@ SOURCES = ("draws.py", "random.py", "modes.py", "compiler.py")  # what every ker
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.compiler import {decorators}
+from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
 
 from . import brain
 
@@ -71,14 +71,10 @@ def entry(function: types.FunctionType) -> types.FunctionType:
     return numba.njit(nogil=True, error_model="python", cache=True)(function)  # type: ignore[no-any-return]
 
 
-def plain(function: types.FunctionType) -> types.FunctionType:
-    """The function itself: the whole engine as CPython runs it, for tests."""
-    return function
-
-
 def record_type(brain: Brain) -> np.dtype:
     """A robot's mind as a NumPy record."""
-    return np.dtype([(name, np.float64) for name in (*brain.memory, *BELIEFS)])
+    fields = [(name, np.float64) for name in (*brain.memory, *BELIEFS)]
+    return np.dtype((np.record, fields))  # np.record: attributes work in CPython too
 
 
 def blank(brain: Brain) -> np.ndarray:
@@ -97,10 +93,9 @@ def cache_root() -> Path:
     return Path(base) / "swarmcensus"
 
 
-def _glue(brain: Brain, decorators: str) -> str:
+def _glue(brain: Brain) -> str:
     slots = "".join(f"outbox[i, {j}], " for j in range(len(brain.message))).strip()
     return GLUE.format(
-        decorators=decorators,
         functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
         width=len(brain.message),
         slots=slots,
@@ -125,12 +120,9 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
-def compile_brain(brain: Brain, interpreted: bool = False) -> types.ModuleType:
-    """The kernel around a brain, as a module whose functions are the engine's entry points.
-
-    With `interpreted`, the same code as CPython runs it: slow, and to the same bits.
-    """
-    return _module(_brain_files(brain, interpreted), "kernel", HERE if interpreted else None)
+def compile_brain(brain: Brain) -> types.ModuleType:
+    """The kernel around a brain, as a module whose functions are the engine's entry points."""
+    return _module(_brain_files(brain), "kernel")
 
 
 def compile_world() -> types.ModuleType:
@@ -140,7 +132,7 @@ def compile_world() -> types.ModuleType:
 
 def is_compiled(brain: Brain) -> bool:
     """Whether the machine code of this brain is on disk."""
-    folder = cache_root() / _digest(_brain_files(brain, interpreted=False))
+    folder = cache_root() / _digest(_brain_files(brain))
     return any((folder / "__pycache__").glob("kernel.simulate-*.nbc"))
 
 
@@ -148,12 +140,11 @@ def _source(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _brain_files(brain: Brain, interpreted: bool) -> dict[str, str]:
-    decorators = "plain as compiled, plain as entry" if interpreted else "compiled, entry"
+def _brain_files(brain: Brain) -> dict[str, str]:
     return {
         "__init__.py": "",
         "brain.py": brain.source,
-        "mind.py": _glue(brain, decorators),
+        "mind.py": _glue(brain),
         "kernel.py": _source("kernel.py"),
     }
 
@@ -170,12 +161,12 @@ def _digest(files: dict[str, str]) -> str:
 _LOCK = threading.Lock()
 
 
-def _module(files: dict[str, str], main: str, run_from: Path | None = None) -> types.ModuleType:
+def _module(files: dict[str, str], main: str) -> types.ModuleType:
     with _LOCK:  # a module is in sys.modules before it is whole
-        return _load(files, main, run_from)
+        return _load(files, main)
 
 
-def _load(files: dict[str, str], main: str, run_from: Path | None) -> types.ModuleType:
+def _load(files: dict[str, str], main: str) -> types.ModuleType:
     digest = _digest(files)
     name = f"_swarmcensus_{digest}"
     if f"{name}.{main}" in sys.modules:
@@ -188,7 +179,9 @@ def _load(files: dict[str, str], main: str, run_from: Path | None) -> types.Modu
             folder = Path(tempfile.mkdtemp(prefix="swarmcensus-")) / digest
             _write_once(folder, files)
     _execute(name, folder / "__init__.py", package=True)
-    return _execute(f"{name}.{main}", (run_from or folder) / f"{main}.py", package=False)
+    # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
+    home = HERE if numba.config.DISABLE_JIT else folder
+    return _execute(f"{name}.{main}", home / f"{main}.py", package=False)
 
 
 def _execute(name: str, path: Path, package: bool) -> types.ModuleType:

@@ -8,6 +8,8 @@ than `PART` observations are drawn as several binomials that add up.
 import numpy as np
 from numba import njit
 
+from swarmcensus.engine.random import unit, words
+
 COLUMNS = 16  # a power of two, so that the word's top bits pick a column without bias
 PART = COLUMNS - 1  # the most observations that one word can stand for
 LOW = np.uint64(COLUMNS - 1)
@@ -83,3 +85,26 @@ def pick(row, word):
     column = word >> SHIFT
     entry = row[column]
     return np.int64(column) if (word << BITS) < (entry & ~LOW) else np.int64(entry & LOW)
+
+
+@njit(nogil=True, forceinline=True)
+def count_blacks(blacks, bits, tables, looks, key, trial, tick):
+    """How many of this round's observations said black, for each robot."""
+    parts = (looks + PART - 1) // PART
+    rows = tables.shape[1]
+    for part in range(parts):
+        words(key, trial, tick, part, bits)
+        kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
+        for i in range(blacks.size):
+            drawn = pick(tables[kind, i if rows > 1 else 0], bits[i])
+            blacks[i] = drawn if part == 0 else blacks[i] + drawn
+
+
+@njit(nogil=True)
+def arrange(reading, blacks, bits, left, key, trial, step):
+    """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
+    words(key, trial, step, 0, bits)
+    for i in range(reading.size):
+        black = unit(bits[i]) * left < blacks[i]
+        reading[i] = 1.0 if black else 0.0
+        blacks[i] -= 1 if black else 0

@@ -6,9 +6,9 @@ This file is compiled anew for every brain (see `compiler.py`): `.mind` is that 
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.draws import PART, black_tables, pick
+from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.modes import FULL, LISTED
-from swarmcensus.engine.random import block, counter, unit, words
+from swarmcensus.engine.random import block, counter
 
 from .mind import (
     add_sums,
@@ -36,35 +36,12 @@ def begin(memory, blank, b, w):
 
 
 @compiled
-def count_blacks(blacks, bits, tables, looks, key, trial, tick):
-    """How many of this round's observations said black, for each robot."""
-    parts = (looks + PART - 1) // PART
-    rows = tables.shape[1]
-    for part in range(parts):
-        words(key, trial, tick, part, bits)
-        kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
-        for i in range(blacks.size):
-            drawn = pick(tables[kind, i if rows > 1 else 0], bits[i])
-            blacks[i] = drawn if part == 0 else blacks[i] + drawn
-
-
-@compiled
 def observe_round(memory, outbox, blacks, bits, tables, looks, key, trial, tick):
     """Every robot makes its round's observations and says what it holds then."""
     count_blacks(blacks, bits, tables, looks, key, trial, tick)
     for i in range(memory.size):
         observe(memory[i], float(blacks[i]), float(looks))
         pack(outbox, i, broadcast(memory[i]))
-
-
-@compiled
-def arrange(reading, blacks, bits, left, key, trial, step):
-    """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
-    words(key, trial, step, 0, bits)
-    for i in range(reading.size):
-        black = unit(bits[i]) * left < blacks[i]
-        reading[i] = 1.0 if black else 0.0
-        blacks[i] -= 1 if black else 0
 
 
 @njit(nogil=True)

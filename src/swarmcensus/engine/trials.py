@@ -94,6 +94,17 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, n
     return history, estimates, blacks
 
 
+def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
+    """The single readings (observation, robot), 1 black, that the rounds of a trial are made of."""
+    out = np.zeros((setting.rounds * setting.observations_per_round, setting.robots))
+    b, w, _, _ = setting.accuracies(seed, trial, 1)
+    compiler.compile_world().single_readings(
+        b[0], w[0], setting.fill_ratio, setting.observations_per_round,
+        setting.readings_key(seed), setting.readings_key(seed, "order"), trial, out,
+    )  # fmt: skip
+    return out
+
+
 def seconds(setting: Setting, local: bool = False) -> float:
     """A rough prediction of a trial's cost on one core, for batches of a fair size and the time left."""
     looks = setting.observations_per_round

@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiler import compiled, entry
+from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.random import block, counter, unit, words
 
 
@@ -82,3 +83,17 @@ def random_tree(key, trial, robots):
         child = 1 + end // 2  # link number `child` joins that robot to its parent
         parent[i] = child if end % 2 == 0 else parent[child]
     return both_ways(parent)
+
+
+@entry
+def single_readings(b, w, fill_ratio, looks, read_key, order_key, trial, out):
+    """Fill `out` (observation, robot) with the readings, 1 black, that the rounds of a trial are made of."""
+    robots = out.shape[1]
+    bits = np.zeros(robots, np.uint64)
+    blacks = np.zeros(robots, np.int64)
+    tables = black_tables(b, w, fill_ratio, looks)
+    for step in range(out.shape[0]):
+        left = looks - step % looks
+        if left == looks:
+            count_blacks(blacks, bits, tables, looks, read_key, trial, step // looks + 1)
+        arrange(out[step], blacks, bits, left, order_key, trial, step + 1)

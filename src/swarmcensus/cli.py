@@ -1,0 +1,266 @@
+"""The command line: parses, calls, prints. Imports wait until a command needs them."""
+
+import argparse
+import sys
+import time
+import warnings
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from swarmcensus import __version__
+from swarmcensus.errors import InputError, Interrupted
+
+STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
+    options = parser().parse_args(arguments)
+    warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
+    try:
+        return int(options.run(options) or 0)
+    except InputError as error:
+        print(f"swarmcensus: {error}", file=sys.stderr)
+        return 2
+    except Interrupted as stopped:
+        print(f"swarmcensus: {stopped}", file=sys.stderr)
+        return STOPPED
+    except KeyboardInterrupt:
+        print("swarmcensus: stopped", file=sys.stderr)
+        return STOPPED
+    except BrokenPipeError:  # the reader of our output has gone, as after `| head`
+        sys.stderr.close()
+        return 0
+    except MemoryError:
+        print("swarmcensus: not enough memory: fewer robots, settings or trials would need less", file=sys.stderr)
+        return 2
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands and their options."""
+    top = argparse.ArgumentParser(
+        prog="swarmcensus",
+        description="Robot swarms with lying sensors agree on how much of a floor is black.",
+        epilog="'swarmcensus COMMAND --help' tells more. Begin with: swarmcensus reproduce",
+    )
+    top.add_argument("--version", action="version", version=f"swarmcensus {__version__}")
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    def command(name: str, run: Callable[[Any], int | None], text: str) -> argparse.ArgumentParser:
+        sub = commands.add_parser(name, help=text, description=text)
+        sub.set_defaults(run=run)
+        return sub
+
+    sub = command("reproduce", reproduce, "Run the paper's evaluation; draw its figures; check its claims.")
+    sub.add_argument("--out", type=Path, default=Path("reproduction"), help="folder to write (default: %(default)s)")
+    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4 or claims")
+    _add_run_options(sub)
+
+    sub = command("run", run, "Run a study file; write its results as netCDF.")
+    sub.add_argument("study", type=Path, metavar="STUDY.toml")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study's name with .nc, here")
+    _add_run_options(sub)
+
+    sub = command("plot", plot, "Draw a results file.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--kind", choices=("scatter", "decisions", "curves", "heatmap"), default="scatter")
+    sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
+    sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
+    sub.add_argument("--setting", type=int, help="the setting whose curves are drawn (default: the first)")
+    sub.add_argument("--trial", type=int, default=0, help="the trial whose curves are drawn (default: %(default)s)")
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, for curves of a brain of your own")
+    sub.add_argument("--out", type=Path, metavar="FILE.png|svg|pdf", help="default: RESULTS-KIND.png and .svg, here")
+
+    sub = command("export", export, "Write results as a table: one row a robot and trial.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--to", choices=("csv", "parquet"), default="csv")
+    sub.add_argument("--where", metavar="EXPR", help="settings to export, as 'accuracy == 0.675'")
+    sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")
+
+    sub = command("replay", replay, "Run one trial of a results file again and show every round of it.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--setting", type=int, required=True)
+    sub.add_argument("--trial", type=int, required=True)
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="every robot's memory after every round")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="every robot's estimate against rounds")
+    sub.add_argument("--recording", type=Path, metavar="FOLDER", help="the trial as observations.csv and links.csv")
+
+    sub = command("infer", infer, "Run a brain on recorded observations and links instead of a simulated world.")
+    sub.add_argument("observations", type=Path, metavar="OBSERVATIONS.csv")
+    sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges, or messages: step, sender, receiver")
+    sub.add_argument("--accuracy", required=True, help="0.8 (b = w), 0.9,0.6 (b, w), or a CSV with a row a robot")
+    sub.add_argument("--every", type=int, metavar="STEPS", help="steps in a round (default: 10; 1 for messages)")
+    sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
+    sub.add_argument("--out", type=Path, metavar="FILE.csv|nc", help="default: OBSERVATIONS-trace.csv, here")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
+
+    sub = command("brains", brains, "List the shipped brains, or check a brain file.")
+    sub.add_argument("--check", metavar="FILE", help="run a brain file through the conformance suite")
+    return top
+
+
+def _add_run_options(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core); the numbers do not depend on it")
+    sub.add_argument("--trials", type=_from_one, help="instead of the study's own number")
+    sub.add_argument("--seed", type=_from_zero, help="instead of the study's own")
+
+
+def _from_one(text: str) -> int:
+    if not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 1")
+    return int(text)
+
+
+def _from_zero(text: str) -> int:
+    if not text.isdigit():
+        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 0")
+    return int(text)
+
+
+def reproduce(options: argparse.Namespace) -> int:
+    """Run, draw and check the paper."""
+    from swarmcensus import paper
+    from swarmcensus.progress import reporting
+
+    paper.reproduce(
+        options.out,
+        trials=options.trials,
+        seed=options.seed,
+        jobs=options.jobs,
+        only=options.only,
+        reporting=reporting,
+    )
+    return 0
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a study file."""
+    from swarmcensus import results
+    from swarmcensus.files import check_writable
+    from swarmcensus.progress import reporting
+    from swarmcensus.running import run as run_study
+    from swarmcensus.studies import Study
+    from swarmcensus.tables import summary
+
+    out = options.out or Path(options.study.stem + ".nc")
+    if out.suffix != ".nc":
+        raise InputError(f"--out {out}: results are written as .nc")
+    check_writable(out)
+    study = Study.load(options.study).with_(trials=options.trials, seed=options.seed)
+    begun = time.monotonic()
+    try:
+        with reporting(study.name) as progress:
+            data = run_study(study, jobs=options.jobs, progress=progress)
+    except Interrupted as stopped:
+        if stopped.done:
+            results.save(stopped.results, out)  # type: ignore[arg-type]
+            print(f"kept {stopped.done} of {stopped.total} trials in {out}", file=sys.stderr)
+        raise
+    results.save(data, out)
+    summary(data)
+    settings = data.sizes["setting"]
+    print(f"{out}: {settings} settings of {study.trials} trials, {time.monotonic() - begun:.1f} s")
+    return 0
+
+
+def plot(options: argparse.Namespace) -> int:
+    """Draw a results file."""
+    from swarmcensus import figures, results, traces
+    from swarmcensus.selecting import where
+
+    data = where(results.load(options.results), options.where)
+    if options.local and options.kind != "scatter":
+        raise InputError(f"--local goes with --kind scatter, not with {options.kind}")
+    if options.kind == "curves":
+        setting = options.setting if options.setting is not None else int(data["setting"].values[0])
+        figure = figures.curves(traces.replay(data, setting, options.trial, options.brain))
+    elif options.kind == "heatmap":
+        figure = figures.heatmap(data)
+    elif options.kind == "decisions":
+        figure = figures.decisions_grid(figures.panels_of(data))
+    else:
+        panels = [(p.caption, p.results, options.local) for p in figures.panels_of(data)]
+        figure = figures.scatter_grid(panels)
+    out = options.out or Path(f"{options.results.stem}-{options.kind}")
+    _save_figure(figure, out, ("png", "svg"))
+    return 0
+
+
+def _save_figure(figure: Any, out: Path, default: tuple[str, ...]) -> None:
+    from swarmcensus import figures
+
+    suffix = out.suffix.lower().lstrip(".")
+    if suffix and suffix not in ("png", "svg", "pdf"):
+        raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
+    for path in figures.save(figure, out.with_suffix("") if suffix else out, (suffix,) if suffix else default):
+        print(path)
+
+
+def export(options: argparse.Namespace) -> int:
+    """Write results as a table."""
+    from swarmcensus import results
+    from swarmcensus.selecting import where
+
+    out = options.out or Path(f"{options.results.stem}.{options.to}")
+    rows = results.export(where(results.load(options.results), options.where), out, options.to)
+    print(f"{out}: {rows:,} rows")
+    return 0
+
+
+def replay(options: argparse.Namespace) -> int:
+    """Run one trial again."""
+    from swarmcensus import figures, recordings, results, traces
+    from swarmcensus.tables import rounds
+
+    data = results.load(options.results)
+    trace = traces.replay(data, options.setting, options.trial, options.brain)
+    if options.out:
+        recordings.write_trace(trace, options.out)
+    if options.plot:
+        _save_figure(figures.curves(trace), options.plot, ("png",))
+    if options.recording:
+        readings, edges = traces.recording(data, options.setting, options.trial, options.brain)
+        robots = [f"robot {i}" for i in range(readings.shape[1])]
+        recordings.write_rows(options.recording / "observations.csv", robots, readings)
+        recordings.write_rows(options.recording / "links.csv", ["i", "j"], edges)
+        print(options.recording)
+    rounds(trace)
+    return 0
+
+
+def infer(options: argparse.Namespace) -> int:
+    """Run a brain on recorded data."""
+    from swarmcensus import figures, recordings, traces
+    from swarmcensus.files import check_writable
+    from swarmcensus.tables import rounds
+
+    out = options.out or Path(f"{options.observations.stem}-trace.csv")
+    if out.suffix not in (".csv", ".nc"):
+        raise InputError(f"--out {out}: a trace is written as .csv or .nc")
+    check_writable(out)
+    trace = traces.infer(
+        recordings.read_observations(options.observations),
+        recordings.read_links(options.links) if options.links else None,
+        recordings.read_accuracy(options.accuracy),
+        options.every,
+        options.brain,
+    )
+    recordings.write_trace(trace, out)
+    rounds(trace)
+    print(out)
+    _save_figure(figures.curves(trace), options.plot or out.with_suffix(".png"), ("png",))
+    return 0
+
+
+def brains(options: argparse.Namespace) -> int:
+    """List or check brains."""
+    from swarmcensus.tables import checks, shipped
+
+    if options.check is None:
+        shipped()
+        return 0
+    from swarmcensus.conformance import check
+
+    return 0 if checks(options.check, check(options.check)) else 2

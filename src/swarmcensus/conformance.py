@@ -1,0 +1,190 @@
+"""One suite that any brain file can be run through: contract, fixed memory, finite outputs, one result."""
+
+import math
+import traceback
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus import brains
+from swarmcensus.errors import InputError
+
+ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
+SEED = 20
+CLOSE = 1e-12  # relative: the compiled exp and log of a brain may differ from CPython's in the last place
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: what it asks for, and what is wrong (None where nothing is)."""
+
+    name: str
+    fault: str | None
+
+
+class Fault(Exception):
+    """What is wrong with a brain, in words."""
+
+
+def check(path: str | Path) -> list[Check]:
+    """Run a brain file through the suite; later checks need the first two to pass. Never raises for its faults."""
+    try:
+        brain = brains.load(path)
+    except InputError as error:
+        return [Check("keeps the contract", str(error))]
+    results = [Check("keeps the contract", None)]
+    for name, test in CHECKS.items():
+        results.append(Check(name, _fault(test, brain)))
+        if results[-1].fault and name == "compiles":
+            break
+    return results
+
+
+def _fault(test: Callable[[brains.Brain], None], brain: brains.Brain) -> str | None:
+    try:
+        with np.errstate(all="ignore"):
+            test(brain)
+    except Fault as fault:
+        return str(fault)
+    except AttributeError as error:
+        hint = "; MEMORY names all that a robot remembers" if "Robot" in str(error) else ""
+        return f"{_line(error, brain)}{error}{hint}"
+    except Exception as error:
+        return f"{_line(error, brain)}{type(error).__name__}: {str(error).strip().splitlines()[0] if str(error) else ''}"
+    return None
+
+
+def _line(error: Exception, brain: brains.Brain) -> str:
+    frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(brain.path)]
+    return f"line {frames[-1].lineno} ({frames[-1].line}): " if frames else ""
+
+
+def _histories(brain: brains.Brain) -> Iterator[tuple[str, Any]]:
+    """Minds at the end of short lives: all accuracies; floors all black, all white and mixed; talk or none."""
+    functions = brain.functions
+    random = np.random.default_rng(SEED)
+    for b, w in product(ACCURACIES, ACCURACIES):
+        for floor, share in (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5)):
+            for talk in (True, False):
+                where = f"b = {b}, w = {w}, readings {floor}, {'with' if talk else 'without'} neighbours"
+                me, other = brain.robot(b, w), brain.robot(0.8, 0.7)
+                yield f"{where}, before the first observation", me
+                for looks in (1.0, 1.0, 10.0, 1000.0):
+                    for mind in (me, other):
+                        functions.observe(mind, float(random.binomial(int(looks), share)), looks)
+                    if talk:
+                        functions.receive(me, functions.broadcast(other))
+                        functions.receive(me, functions.broadcast(brain.robot(b, w)))  # knows nothing yet
+                    functions.fuse(me)
+                    yield where, me
+
+
+def _compiles(brain: brains.Brain) -> None:
+    from swarmcensus.engine import compiler
+
+    kernel = compiler.compile_brain(brain)
+    blank = compiler.blank(brain)
+    history = np.empty((2, 2), blank.dtype)
+    nobody = np.zeros(0, np.int32)
+    sure = np.full(2, 0.9)
+    try:
+        kernel.follow(blank, sure, sure, np.ones((1, 2)), 1, True, np.zeros(1, np.int64), nobody, nobody, history)
+        kernel.believe(history, np.empty((2, 2)))
+    except ArithmeticError:
+        pass  # it compiles; what it does is for later checks
+    except Exception as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
+        where = [line for line in lines if line.startswith("File") and "brain.py" in line]
+        line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
+        raise Fault(f"Numba cannot compile it{line}: {' '.join(said[:2]) or error}") from error
+
+
+def _fixed_memory(brain: brains.Brain) -> None:
+    for where, me in _histories(brain):
+        for name in brain.memory:
+            value = getattr(me, name)
+            if not isinstance(value, int | float) or isinstance(value, bool):
+                raise Fault(f"me.{name} became {value!r}, not a number ({where})")
+
+
+def _finite(brain: brains.Brain) -> None:
+    for where, me in _histories(brain):
+        x = brain.functions.estimate(me)
+        if not (isinstance(x, int | float) and 0.0 <= x <= 1.0):
+            raise Fault(f"estimate gives {x!r}, not a number in [0, 1] ({where})")
+        message = brain.functions.broadcast(me)
+        if not isinstance(message, tuple) or len(message) != len(brain.message):
+            raise Fault(f"broadcast gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
+        for name, value in zip(brain.message, message, strict=True):
+            if not (isinstance(value, int | float) and math.isfinite(value)):
+                raise Fault(f"broadcast gives {name} = {value!r}, not a finite number ({where})")
+
+
+def _reads_only(brain: brains.Brain) -> None:
+    for where, me in _histories(brain):
+        before = {name: getattr(me, name) for name in brain.memory}
+        for name in ("broadcast", "estimate"):
+            getattr(brain.functions, name)(me)
+            changed = [k for k in before if getattr(me, k) != before[k]]
+            if changed:
+                raise Fault(f"{name} changes me.{changed[0]}: it may only read ({where})")
+
+
+def _agree(brain: brains.Brain) -> None:
+    from swarmcensus.traces import infer
+
+    random = np.random.default_rng(SEED)
+    b, w = (np.array(side) for side in zip(*product(ACCURACIES, ACCURACIES), strict=True))
+    robots = len(b)
+    readings = (random.random((60, robots)) < random.random(robots)).astype(float)
+    readings[random.random(readings.shape) < 0.1] = np.nan
+    ring = np.stack([np.arange(robots), (np.arange(robots) + 1) % robots], axis=1)
+    fast = infer(readings, ring, (b, w), 5, brain)
+    slow = infer(readings, ring, (b, w), 5, brain, compiled=False)
+    for name in (*brain.memory, "estimate"):
+        x, y = fast[name].values, slow[name].values
+        far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)
+        if far.any():
+            k, i = np.argwhere(far)[0]
+            raise Fault(
+                f"compiled, {name} is {x[k, i]!r} and in CPython {y[k, i]!r} "
+                f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+            )
+
+
+def _sums_add(brain: brains.Brain) -> None:
+    for name in brain.sums:
+        if brain.memory[name] != 0.0:
+            raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
+    if not brain.sums:
+        return
+    message = brain.functions.broadcast(brain.robot(0.8, 0.7))
+    for where, me in _histories(brain):
+        fresh = brain.robot(me.b, me.w)
+        before = {k: getattr(me, k) for k in brain.memory}
+        brain.functions.receive(me, message)
+        brain.functions.receive(fresh, message)
+        for name in brain.memory:
+            added = getattr(me, name) - before[name]
+            expected = getattr(fresh, name) - brain.memory[name] if name in brain.sums else 0.0
+            if not math.isclose(added, expected, rel_tol=1e-9, abs_tol=1e-9 * max(1.0, abs(before[name]))):
+                raise Fault(
+                    f"receive adds {added!r} to me.{name}, {expected!r} to a blank mind: by SUMS it adds to "
+                    f"{', '.join(brain.sums)} alone, and what it adds depends on the message alone ({where})"
+                )
+        message = brain.functions.broadcast(me)
+
+
+CHECKS: dict[str, Callable[[brains.Brain], None]] = {
+    "compiles": _compiles,
+    "remembers numbers in MEMORY's fields, nothing else": _fixed_memory,
+    "gives finite messages and estimates in [0, 1]": _finite,
+    "broadcast and estimate only read": _reads_only,
+    "SUMS only add up": _sums_add,
+    "CPython and machine code agree": _agree,
+}

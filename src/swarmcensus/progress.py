@@ -1,0 +1,64 @@
+"""How a run tells a person where it is: a bar on a terminal, plain lines elsewhere."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from swarmcensus.running import Progress
+
+LINE_SECONDS = 5.0  # between plain lines
+
+
+@contextlib.contextmanager
+def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
+    """A callback for `run` that shows trials done, their rate and the time left, on stderr."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines(label)
+        return
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns: tuple[Any, ...] = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("trials  {task.fields[rate]}  {task.fields[left]}"),
+    )
+    with Bar(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(label, total=None, rate="", left="")
+        begun = time.monotonic()
+
+        def show(progress: Progress) -> None:
+            rate, left = _pace(progress, time.monotonic() - begun)
+            bar.update(task, total=progress.total, completed=progress.done, rate=rate, left=left)
+
+        yield show
+
+
+def _lines(label: str) -> Callable[[Progress], None]:
+    begun = last = time.monotonic()
+
+    def show(progress: Progress) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if now - last >= LINE_SECONDS:
+            last = now
+            rate, left = _pace(progress, now - begun)
+            print(f"{label}: {progress.done} of {progress.total} trials, {rate}, {left}", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
+    if not progress.work_done or not elapsed:
+        return "", ""
+    left = elapsed * (progress.work_total - progress.work_done) / progress.work_done
+    minutes, seconds = divmod(round(left), 60)
+    hours, minutes = divmod(minutes, 60)
+    clock = f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
+    return f"{progress.done / elapsed:,.0f}/s", f"{clock} left"

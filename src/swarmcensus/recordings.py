@@ -1,0 +1,98 @@
+"""Recorded data as CSV files: what each robot saw at each step, and who heard whom."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.errors import InputError
+from swarmcensus.files import whole
+from swarmcensus.networks import read_edges
+
+CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}
+
+
+def read_observations(path: str | Path) -> np.ndarray:
+    """Readings (step, robot) from a CSV: a row a step, a column a robot, 0 white, 1 black, empty for none.
+
+    A first row of names is skipped. Raises InputError with file, line and value.
+    """
+    path = Path(path)
+    rows: list[list[float]] = []
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            for number, row in enumerate(csv.reader(file), start=1):
+                cells = [CELLS.get(cell.strip().lower()) for cell in row]
+                if number == 1 and None in cells:
+                    continue
+                if not row:
+                    cells = [np.nan]  # a lone robot that saw nothing leaves an empty line
+                if None in cells:
+                    wrong = row[cells.index(None)]
+                    raise InputError(f"{path}, line {number}: {wrong!r}: should be 0 (white), 1 (black) or empty")
+                if rows and len(cells) != len(rows[0]):
+                    raise InputError(f"{path}, line {number}: {len(cells)} values where there were {len(rows[0])}")
+                rows.append([float(c) for c in cells if c is not None])
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
+    if not rows:
+        raise InputError(f"{path}: no observations: should be a row a step, a column a robot")
+    return np.array(rows)
+
+
+def read_links(path: str | Path) -> np.ndarray:
+    """Edges (edge, 2) or messages (message, 3) of step, sender, receiver from a CSV. Raises InputError."""
+    rows = np.array(read_edges(Path(path)), np.int64)
+    if rows.size and rows.shape[1] not in (2, 3):
+        raise InputError(f"{path}: {rows.shape[1]} columns: should be two (robots) or three (step, sender, receiver)")
+    return rows
+
+
+def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
+    """Read "0.8" (b = w), "0.9,0.6" (b, w), or a CSV file with a row a robot: b = w, or b and w."""
+    if Path(text).is_file():
+        try:
+            with Path(text).open(newline="", encoding="utf-8-sig") as file:
+                lines = [row for row in csv.reader(file) if row]
+            rows = np.array([[float(c) for c in row] for row in lines[0 if _numbers(lines[0]) else 1 :]])
+        except (OSError, ValueError, IndexError, csv.Error) as error:
+            raise InputError(f"{text}: should hold a row a robot: b = w, or b and w: {error}") from None
+        if rows.ndim != 2 or rows.shape[1] not in (1, 2):
+            raise InputError(f"{text}: should have one column (b = w) or two (b and w)")
+        return rows[:, 0], rows[:, -1]
+    try:
+        values = [float(part) for part in text.split(",")]
+    except ValueError:
+        values = []
+    if len(values) not in (1, 2):
+        raise InputError(f"accuracy {text!r}: should be 0.8 (b = w), 0.9,0.6 (b, w) or a CSV file with a row a robot")
+    return values[0] if len(values) == 1 else (values[0], values[1])
+
+
+def _numbers(row: list[str]) -> bool:
+    try:
+        return [float(cell) for cell in row] is not None
+    except ValueError:
+        return False
+
+
+def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
+    """Write whole numbers as CSV, NaN as an empty cell, whole or not at all. Raises InputError."""
+    with whole(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(header)
+        writer.writerows(["" if np.isnan(v) else int(v) for v in row] for row in rows)
+
+
+def write_trace(trace: xr.Dataset, path: str | Path) -> None:
+    """Write a trace as netCDF-4 (.nc) or in long form as CSV, a row a round and robot. Raises InputError."""
+    from swarmcensus.results import save
+
+    if Path(path).suffix == ".nc":
+        save(trace, path)
+    elif Path(path).suffix == ".csv":
+        with whole(path) as beside:
+            trace.to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
+    else:
+        raise InputError(f"{path}: a trace is written as .csv or .nc")

@@ -1,0 +1,92 @@
+"""Picks settings of a dataset by an expression such as 'topology == "ring" and accuracy == 0.675'."""
+
+import ast
+import operator
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.errors import InputError
+
+COMPARE: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+
+
+def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
+    """The settings for which the expression over their coordinates holds; all of them for None.
+
+    Known are ==, !=, <, <=, >, >=, in, and, or, not and brackets; nothing is executed. Raises InputError.
+    """
+    if expression is None:
+        return data
+    known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
+    try:
+        holds = _evaluate(ast.parse(expression.strip(), mode="eval").body, known)
+    except (SyntaxError, ValueError, TypeError, RecursionError) as error:
+        what = error.msg if isinstance(error, SyntaxError) else error
+        raise InputError(
+            f"--where {expression!r}: {what}; write for example: topology == \"ring\" and accuracy == 0.675"
+        ) from None
+    chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
+    if not chosen.sizes["setting"]:
+        raise InputError(f"--where {expression!r}: no setting is so")
+    return chosen
+
+
+def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(node, ast.BoolOp):
+        combine = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
+        return combine.reduce([_evaluate(v, known) for v in node.values])
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        return np.logical_not(_evaluate(node.operand, known))
+    if isinstance(node, ast.Compare):
+        operands = [node.left, *node.comparators]
+        parts = [
+            _compare(op, left, right, known) for op, left, right in zip(node.ops, operands, operands[1:], strict=False)
+        ]
+        return np.logical_and.reduce(parts)
+    raise ValueError("should compare settings' coordinates with values")
+
+
+def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(op, ast.In | ast.NotIn):
+        if not isinstance(right, ast.List | ast.Tuple):
+            raise ValueError("after 'in' comes a list")
+        found = np.logical_or.reduce([_compare(ast.Eq(), left, item, known) for item in right.elts])
+        return np.logical_not(found) if isinstance(op, ast.NotIn) else found
+    if type(op) not in COMPARE:
+        raise ValueError("should compare with ==, !=, <, <=, >, >= or in")
+    a, b = _value(left, known), _value(right, known)
+    for one, other in ((a, b), (b, a)):  # an accuracy is text, for it may be a spread
+        if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
+            return COMPARE[type(op)](*((_numbers(one), other) if one is a else (other, _numbers(one))))
+    return COMPARE[type(op)](a, b)
+
+
+def _numbers(texts: np.ndarray) -> np.ndarray:
+    def number(text: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            return np.nan
+
+    return np.array([number(str(t)) for t in texts])
+
+
+def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(node, ast.Name):
+        if node.id not in known:
+            raise ValueError(f"no coordinate {node.id!r}; known are {', '.join(sorted(known))}")
+        return known[node.id]
+    value = ast.literal_eval(node)
+    if not isinstance(value, str | int | float):
+        raise ValueError(f"{value!r} is no number and no text")
+    return value
