@@ -181,8 +181,7 @@ def plot(options: argparse.Namespace) -> int:
     elif options.kind == "decisions":
         figure = figures.decisions_grid(figures.panels_of(data))
     else:
-        panels = [(p.caption, p.results, options.local) for p in figures.panels_of(data)]
-        figure = figures.scatter_grid(panels)
+        figure = figures.scatter_grid([p._replace(local=options.local) for p in figures.panels_of(data)])
     out = options.out or Path(f"{options.results.stem}-{options.kind}")
     _save_figure(figure, out, ("png", "svg"))
     return 0

@@ -26,7 +26,7 @@ from .mind import (
     unpack,
 )
 
-@compiled
+@njit(nogil=True, error_model="python")
 def begin(memory, blank, b, w):
     """Blank minds that believe in the accuracies b and w (of one robot where all are alike)."""
     for i in range(memory.size):
@@ -44,7 +44,7 @@ def observe_round(memory, outbox, blacks, bits, tables, looks, key, trial, tick)
         pack(outbox, i, broadcast(memory[i]))
 
 
-@njit(nogil=True)
+@njit(nogil=True, error_model="python")
 def heard(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
     return block(key[0], key[1], counter(trial, tick), counter(receiver, sender))[0] < threshold
@@ -76,7 +76,7 @@ def hear_listed(memory, outbox, receivers, senders, key, trial, tick, threshold)
             receive(memory[receivers[e]], unpack(outbox, senders[e]))
 
 
-@compiled
+@njit(nogil=True, error_model="python")
 def hear_pairs(memory, outbox, key, trial, tick, threshold, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     for i in range(memory.size):
@@ -87,7 +87,7 @@ def hear_pairs(memory, outbox, key, trial, tick, threshold, stop):
                 receive(memory[i], unpack(outbox, j))
 
 
-@compiled
+@njit(nogil=True, error_model="python")
 def settle(rows, top, delta, low, high, where, value):
     """One backward pass of the paper's convergence rule over rows[0], rows[1], ... = indices top, top + 1, ...
 
@@ -113,7 +113,7 @@ def settle(rows, top, delta, low, high, where, value):
     return undecided
 
 
-@compiled
+@njit(nogil=True, error_model="python")
 def advance(
     memory, outbox, scratch, blacks, bits, reading, tables, first, last, local, looks, trial,
     read_key, order_key, link_key, links, receivers, senders, threshold, rows, stop,

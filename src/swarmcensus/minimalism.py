@@ -1,0 +1,71 @@
+"""What a brain asks of a robot, counted while CPython runs the very file: numbers kept, numbers sent, lines run."""
+
+import sys
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from swarmcensus.brains import Brain
+
+AGES = (10.0, 100.0, 1_000.0, 1_000_000.0)  # observations made before the counted round
+SWARMS = (10, 100, 1_000)  # robots, all of which this one hears
+SHARES = (0.0, 0.01, 0.3, 0.6, 0.99, 1.0)  # of black readings: all cases of the paper's Eqs. 4 and 5
+ACCURACIES = ((0.525, 0.525), (0.975, 0.975), (0.9, 0.6), (1.0, 1.0))
+
+
+def footprints(brain: Brain) -> dict[tuple[int, float], dict[str, int]]:
+    """For each (robots, observations made): the most that any history asked of a robot in the round after them.
+
+    "memory" and "message" count numbers, the sensor's two accuracies not among them; "observe", "broadcast",
+    "receive" (one message), "fuse" and "estimate" count the lines that one call runs, helpers included.
+    """
+    table = {}
+    for robots in SWARMS:
+        for age in AGES:
+            found = [_round(brain, robots, age, *history) for history in _histories()]
+            table[robots, age] = {name: max(each[name] for each in found) for name in found[0]}
+    return table
+
+
+def _histories() -> Iterator[tuple[float, float, float]]:
+    return ((share, b, w) for share in SHARES for b, w in ACCURACIES)
+
+
+def _round(brain: Brain, robots: int, age: float, share: float, b: float, w: float) -> dict[str, int]:
+    functions = brain.functions
+    robot, neighbour = brain.robot(b, w), brain.robot(b, w)
+    for mind in (robot, neighbour):
+        functions.observe(mind, round(share * age), age)
+    message = functions.broadcast(neighbour)
+    for _ in range(robots - 2):
+        functions.receive(robot, message)
+    lines = {
+        "observe": _lines(functions.observe, robot, 1.0, 1.0),
+        "broadcast": _lines(functions.broadcast, robot),
+        "receive": _lines(functions.receive, robot, message),
+        "fuse": _lines(functions.fuse, robot),
+        "estimate": _lines(functions.estimate, robot),
+    }
+    kept = [getattr(robot, name) for name in brain.memory]
+    return {"memory": _numbers(kept), "message": _numbers(functions.broadcast(robot)), **lines}
+
+
+def _numbers(values: Any) -> int:
+    """How many numbers these are; a large count where one of them is no plain number, and so may grow."""
+    return len(values) if all(isinstance(v, int | float) for v in values) else sys.maxsize
+
+
+def _lines(function: Callable[..., Any], *arguments: Any) -> int:
+    count = 0
+
+    def trace(frame: Any, event: str, _: Any) -> Any:
+        nonlocal count
+        count += event == "line"
+        return trace
+
+    before = sys.gettrace()
+    sys.settrace(trace)
+    try:
+        function(*arguments)
+    finally:
+        sys.settrace(before)
+    return count

@@ -1,0 +1,43 @@
+"""What tests share."""
+
+import pytest
+
+import swarmcensus as sc
+
+SMALL = """
+name   = "small"
+seed   = 7
+trials = 4
+
+[swarm]
+robots   = [5, 12]
+accuracy = [0.675, "U(0.525, 0.975)"]
+
+[world]
+topology   = ["full", "ring", "line", "scale-free"]
+fill_ratio = [0.55, 0.95]
+
+[schedule]
+rounds                 = 60
+observations_per_round = 10
+
+[measure]
+checkpoints = [10, 60]
+"""
+
+
+@pytest.fixture(scope="session")
+def small_study():
+    return sc.Study.parse(SMALL)
+
+
+@pytest.fixture(scope="session")
+def small_results(small_study):
+    return sc.run(small_study, jobs=2)
+
+
+@pytest.fixture(scope="session")
+def small_file(small_results, tmp_path_factory):
+    path = tmp_path_factory.mktemp("results") / "small.nc"
+    sc.save(small_results, path)
+    return path

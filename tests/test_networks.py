@@ -1,0 +1,136 @@
+"""Topologies: who hears whom."""
+
+import networkx as nx
+import numpy as np
+import pytest
+from scipy import stats
+
+from swarmcensus import networks
+from swarmcensus.engine.modes import FULL, LISTED, PAIRS
+
+
+def parse(value, tmp_path):
+    return networks.parse_topology(value, tmp_path, {})
+
+
+def graph_of(links, number, robots):
+    part = slice(links.starts[number], links.starts[number + 1])
+    graph = nx.DiGraph(list(zip(links.senders[part].tolist(), links.receivers[part].tolist(), strict=True)))
+    graph.add_nodes_from(range(robots))
+    assert nx.reciprocity(graph) == 1 if graph.size() else True
+    assert graph.size() == links.starts[number + 1] - links.starts[number]
+    return graph.to_undirected()
+
+
+def links_of(topology, robots, trials=1, first=0):
+    return topology.links(robots, 1, first, trials, True, True)
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 10])
+@pytest.mark.parametrize(("name", "make"), [("ring", nx.cycle_graph), ("line", nx.path_graph)])
+def test_ring_and_line(name, make, robots, tmp_path):
+    expected = nx.path_graph(robots) if robots < 3 else make(robots)
+    found = graph_of(links_of(parse(name, tmp_path), robots), 0, robots)
+    assert nx.utils.graphs_equal(found, expected)
+
+
+def test_full_uses_sums_where_it_may(tmp_path):
+    full = parse("full", tmp_path)
+    assert full.links(5, 1, 0, 1, True, True).mode == FULL
+    assert full.links(5, 1, 0, 1, False, True).mode == PAIRS
+    assert full.links(5, 1, 0, 1, True, False).mode == PAIRS
+
+
+@pytest.mark.parametrize("robots", [1, 2, 3, 50])
+def test_scale_free_is_a_tree(robots, tmp_path):
+    links = links_of(parse("scale-free", tmp_path), robots, trials=3)
+    assert links.mode == LISTED
+    for trial in range(3):
+        assert nx.is_tree(graph_of(links, trial, robots))
+
+
+def test_scale_free_is_drawn_afresh_and_does_not_depend_on_the_batch(tmp_path):
+    topology = parse("scale-free", tmp_path)
+    whole, part = links_of(topology, 40, trials=3), links_of(topology, 40, trials=1, first=2)
+    graphs = [graph_of(whole, t, 40) for t in range(3)]
+    assert not nx.utils.graphs_equal(graphs[0], graphs[1])
+    assert nx.utils.graphs_equal(graphs[2], graph_of(part, 0, 40))
+
+
+def test_scale_free_degrees_follow_the_law_of_preferential_attachment(tmp_path):
+    """P(k) = 4 / (k (k + 1) (k + 2)) for m = 1 (Bollobas et al. 2001): chi-square, 0.1 % level, fixed seed."""
+    robots, trials = 2000, 10
+    links = links_of(parse("scale-free", tmp_path), robots, trials)
+    degrees = np.concatenate(
+        [np.bincount(links.receivers[links.starts[t] : links.starts[t + 1]], minlength=robots) for t in range(trials)]
+    )
+    k = np.arange(1, 9)
+    law = 4 / (k * (k + 1) * (k + 2))
+    expected = np.append(law, 1 - law.sum()) * len(degrees)
+    found = np.append([(degrees == j).sum() for j in k], (degrees > 8).sum())
+    assert stats.chisquare(found, expected).pvalue > 1e-3
+
+
+def test_first_robots_attach_in_proportion_to_degree(tmp_path):
+    """The third robot joins either of two alike; the fourth prefers the hub, 2 to 1 to 1."""
+    trials = 4000
+    links = links_of(parse("scale-free", tmp_path), 4, trials)
+    hub = 0
+    for t in range(trials):
+        graph = graph_of(links, t, 4)
+        hub += max(dict(graph.degree).values()) == 3
+    assert stats.binomtest(hub, trials, 0.5).pvalue > 1e-3
+
+
+def test_edge_list_file(tmp_path):
+    (tmp_path / "office.csv").write_text("from,to\n0,1\n1,2\n2,1\n")
+    topology = parse("office.csv", tmp_path)
+    assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 2)))
+    topology.check(3)
+    with pytest.raises(ValueError, match=r"office.csv: edge \(1, 2\).*not there: 2 robots are numbered 0 to 1"):
+        topology.check(2)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("0,1\n1,x\n", "line 2"), ("0,1\n1\n", "line 2"), ("0,0\n", "joins a robot to itself"), ("0,1,2\n", "pairs")],
+)
+def test_bad_edge_lists(text, said, tmp_path):
+    (tmp_path / "bad.csv").write_text(text)
+    with pytest.raises(ValueError, match=said):
+        parse("bad.csv", tmp_path)
+
+
+def test_networkx_graph(tmp_path):
+    graph = nx.petersen_graph()
+    topology = parse(graph, tmp_path)
+    assert nx.utils.graphs_equal(graph_of(links_of(topology, 10), 0, 10), nx.Graph(graph.edges))
+
+
+def test_networkx_generator(tmp_path):
+    topology = parse({"networkx": "watts_strogatz_graph", "k": 4, "p": 0.5}, tmp_path)
+    assert str(topology) == "watts_strogatz_graph(k=4,p=0.5)"
+    topology.check(10)
+    one, two = links_of(topology, 20, 2), links_of(topology, 20, 2)
+    assert (one.senders == two.senders).all()
+    assert not nx.utils.graphs_equal(graph_of(one, 0, 20), graph_of(one, 1, 20))
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ({"networkx": "read_gpickle"}, "no graph generator"),
+        ({"networkx": "watts_strogatz_graph", "k": 40, "p": 0.1}, "fails"),
+        ({"networkx": "ladder_graph"}, "20 robots instead of 10"),
+    ],
+)
+def test_bad_generators(value, said, tmp_path):
+    with pytest.raises(ValueError, match=said):
+        parse(value, tmp_path).check(10)
+
+
+@pytest.mark.parametrize("value", ["rng", 3, {"name": "ring", "edges": []}, {"edges": []}, {"name": "x", "edges": [[0]]},
+                                   {"name": "x", "edges": [[-1, 0]]}, {"name": "x", "edges": [[0.5, 1]]}])  # fmt: skip
+def test_what_is_refused(value, tmp_path):
+    with pytest.raises(ValueError, match="topology|edge|taken"):
+        parse(value, tmp_path)

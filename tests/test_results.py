@@ -1,0 +1,157 @@
+"""The dataset: its schema, its file, its table."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import brains, results
+from swarmcensus.selecting import where
+
+
+def test_schema(small_results):
+    assert dict(small_results.sizes) == {"setting": 32, "trial": 4, "robot": 12, "checkpoint": 2}
+    assert small_results["checkpoint"].values.tolist() == [10, 60]
+    for name in ("brain", "topology", "robots", "density", "accuracy", "fill_ratio", "rounds", "observations_per_round"):
+        assert small_results[name].dims == ("setting",)
+    assert small_results["accuracy"].values[4] == "U(0.525,0.975)" or "U(0.525,0.975)" in small_results["accuracy"].values
+    for name in ("convergence_round", "convergence_error", "final_estimate"):
+        assert small_results[name].dims == ("setting", "trial", "robot")
+    assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
+    assert small_results["convergence_round"].dtype == np.int32
+
+
+def test_provenance(small_results, small_study):
+    attributes = small_results.attrs
+    assert attributes["study"] == small_study.text
+    assert attributes["seed"] == 7
+    assert attributes["swarmcensus_version"] == sc.__version__
+    assert "numba" in attributes["library_versions"]
+    assert json.loads(attributes["brains"])["minimalistic"]["sha256"] == brains.load("minimalistic").sha256
+    assert attributes["trials_done"] == attributes["trials_total"] == 128
+
+
+def test_file_and_back(small_results, small_file):
+    assert sc.load(small_file).identical(small_results)
+    with xr.open_dataset(small_file, engine="h5netcdf") as plain:
+        assert plain["final_estimate"].equals(small_results["final_estimate"])
+
+
+@pytest.mark.parametrize("damage", ["cut", "text", "empty", "other", "missing", "folder"])
+def test_what_is_no_results_file(damage, small_file, tmp_path):
+    path = tmp_path / "bad.nc"
+    whole = small_file.read_bytes()
+    if damage == "cut":
+        path.write_bytes(whole[: len(whole) // 2])
+    elif damage == "text":
+        path.write_text("hello")
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "other":
+        xr.Dataset({"x": 1}).to_netcdf(path, engine="h5netcdf")
+    elif damage == "folder":
+        path.mkdir()
+    with pytest.raises(sc.InputError, match="bad.nc"):
+        sc.load(path)
+
+
+def test_long_form(small_results):
+    frame = results.to_frame(small_results)
+    assert len(frame) == 4 * 16 * (5 + 12)
+    row = frame.iloc[777]
+    place = {"setting": row.setting, "trial": row.trial, "robot": row.robot}
+    for name in ("convergence_round", "convergence_error", "final_estimate"):
+        assert row[name] == small_results[name].sel(place)
+    assert (frame["topology"].values == small_results["topology"].values[frame["setting"].values]).all()
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_export(kind, small_results, tmp_path):
+    path = tmp_path / f"table.{kind}"
+    assert results.export(small_results, path, kind) == 1088
+    read = pd.read_csv(path) if kind == "csv" else pd.read_parquet(path)
+    assert np.allclose(read["final_estimate"], results.to_frame(small_results)["final_estimate"], rtol=0, atol=1e-15)
+
+
+def test_trials_that_were_not_run_are_left_out(small_results):
+    part = small_results.copy(deep=True)
+    part["final_estimate"][:, 2:] = np.nan
+    assert len(results.to_frame(part)) == 544
+
+
+def test_a_partly_filled_checkpoint_grid():
+    study = sc.Study(
+        trials=2, swarm={"robots": 3, "accuracy": 0.8}, world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": [10, 30]}, measure={"checkpoints": [5, 20, 30]},
+    )  # fmt: skip
+    correct = sc.run(study, jobs=1)["correct"].values
+    assert np.isnan(correct[0, 1:]).all()
+    assert not np.isnan(correct[1]).any()
+
+
+class TestSelecting:
+    @pytest.mark.parametrize(
+        ("expression", "count"),
+        [
+            ('topology == "ring"', 8),
+            ("robots == 12 and fill_ratio > 0.6", 8),
+            ("accuracy == 0.675", 16),
+            ("0.675 == accuracy", 16),
+            ('accuracy == "U(0.525,0.975)" or robots == 5', 24),
+            ('not topology in ["ring", "line"]', 16),
+            ('topology not in ("ring", "line") and not robots == 5', 8),
+            ("setting < 3", 3),
+            ("5 <= robots < 12", 16),
+        ],
+    )
+    def test_expressions(self, expression, count, small_results):
+        assert where(small_results, expression).sizes["setting"] == count
+
+    @pytest.mark.parametrize(
+        ("expression", "said"),
+        [
+            ("topolgy == 'ring'", "no coordinate 'topolgy'; known are"),
+            ("robots = 5", "robots = 5"),
+            ("robots == 6", "no setting is so"),
+            ("robots", "should compare"),
+            ("__import__('os').system('true') == 0", "malformed|should"),
+            ("robots == [5]", "no number"),
+            ("robots in 5", "comes a list"),
+            ("robots is 5", "should compare with"),
+        ],
+    )
+    def test_faults(self, expression, said, small_results):
+        with pytest.raises(sc.InputError, match=said):
+            where(small_results, expression)
+
+
+class TestStudyOfResults:
+    def test_edge_lists_travel_with_the_results(self, tmp_path, monkeypatch):
+        (tmp_path / "office.csv").write_text("0,1\n1,2\n")
+        (tmp_path / "s.toml").write_text(
+            'trials = 1\n[swarm]\nrobots = 3\naccuracy = 0.8\n[world]\ntopology = "office.csv"\nfill_ratio = 0.5\n'
+            "[schedule]\nrounds = 5\n"
+        )
+        sc.save(sc.run(sc.Study.load(tmp_path / "s.toml"), jobs=1), tmp_path / "r.nc")
+        (tmp_path / "office.csv").unlink()
+        loaded = sc.load(tmp_path / "r.nc")
+        assert sc.replay(loaded, 0, 0)["estimate"].values[-1].tolist() == loaded["final_estimate"].values[0, 0].tolist()
+
+    def test_brain_files_are_not_run_unasked(self, tmp_path):
+        mine = tmp_path / "mine.py"
+        mine.write_text(brains.load("minimalistic").source)
+        study = sc.Study(
+            trials=1, swarm={"brain": str(mine), "robots": 3, "accuracy": 0.8},
+            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
+        )  # fmt: skip
+        data = sc.run(study, jobs=1)
+        with pytest.raises(sc.InputError, match="not run unasked"):
+            sc.replay(data, 0, 0)
+        assert sc.replay(data, 0, 0, brain=mine)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+        other = tmp_path / "other.py"
+        other.write_text(mine.read_text() + "\n")
+        with pytest.raises(sc.InputError, match="not the source"):
+            sc.replay(data, 0, 0, brain=other)

@@ -1,0 +1,75 @@
+"""Accuracies: their forms, their canonical text, their draws."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from swarmcensus import sensors
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.675, "0.675"),
+        (1, "1.0"),
+        ("0.5", "0.5"),
+        ("U(0.525, 0.975)", "U(0.525,0.975)"),
+        (" N ( 0.75 , 0.1 ) ", "N(0.75,0.1)"),
+        ({"black": 0.9, "white": 0.6}, "black=0.9 white=0.6"),
+        ({"black": "U(0.5,1)", "white": 1}, "black=U(0.5,1.0) white=1.0"),
+    ],
+)
+def test_forms(value, text):
+    accuracy = sensors.parse_accuracy(value)
+    assert str(accuracy) == text
+    assert sensors.parse_accuracy(accuracy) is accuracy
+
+
+@pytest.mark.parametrize(
+    "value",
+    [1.1, -0.1, "1.1", "U(0.9,0.6)", "U(0.5,1.5)", "N(0.5,0)", "N(2,1)", "N(0.5,inf)", "X(1,2)", "nan", float("nan"),
+     None, True, [0.5], {"black": 0.9}, {"black": 0.9, "white": 0.6, "grey": 0.1}, "U(a,b)"],
+)  # fmt: skip
+def test_what_is_refused(value):
+    with pytest.raises(ValueError, match="accuracy|needs"):
+        sensors.parse_accuracy(value)
+
+
+def test_blindness():
+    assert sensors.parse_accuracy(0.5).is_blind
+    assert sensors.parse_accuracy({"black": 0.7, "white": 0.3}).is_blind
+    assert not sensors.parse_accuracy(0.51).is_blind
+    assert not sensors.parse_accuracy("U(0.5,0.5)").is_blind
+
+
+def test_draws_do_not_depend_on_the_batch():
+    accuracy = sensors.parse_accuracy("N(0.7,0.2)")
+    whole, _ = accuracy.draw(1, "accuracy", 0, 6, 9)
+    part, _ = accuracy.draw(1, "accuracy", 2, 3, 9)
+    assert (whole[2:5] == part).all()
+
+
+def test_trials_are_drawn_afresh():
+    b, w = sensors.parse_accuracy("U(0.5,0.9)").draw(1, "accuracy", 0, 3, 50)
+    assert len(np.unique(b)) == 150
+    assert (b == w).all()
+
+
+def test_sides_are_drawn_apart():
+    b, w = sensors.parse_accuracy({"black": "U(0.5,0.9)", "white": "U(0.5,0.9)"}).draw(1, "accuracy", 0, 20, 50)
+    assert abs(np.corrcoef(b.ravel(), w.ravel())[0, 1]) < 4 / np.sqrt(1000)
+
+
+@pytest.mark.parametrize(("mean", "sd"), [(0.75, 0.1), (0.9, 0.3), (0.0, 0.02), (0.5, 40.0)])
+def test_truncated_normal(mean, sd):
+    """Kolmogorov-Smirnov against the exact truncated law, 0.1 % level, fixed seed."""
+    values = sensors.parse_accuracy(f"N({mean},{sd})").draw(5, "accuracy", 0, 20, 500)[0].ravel()
+    law = stats.truncnorm((0 - mean) / sd, (1 - mean) / sd, mean, sd)
+    assert values.min() >= 0.0
+    assert values.max() <= 1.0
+    assert stats.kstest(values, law.cdf).pvalue > 1e-3
+
+
+def test_uniform_spread():
+    values = sensors.parse_accuracy("U(0.525,0.975)").draw(5, "accuracy", 0, 20, 500)[0].ravel()
+    assert stats.kstest(values, stats.uniform(0.525, 0.45).cdf).pvalue > 1e-3
