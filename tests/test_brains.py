@@ -106,7 +106,7 @@ class TestLocalConfidence:
         with decimal.localcontext(prec=80):
             h = Decimal("1e-25")
             db, dw = Decimal(b), Decimal(w)
-            p = (Decimal(n) / t if 0.0 < me.x_hat < 1.0 else None)
+            p = Decimal(n) / t if 0.0 < me.x_hat < 1.0 else None
             f = (p + dw - 1) / (db + dw - 1) if p is not None else Decimal(me.x_hat)
             points = (f - h, f, f + h)
             if any(likelihood(x, t, n, db, dw) == Decimal("-Infinity") for x in points):

@@ -113,13 +113,13 @@ def test_padding(mixed):
 def test_settings_that_share_a_world_meet_the_same_readings(small_results, small_study):
     """Another topology or brain changes neither tiles nor sensors."""
     settings = small_study.settings()
-    alike = [
-        k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.55)
-    ]
+    alike = [k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.55)]
     assert len(alike) == 4
     first, *others = (sc.replay(small_results, k, 2)["blacks"].values for k in alike)
     assert all((first == other).all() for other in others)
-    differing = next(k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.95))
+    differing = next(
+        k for k, s in enumerate(settings) if (s.robots, str(s.accuracy), s.fill_ratio) == (12, "0.675", 0.95)
+    )
     assert (first != sc.replay(small_results, differing, 2)["blacks"].values).any()
 
 

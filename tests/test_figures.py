@@ -277,9 +277,7 @@ def test_of_many_checkpoints_a_choice_with_both_ends_is_shown_and_said():
 
 
 def trace(robots: int, rounds: int = 50, **attrs) -> xr.Dataset:
-    noise = (
-        np.random.default_rng(0).normal(0, 0.2, (rounds + 1, robots)) / (np.arange(rounds + 1) + 1)[:, None]
-    )
+    noise = np.random.default_rng(0).normal(0, 0.2, (rounds + 1, robots)) / (np.arange(rounds + 1) + 1)[:, None]
     x = np.clip(0.55 + noise, 0, 1)
     return xr.Dataset({"estimate": (("round", "robot"), x)}, {"round": np.arange(rounds + 1)}, attrs)
 
@@ -299,9 +297,7 @@ def test_curves_show_each_robot_the_median_the_truth_and_its_bin():
     assert all(t in written for t in ("ring, N = 7", "each of 7 robots", "median robot", "right bin of 10"))
 
 
-@pytest.mark.parametrize(
-    ("truth", "bottom", "top"), [(0.0, 0, 0.1), (0.3, 0.3, 0.4), (0.95, 0.9, 1), (1.0, 0.9, 1)]
-)
+@pytest.mark.parametrize(("truth", "bottom", "top"), [(0.0, 0, 0.1), (0.3, 0.3, 0.4), (0.95, 0.9, 1), (1.0, 0.9, 1)])
 def test_the_shaded_bin_holds_the_truth(truth, bottom, top):
     (ax,) = figures.curves(trace(2, fill_ratio=truth)).axes
     (shade,) = ax.patches
@@ -339,8 +335,7 @@ def test_curves_skip_robots_and_rounds_without_estimate():
 
 def grid_study(**coordinates) -> xr.Dataset:
     parts = [
-        study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates)
-        for i, f in enumerate((0.55, 0.95))
+        study(["0.6", "0.9", "U(0.5,0.9)"], seed=i, fill_ratio=f, **coordinates) for i, f in enumerate((0.55, 0.95))
     ]
     return xr.concat(parts, "setting")
 

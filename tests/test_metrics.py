@@ -17,7 +17,9 @@ def by_definition(curve, delta):
 
 
 @given(
-    hnp.arrays(float, st.tuples(st.integers(1, 12), st.integers(1, 3)), elements=st.integers(0, 6).map(lambda v: v / 10)),
+    hnp.arrays(
+        float, st.tuples(st.integers(1, 12), st.integers(1, 3)), elements=st.integers(0, 6).map(lambda v: v / 10)
+    ),
     st.sampled_from([0.05, 0.1, 0.15, 0.31]),
 )
 def test_convergence_is_the_first_index_near_to_all_later_ones(curves, delta):

@@ -129,8 +129,16 @@ def test_bad_generators(value, said, tmp_path):
         parse(value, tmp_path).check(10)
 
 
-@pytest.mark.parametrize("value", ["rng", 3, {"name": "ring", "edges": []}, {"edges": []}, {"name": "x", "edges": [[0]]},
-                                   {"name": "x", "edges": [[-1, 0]]}, {"name": "x", "edges": [[0.5, 1]]}])  # fmt: skip
+@pytest.mark.parametrize(
+    "value",
+    [
+        "rng",
+        3,
+        {"name": "ring", "edges": []},
+        {"edges": []},
+        *({"name": "x", "edges": [e]} for e in ([0], [-1, 0], [0.5, 1])),
+    ],
+)
 def test_what_is_refused(value, tmp_path):
-    with pytest.raises(ValueError, match="topology|edge|taken"):
+    with pytest.raises(ValueError, match=r"topology|edge|taken"):
         parse(value, tmp_path)

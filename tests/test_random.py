@@ -49,7 +49,7 @@ def test_keys_differ_by_seed_purpose_and_content():
 def test_units_are_uniform():
     """Kolmogorov-Smirnov at the 0.1 % level, fixed seed."""
     values = np.array([unit(v) for v in draw(3, 20_000)])
-    assert 0.0 <= values.min()
+    assert values.min() >= 0.0
     assert values.max() < 1.0
     assert stats.kstest(values, "uniform").pvalue > 1e-3
 

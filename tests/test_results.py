@@ -15,9 +15,20 @@ from swarmcensus.selecting import where
 def test_schema(small_results):
     assert dict(small_results.sizes) == {"setting": 32, "trial": 4, "robot": 12, "checkpoint": 2}
     assert small_results["checkpoint"].values.tolist() == [10, 60]
-    for name in ("brain", "topology", "robots", "density", "accuracy", "fill_ratio", "rounds", "observations_per_round"):
+    for name in (
+        "brain",
+        "topology",
+        "robots",
+        "density",
+        "accuracy",
+        "fill_ratio",
+        "rounds",
+        "observations_per_round",
+    ):
         assert small_results[name].dims == ("setting",)
-    assert small_results["accuracy"].values[4] == "U(0.525,0.975)" or "U(0.525,0.975)" in small_results["accuracy"].values
+    assert (
+        small_results["accuracy"].values[4] == "U(0.525,0.975)" or "U(0.525,0.975)" in small_results["accuracy"].values
+    )
     for name in ("convergence_round", "convergence_error", "final_estimate"):
         assert small_results[name].dims == ("setting", "trial", "robot")
     assert small_results["correct"].dims == ("setting", "checkpoint", "trial")
@@ -54,7 +65,7 @@ def test_what_is_no_results_file(damage, small_file, tmp_path):
         xr.Dataset({"x": 1}).to_netcdf(path, engine="h5netcdf")
     elif damage == "folder":
         path.mkdir()
-    with pytest.raises(sc.InputError, match="bad.nc"):
+    with pytest.raises(sc.InputError, match=r"bad\.nc"):
         sc.load(path)
 
 

@@ -31,7 +31,7 @@ def test_forms(value, text):
      None, True, [0.5], {"black": 0.9}, {"black": 0.9, "white": 0.6, "grey": 0.1}, "U(a,b)"],
 )  # fmt: skip
 def test_what_is_refused(value):
-    with pytest.raises(ValueError, match="accuracy|needs"):
+    with pytest.raises(ValueError, match=r"accuracy|needs"):
         sensors.parse_accuracy(value)
 
 

@@ -1,8 +1,8 @@
 """swarmcensus: robot swarms with lying sensors agree on how much of a floor is black.
 
-    import swarmcensus as sc
-    results = sc.run(sc.Study.load("study.toml"), jobs=2)     # -> xarray.Dataset
-    trace   = sc.replay(results, setting=3, trial=0)          # -> xarray.Dataset, every round
+import swarmcensus as sc
+results = sc.run(sc.Study.load("study.toml"), jobs=2)     # -> xarray.Dataset
+trace   = sc.replay(results, setting=3, trial=0)          # -> xarray.Dataset, every round
 """
 
 import importlib

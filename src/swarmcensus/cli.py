@@ -17,9 +17,11 @@ STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
     options = parser().parse_args(arguments)
-    warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
     try:
-        return int(options.run(options) or 0)
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
+            return int(options.run(options) or 0)
     except InputError as error:
         print(f"swarmcensus: {error}", file=sys.stderr)
         return 2

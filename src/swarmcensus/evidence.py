@@ -1,7 +1,7 @@
 """What a claim is judged by: medians and shares of settings, resampled by trial, and the verdict rule."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -44,7 +44,7 @@ class Claim:
     statistic: str
     threshold: str
     right: Range
-    measure: Callable[["Evidence", Range], Sequence[Detail]]
+    measure: Callable[["Evidence", Range], Iterable[Detail]]
     studies: tuple[str, ...] = ()
     note: Callable[["Evidence"], str] = lambda _: ""  # what else there is to say of the data
     explanation: str = ""  # what lies behind it where the claim does not hold
@@ -92,8 +92,8 @@ class Evidence:
         found = np.flatnonzero(np.logical_and.reduce(masks))
         if found.size != 1:
             raise Missing(f"{study}: {found.size} settings with {where}")
-        column = data[variable].variable.isel(setting=found[0], trial=slice(self.trials)).transpose("trial", ...)
-        values = np.asarray(column.values, float)
+        column = data[variable].variable.isel(setting=found[0], trial=slice(self.trials))
+        values = np.asarray(column.transpose("trial", ...).values, float)
         if "robot" in column.dims:
             values = values[:, : int(data["robots"].values[found[0]])]
         if not (values >= 0).all():  # -1 and NaN stand for trials that were never run
@@ -126,7 +126,7 @@ class Evidence:
 def outcome(claim: Claim, evidence: Evidence) -> Outcome:
     """Check one claim: it holds where all settings say yes, and does not where at least one says no."""
     try:
-        details = claim.measure(evidence, claim.right)
+        details = tuple(claim.measure(evidence, claim.right))
         note = claim.note(evidence)
     except Missing:
         return Outcome(claim, UNMEASURED)

@@ -6,6 +6,7 @@ All use matplotlib's object-oriented interface only (no pyplot): no display, no 
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from typing import Any
 
@@ -297,7 +298,8 @@ def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
         one = next(value for value in values if value is not None)
         raise InputError(
             f"a heatmap shows accuracy and fill_ratio, but {name} varies too ({several}): "
-            f"select one, e.g. results.isel(setting=(results.{name} == {one!r}).values)"
+            f"select one: --where '{name} == {json.dumps(one)}', "
+            f"or in Python results.isel(setting=(results.{name} == {one!r}).values)"
         )
     ratios = np.unique(results["fill_ratio"].values)
     clouds = [cloud_of(results.isel(setting=results["fill_ratio"].values == f), local=False) for f in ratios]

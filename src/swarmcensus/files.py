@@ -41,4 +41,3 @@ def check_writable(path: str | Path) -> None:
         raise InputError(f"cannot write {path}: it is a folder")
     if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {path}: the folder {folder} cannot be written")
-

@@ -13,12 +13,14 @@ def convergence(curves: np.ndarray, delta: float = 0.01) -> np.ndarray:
     low = np.minimum.accumulate(curves[::-1])[::-1]
     near = (high - curves < delta) & (curves - low < delta)
     near[-1] = True
-    return near.argmax(axis=0)
+    index: np.ndarray = near.argmax(axis=0)
+    return index
 
 
 def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float) -> np.ndarray:
     """The accuracy |x^K - f| of each column at its index K. Paper, Sec. IV-A."""
-    return np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)
+    error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)
+    return error
 
 
 def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
@@ -37,4 +39,5 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
 def correct(estimates: np.ndarray, fill_ratio: float, bins: int = 10) -> np.ndarray:
     """The fraction of robots (last axis) whose estimate lies in the right bin; consensus is 1."""
     low, high = right_bin(fill_ratio, bins)
-    return np.mean((estimates >= low) & (estimates < high), axis=-1)
+    share: np.ndarray = np.mean((estimates >= low) & (estimates < high), axis=-1)
+    return share

@@ -77,9 +77,7 @@ class Topology:
         else:
             graphs = [_directed(self._fixed(robots))]
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
-        return Links(
-            LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs])
-        )
+        return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
 
     def _fixed(self, robots: int) -> np.ndarray:
         if self.edges is not None:
@@ -146,9 +144,7 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
         if "networkx" in value:
             arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
             text = ",".join(f"{k}={v}" for k, v in arguments.items())
-            return Topology(
-                f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments))
-            )
+            return Topology(f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments)))
         if set(value) == {"name", "edges"}:
             if value["name"] in NAMED:
                 raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")

@@ -67,9 +67,7 @@ def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
             # Robots that know their sensors assume the true accuracy: that tells no settings apart.
             pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
             values = [None if assumed == true else assumed for assumed, true in pairs]
-        values = [
-            None if value != value else value for value in values
-        ]  # NaN, the density of a fixed network
+        values = [None if value != value else value for value in values]  # NaN, the density of a fixed network
         if name not in apart_from and len(set(values)) > 1:
             varying[name] = values
     return varying
@@ -79,9 +77,7 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
     """Raise InputError unless `data` has the variables `names`, and something along the dimensions."""
     for dimension in dimensions:
         if not data.sizes.get(dimension):
-            raise InputError(
-                f"this dataset has no {dimension}: select with a list or a mask that is not empty"
-            )
+            raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
     for name in names:
         if name not in data.variables:
             hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""

@@ -72,9 +72,10 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
 
 def _numbers(row: list[str]) -> bool:
     try:
-        return [float(cell) for cell in row] is not None
+        list(map(float, row))
     except ValueError:
         return False
+    return True
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:

@@ -100,7 +100,7 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind == "i" and v.size > 1000]
     with whole(path) as beside:
-        data.to_netcdf(beside, engine="h5netcdf", encoding={n: packed for n in integers})
+        data.to_netcdf(beside, engine="h5netcdf", encoding=dict.fromkeys(integers, packed))
 
 
 def load(path: str | Path) -> xr.Dataset:

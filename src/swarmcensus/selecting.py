@@ -33,7 +33,7 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     except (SyntaxError, ValueError, TypeError, RecursionError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
         raise InputError(
-            f"--where {expression!r}: {what}; write for example: topology == \"ring\" and accuracy == 0.675"
+            f'--where {expression!r}: {what}; write for example: topology == "ring" and accuracy == 0.675'
         ) from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:

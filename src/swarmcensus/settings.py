@@ -64,9 +64,7 @@ class Setting:
 
     def losses_key(self, seed: int) -> np.ndarray:
         """The address of which messages are lost."""
-        return address(
-            seed, "losses", topology=self.topology.content, robots=self.robots, success=self.link_success
-        )
+        return address(seed, "losses", topology=self.topology.content, robots=self.robots, success=self.link_success)
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""

@@ -209,9 +209,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     starts = np.stack([places, np.full(len(ends), 1 + 2 / height)], axis=1)
     lines = np.stack([starts, ends[order]], axis=1)
     axes.add_collection(
-        LineCollection(
-            list(lines), linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False
-        ),
+        LineCollection(list(lines), linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False),
         autolim=False,
     )
     for i, place in zip(order, places, strict=True):

@@ -93,14 +93,14 @@ class World(_Table):
 
     topology: _grid(TopologyField)  # type: ignore[valid-type]
     fill_ratio: _grid(Share)  # type: ignore[valid-type]
-    link_success: _grid(Share) = [1.0]  # type: ignore[valid-type]  # noqa: RUF012
+    link_success: _grid(Share) = [1.0]  # type: ignore[valid-type]
 
 
 class Schedule(_Table):
     """How long: communication rounds (C), and observations in each (R)."""
 
-    rounds: _grid(Whole) = [1000]  # type: ignore[valid-type]  # noqa: RUF012
-    observations_per_round: _grid(Whole) = [10]  # type: ignore[valid-type]  # noqa: RUF012
+    rounds: _grid(Whole) = [1000]  # type: ignore[valid-type]
+    observations_per_round: _grid(Whole) = [10]  # type: ignore[valid-type]
 
 
 class Measure(_Table):
@@ -133,9 +133,7 @@ class Tables(_Table):
                 raise ValueError(f"two entries of {key} have one name: {', '.join(names)}")
         late = [c for c in self.measure.checkpoints or () if c > max(self.schedule.rounds)]
         if late:
-            raise ValueError(
-                f"measure.checkpoints = {late[0]} comes after the last round, {max(self.schedule.rounds)}"
-            )
+            raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {max(self.schedule.rounds)}")
         return self
 
 

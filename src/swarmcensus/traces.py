@@ -17,9 +17,7 @@ from swarmcensus.settings import Setting
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
 
-def replay(
-    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
-) -> xr.Dataset:
+def replay(results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None) -> xr.Dataset:
     """One trial again, in full: dimensions round and robot, each field of the brain's memory, `estimate`.
 
     `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not

@@ -30,7 +30,9 @@ class Brain:
     source: str
     memory: dict[str, float] = field(compare=False)  # every field, its value before the first observation
     message: tuple[str, ...] = field(compare=False)
-    sums: tuple[str, ...] = field(compare=False)  # the fields to which `receive` only adds what depends on the message alone
+    sums: tuple[str, ...] = field(
+        compare=False
+    )  # the fields to which `receive` only adds what depends on the message alone
     functions: types.ModuleType = field(compare=False)  # the file itself, run by CPython
 
     @property
@@ -104,9 +106,7 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
         return InputError(f"brain file {path}, line {node.lineno}: {what}")
 
     for node in tree.body:
-        if not isinstance(node, TOP_LEVEL) or (
-            isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)
-        ):
+        if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
             raise bad(node, "a brain file holds constants and small functions, nothing else")
         modules = (
             [a.name for a in node.names]
@@ -126,9 +126,7 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
                     raise bad(inner, f"{kind} in {node.name}: a brain allocates and defines nothing")  # type: ignore[arg-type]
 
 
-def _check_contents(
-    module: types.ModuleType, path: Path
-) -> tuple[dict[str, float], tuple[str, ...], tuple[str, ...]]:
+def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, float], tuple[str, ...], tuple[str, ...]]:
     def need(holds: bool, what: str) -> None:
         if not holds:
             raise InputError(f"brain file {path}: {what}")
@@ -159,5 +157,3 @@ def _check_contents(
         need(found == arity, f"{name} takes {found} arguments: {arity} are right")
     assert isinstance(message, tuple)
     return {k: float(v) for k, v in memory.items()}, message, tuple(sums)
-
-

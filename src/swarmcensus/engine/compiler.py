@@ -15,8 +15,10 @@ import tempfile
 import threading
 import types
 from pathlib import Path
+from typing import Any
 
 import numba
+import numba.core.config
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
@@ -61,14 +63,14 @@ def sums_with(sums, message, scratch):
 '''
 
 
-def compiled(function: types.FunctionType) -> types.FunctionType:
+def compiled(function: types.FunctionType) -> Any:
     """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
-    return numba.njit(nogil=True, error_model="python", forceinline=True)(function)  # type: ignore[no-any-return]
+    return numba.njit(nogil=True, error_model="python", forceinline=True)(function)
 
 
-def entry(function: types.FunctionType) -> types.FunctionType:
+def entry(function: types.FunctionType) -> Any:
     """The same, kept on disk: what CPython calls."""
-    return numba.njit(nogil=True, error_model="python", cache=True)(function)  # type: ignore[no-any-return]
+    return numba.njit(nogil=True, error_model="python", cache=True)(function)
 
 
 def record_type(brain: Brain) -> np.dtype:
@@ -180,7 +182,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
             _write_once(folder, files)
     _execute(name, folder / "__init__.py", package=True)
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
-    home = HERE if numba.config.DISABLE_JIT else folder
+    home = HERE if numba.core.config.DISABLE_JIT else folder
     return _execute(f"{name}.{main}", home / f"{main}.py", package=False)
 
 

@@ -26,6 +26,7 @@ from .mind import (
     unpack,
 )
 
+
 @njit(nogil=True, error_model="python")
 def begin(memory, blank, b, w):
     """Blank minds that believe in the accuracies b and w (of one robot where all are alike)."""
@@ -211,9 +212,7 @@ def simulate(
                     where[trial, :] = rounds
                     value[trial, :] = final[trial, :]
                 if not forward or s == segments - 1:
-                    undecided = settle(
-                        rows[: last - first], first, delta, low, high, where[trial], value[trial]
-                    )
+                    undecided = settle(rows[: last - first], first, delta, low, high, where[trial], value[trial])
         if undecided:
             settle(start, 0, delta, low, high, where[trial], value[trial])
     return True

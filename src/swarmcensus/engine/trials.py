@@ -26,7 +26,7 @@ class Metrics:
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
-    fraction of robots in the right bin (checkpoint, trial)."""  # noqa: D205, D209
+    fraction of robots in the right bin (checkpoint, trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -115,5 +115,3 @@ def seconds(setting: Setting, local: bool = False) -> float:
     if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
-
-

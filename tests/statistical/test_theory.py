@@ -1,0 +1,147 @@
+"""Random behaviour at the level of distributions, against theory.
+
+Each test states its error rate: the chance that a right simulator fails it, were the seed not fixed.
+"""
+
+import itertools
+from math import comb
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.engine.trials import record_readings
+
+FUNCTIONS = brains.load("minimalistic")
+
+
+def study(**changes):
+    tables = {
+        "trials": 200,
+        "swarm": {"robots": 50, "accuracy": 0.675},
+        "world": {"topology": "ring", "fill_ratio": 0.55},
+        "schedule": {"rounds": 1, "observations_per_round": 10},
+    }
+    for table, values in changes.items():
+        tables[table] = tables[table] | values if isinstance(values, dict) else values
+    return sc.Study(seed=42, **tables)
+
+
+def chi_square(found, expected):
+    """p-value over cells that are pooled until each expects five or more."""
+    order = np.argsort(-expected)
+    found, expected = found[order], expected[order]
+    enough = max(2, int((expected >= 5).sum()))
+    pooled = [np.append(v[: enough - 1], v[enough - 1 :].sum()) for v in (found, expected)]
+    assert found[expected == 0].sum() == 0
+    return stats.chisquare(pooled[0], pooled[1]).pvalue
+
+
+@pytest.mark.parametrize(
+    ("t", "b", "w", "f"),
+    [(1, 0.675, 0.675, 0.55), (10, 0.525, 0.525, 0.55), (10, 0.975, 0.975, 0.95), (10, 0.9, 0.6, 0.3),
+     (15, 1.0, 1.0, 0.55), (37, 0.7, 0.7, 0.55), (10, 0.3, 0.4, 0.8), (100, 0.75, 0.75, 0.05)],
+)  # fmt: skip
+def test_exact_distribution_of_the_local_estimator(t, b, w, f):
+    """Binomial pushed through Eq. 4: chi-square over the estimates that can occur, error rate 0.1 %."""
+    lonely = study(
+        swarm={"accuracy": {"black": b, "white": w}},
+        world={"topology": {"name": "nobody", "edges": []}, "fill_ratio": f},
+        schedule={"observations_per_round": t},
+    )  # fmt: skip
+    estimates = sc.run(lonely)["final_estimate"].values.ravel()
+    p = b * f + (1 - w) * (1 - f)
+    law: dict[float, float] = {}
+    for n in range(t + 1):
+        me = FUNCTIONS.robot(b, w)
+        FUNCTIONS.functions.observe(me, float(n), float(t))
+        FUNCTIONS.functions.fuse(me)
+        law[me.x] = law.get(me.x, 0.0) + comb(t, n) * p**n * (1 - p) ** (t - n)
+    values = np.array(sorted(law))
+    assert np.isin(estimates, values).all()
+    found = np.bincount(np.searchsorted(values, estimates), minlength=len(values))
+    expected = np.array([law[v] for v in values]) * len(estimates)
+    if (expected > 0).sum() > 1:
+        assert chi_square(found, expected) > 1e-3
+
+
+def test_rounds_of_one_trial_are_independent():
+    """Black counts of consecutive rounds are uncorrelated: 4 standard errors, error rate 0.01 %."""
+    results = sc.run(study(trials=1, schedule={"rounds": 2000}, swarm={"robots": 2}))
+    blacks = sc.replay(results, 0, 0)["blacks"].values[1:].astype(float)
+    assert abs(np.corrcoef(blacks[:-1, 0], blacks[1:, 0])[0, 1]) < 4 / np.sqrt(2000)
+    assert abs(np.corrcoef(blacks[:, 0], blacks[:, 1])[0, 1]) < 4 / np.sqrt(2000)
+
+
+@pytest.mark.parametrize("looks", [4, 17])
+def test_single_readings_are_coin_flips(looks):
+    """One binomial and a random order of it are R independent flips: all patterns of 4 flips occur at their rates.
+
+    Chi-square, error rate 0.1 %; windows cross the round's parts where R is larger than one word serves.
+    """
+    p = 0.675 * 0.55 + 0.325 * 0.45
+    flips = study(schedule={"rounds": 400, "observations_per_round": looks}).settings()[0]
+    readings = record_readings(flips, 3, 0).reshape(400, looks, 50)
+    windows = readings[:, :4] if looks == 4 else readings[:, 12:16]
+    codes = (windows * np.array([8, 4, 2, 1])[:, np.newaxis]).sum(axis=1).astype(int).ravel()
+    expected = [p ** sum(pattern) * (1 - p) ** (4 - sum(pattern)) for pattern in itertools.product((0, 1), repeat=4)]
+    assert chi_square(np.bincount(codes, minlength=16), np.array(expected) * len(codes)) > 1e-3
+
+
+def test_a_local_study_sees_what_the_rounds_saw():
+    """The local estimate at the end of the trial is that of all its observations at once."""
+    readings = record_readings(study().settings()[0], 42, 3)
+    results = sc.run(study())
+    alone = sc.infer(readings, None, 0.675, 10)["x_hat"].values[-1]
+    n = readings.sum(axis=0)
+    assert alone == pytest.approx(np.clip((n / 10 + 0.675 - 1) / 0.35, 0, 1))
+    assert (sc.replay(results, 0, 3)["x_hat"].values[-1] == alone).all()
+
+
+def test_a_full_network_holds_the_pooled_estimate():
+    """Eq. 6 over all robots at once, by hand from their local values; every robot holds it."""
+    results = sc.run(study(trials=5, world={"topology": "full"}, schedule={"rounds": 30}))
+    for trial in range(5):
+        trace = sc.replay(results, 0, trial)
+        alpha, x_hat = trace["alpha"].values[1:], trace["x_hat"].values[1:]
+        pooled = (alpha * x_hat).sum(axis=1) / alpha.sum(axis=1)
+        assert trace["estimate"].values[1:] == pytest.approx(np.repeat(pooled[:, np.newaxis], 50, axis=1), rel=1e-12)
+
+
+def test_long_runs_find_the_truth_at_the_rate_of_the_fisher_information():
+    """A lone robot's error over its Fisher standard error is N(0, 1): KS against it, error rate 0.1 %."""
+    lonely = study(
+        trials=40, swarm={"accuracy": 0.8}, world={"topology": {"name": "nobody", "edges": []}},
+        schedule={"rounds": 4000},
+    )  # fmt: skip
+    estimates = sc.run(lonely)["final_estimate"].values.ravel()
+    p = 0.8 * 0.55 + 0.2 * 0.45
+    information = 40_000 * 0.6**2 / (p * (1 - p))
+    assert stats.kstest((estimates - 0.55) * np.sqrt(information), "norm").pvalue > 1e-3
+
+
+def test_a_ring_robot_averages_three():
+    """At equal accuracies the informed estimate's variance is a third of the local one's: 4 standard errors.
+
+    Neighbours in a ring share robots, so only every third robot is counted.
+    """
+    long = study(trials=100, swarm={"robots": 48, "accuracy": 0.8}, schedule={"rounds": 500})
+    estimates = sc.run(long)["final_estimate"].values[0, :, ::3].ravel()
+    p = 0.8 * 0.55 + 0.2 * 0.45
+    variance = p * (1 - p) / (0.6**2 * 3 * 5000)
+    assert np.var(estimates) == pytest.approx(variance, rel=4 * np.sqrt(2 / len(estimates)))
+
+
+def test_heterogeneous_robots_are_weighed_by_their_information():
+    """The pooled estimate of robots with known, differing sensors has the variance 1 / (sum of informations)."""
+    mixed = study(
+        trials=400, swarm={"robots": 20, "accuracy": "U(0.525, 0.975)"}, world={"topology": "full"},
+        schedule={"rounds": 200},
+    )  # fmt: skip
+    estimates = sc.run(mixed)["final_estimate"].values[0, :, 0]
+    b, _ = mixed.settings()[0].accuracy.draw(42, "accuracy", 0, 400, 20)
+    p = b * 0.55 + (1 - b) * 0.45
+    information = (2000 * (2 * b - 1) ** 2 / (p * (1 - p))).sum(axis=1)
+    assert stats.kstest((estimates - 0.55) * np.sqrt(information), "norm").pvalue > 1e-3

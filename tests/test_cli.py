@@ -1,0 +1,212 @@
+"""The command line, as a user meets it: what it prints, what it writes, how it fails."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.cli import main
+from tests.conftest import SMALL
+
+HELLO = """
+trials = 3
+[swarm]
+robots = 6
+accuracy = [0.7, 0.9]
+[world]
+topology = "ring"
+fill_ratio = [0.55, 0.95]
+[schedule]
+rounds = 20
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "hello.toml").write_text(HELLO)
+    return tmp_path
+
+
+def test_help_is_quick_and_imports_nothing_heavy():
+    code = (
+        "import sys; from swarmcensus.cli import parser; parser().format_help(); "
+        "print([m for m in ('numba', 'numpy', 'xarray', 'pydantic', 'rich', 'matplotlib') if m in sys.modules])"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert out.stdout.strip() == "[]"
+
+
+def test_a_first_session(here, capsys):
+    assert main(["run", "hello.toml", "--jobs", "2"]) == 0
+    out = capsys.readouterr().out
+    assert "4 settings of 3 trials" in out
+    assert "right" in out
+    assert main(["export", "hello.nc", "--where", "accuracy == 0.7"]) == 0
+    assert "36 rows" in capsys.readouterr().out
+    for kind in ("scatter", "decisions", "heatmap", "curves"):
+        assert main(["plot", "hello.nc", "--kind", kind]) == 0
+        assert (here / f"hello-{kind}.png").stat().st_size > 10_000
+        assert (here / f"hello-{kind}.svg").exists()
+    assert main(["plot", "hello.nc", "--where", "fill_ratio < 0.6", "--out", "x.pdf"]) == 0
+    assert (here / "x.pdf").exists()
+    capsys.readouterr()
+    replay = ["replay", "hello.nc", "--setting", "1", "--trial", "2", "--out", "t.nc", "--plot", "t.png"]
+    assert main([*replay, "--recording", "rec"]) == 0
+    assert "accuracy 0.7, f = 0.95" in capsys.readouterr().out
+    infer = ["infer", "rec/observations.csv", "--links", "rec/links.csv", "--accuracy", "0.7"]
+    assert main([*infer, "--out", "again.csv"]) == 0
+    assert (here / "again.png").exists()
+    assert {p.suffix for p in here.iterdir() if p.is_file()} == {".toml", ".nc", ".csv", ".png", ".svg", ".pdf"}
+    last = (here / "again.csv").read_text().splitlines()[-1].split(",")
+    assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
+
+
+def test_seed_and_trials_can_be_given(here):
+    assert main(["run", "hello.toml", "--trials", "2", "--seed", "5", "--out", "a.nc"]) == 0
+    data = sc.load("a.nc")
+    assert (data.sizes["trial"], data.attrs["seed"]) == (2, 5)
+    assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
+
+
+def test_brains(here, capsys):
+    assert main(["brains"]) == 0
+    out = capsys.readouterr().out
+    assert "minimalistic  48 bytes  8 bytes" in out
+    assert "legacy" in out
+    (here / "mine.py").write_text(brains.load("minimalistic").source)
+    assert main(["brains", "--check", "mine.py"]) == 0
+    assert "mine.py: conforms" in capsys.readouterr().out
+    (here / "mine.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
+    assert main(["brains", "--check", "mine.py"]) == 2
+    assert "the function fuse is missing" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (("robots", "robot"), "study file hello.toml: unknown key swarm.robot"),
+        (("= 6", '= "six"'), 'swarm.robots[0] = "six": should be a valid integer'),
+        (("[0.7, 0.9]", "[]"), "swarm.accuracy = []: should be a list of at least one"),
+        (("[0.7, 0.9]", "1.7"), "swarm.accuracy[0] = 1.7: a sensor accuracy lies in [0, 1]"),
+        (("= 20", "= -20"), "schedule.rounds[0] = -20: should be greater"),
+        (
+            ('"ring"', '{name = "x", edges = [[0, 6]]}'),
+            "edge (0, 6) of topology 'x' leads to a robot that is not there",
+        ),
+        (("[swarm]", '[swarm]\nbrain = "broken.py"'), "broken.py, line 1: not Python"),
+        (("[swarm]", '[swarm]\nbrain = "lame.py"'), "lame.py: the function fuse is missing"),
+    ],
+)
+def test_bad_studies(change, said, here, capsys):
+    (here / "hello.toml").write_text(HELLO.replace(*change))
+    (here / "broken.py").write_text("def observe(:\n")
+    (here / "lame.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
+    files = set(here.iterdir())
+    assert main(["run", "hello.toml"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert "Traceback" not in error
+    assert set(here.iterdir()) == files
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["run", "none.toml"], "study file none.toml: cannot be read"),
+        (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
+        (["run", "hello.toml", "--out", "x.csv"], "results are written as .nc"),
+        (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
+        (["plot", "hello.toml"], "results file hello.toml: not a readable"),
+        (["plot", "none.nc"], "there is no such file"),
+        (["plot", "good.nc", "--where", "robots == 99"], "no setting is so"),
+        (["plot", "good.nc", "--out", "x.bmp"], "figures are written as"),
+        (["plot", "good.nc", "--kind", "heatmap", "--local"], "--local goes with --kind scatter"),
+        (["plot", "good.nc", "--local"], "local"),
+        (["plot", "good.nc", "--kind", "heatmap"], "select one: --where 'topology == "),
+        (["replay", "good.nc", "--setting", "77", "--trial", "0"], "setting 77: these results hold"),
+        (["replay", "good.nc", "--setting", "0", "--trial", "0", "--out", "x.txt"], "written as .csv or .nc"),
+        (["export", "cut.nc"], "cut.nc"),
+        (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
+        (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
+        (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': should be"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--links", "bad.csv"], "names a robot that is not there"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--every", "0"], "whole number from 1"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--out", "x.txt"], "written as .csv or .nc"),
+        (["reproduce", "--out", "hello.toml/x"], "cannot write"),
+        (["reproduce", "--only", "fig99"], "fig99"),
+    ],
+)
+def test_bad_commands(command, said, here, capsys, small_file):
+    whole = small_file.read_bytes()
+    (here / "good.nc").write_bytes(whole)
+    (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
+    (here / "obs.csv").write_text("0,1\n1,1\n")
+    (here / "bad.csv").write_text("0,2\n")
+    files = set(here.iterdir())
+    assert main(command) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert set(here.iterdir()) == files
+
+
+@pytest.mark.parametrize("option", [["--jobs", "0"], ["--trials", "-1"], ["--seed", "x"], ["--joobs", "1"]])
+def test_bad_options(option, here, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(["run", "hello.toml", *option])
+    assert stopped.value.code == 2
+    assert "usage: swarmcensus" in capsys.readouterr().err
+
+
+def test_blind_sensors_are_allowed_with_a_warning(here, capsys):
+    (here / "hello.toml").write_text(HELLO.replace("[0.7, 0.9]", "0.5"))
+    assert main(["run", "hello.toml"]) == 0
+    assert "warning: study file hello.toml: accuracy 0.5 carries no information" in capsys.readouterr().err
+    assert (sc.load("hello.nc")["final_estimate"] == 0.5).all()
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write anywhere")
+def test_a_folder_without_permission(here, capsys):
+    (here / "locked").mkdir(mode=0o500)
+    assert main(["run", "hello.toml", "--out", "locked/x.nc"]) == 2
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
+    """A study of minutes; the interrupt comes once it is under way."""
+    text = SMALL.replace("trials = 4", "trials = 100000").replace("rounds                 = 60", "rounds = 2000")
+    (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
+    run = subprocess.Popen(
+        [sys.executable, "-c", "from swarmcensus.cli import main; raise SystemExit(main())", "run", "long.toml"],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert run.stderr is not None
+    line = run.stderr.readline()  # the first plain progress line, after five seconds
+    assert "small: " in line
+    assert "left" in line
+    begun = time.monotonic()
+    run.send_signal(signal.SIGINT)
+    _, error = run.communicate(timeout=60)
+    took = time.monotonic() - begun
+    assert run.returncode == 130
+    assert "stopped after" in error
+    assert "Traceback" not in error
+    data = sc.load(here / "long.nc")
+    done = int((~data["final_estimate"].isel(robot=0).isnull()).sum())
+    assert data.attrs["trials_done"] == done > 0
+    assert took < 30  # saving 100,000 trials is most of it; that threads stop at once is tested in the engine
+
+
+def test_a_reader_that_goes_away_is_no_error(here):
+    pipe = subprocess.run(
+        f"{sys.executable} -c 'from swarmcensus.cli import main; raise SystemExit(main([\"brains\"]))' | true",
+        shell=True, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "Traceback" not in pipe.stderr

@@ -1,0 +1,159 @@
+"""Replay and inference from recorded data."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains, recordings
+from swarmcensus.traces import recording
+
+READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
+
+
+def by_hand(readings, every, messages, b=0.8, w=0.8):
+    """The reference run, written out: messages[step] lists (sender, receiver)."""
+    functions = brains.load("minimalistic").functions
+    minds = [brains.load("minimalistic").robot(b, w) for _ in readings.T]
+    out = [[functions.estimate(me) for me in minds]]
+    for step, row in enumerate(readings):
+        for me, z in zip(minds, row, strict=True):
+            if not np.isnan(z):
+                functions.observe(me, z, 1.0)
+        said = [functions.broadcast(me) for me in minds]
+        for sender, receiver in messages.get(step, ()):
+            functions.receive(minds[receiver], said[sender])
+        if (step + 1) % every == 0 or step == len(readings) - 1:
+            for me in minds:
+                functions.fuse(me)
+            out.append([functions.estimate(me) for me in minds])
+    return np.array(out)
+
+
+BOTH = pytest.mark.parametrize("compiled", [True, False])
+
+
+@BOTH
+def test_edges_exchange_at_the_end_of_each_round(compiled):
+    trace = sc.infer(READINGS, [[0, 1]], 0.8, 2, compiled=compiled)
+    pair = [(1, 0), (0, 1)]
+    assert (trace["estimate"].values == by_hand(READINGS, 2, {1: pair, 3: pair})).all()
+    assert trace["round"].values.tolist() == [0, 1, 2]
+    assert set(brains.load("minimalistic").memory) < set(trace.data_vars)
+
+
+@BOTH
+def test_steps_left_over_end_without_an_exchange(compiled):
+    trace = sc.infer(READINGS, [[0, 1]], 0.8, 3, compiled=compiled)
+    assert (trace["estimate"].values == by_hand(READINGS, 3, {2: [(1, 0), (0, 1)]})).all()
+    assert trace["t"].values[-1].tolist() == [4, 4, 3]
+
+
+@BOTH
+@pytest.mark.parametrize("every", [1, 2])
+def test_messages_are_heard_at_their_step(compiled, every):
+    rows = [[3, 0, 2], [0, 0, 1], [1, 1, 0], [1, 2, 0]]
+    trace = sc.infer(READINGS, rows, 0.8, every, compiled=compiled)
+    expected = by_hand(READINGS, every, {0: [(0, 1)], 1: [(1, 0), (2, 0)], 3: [(0, 2)]})
+    assert (trace["estimate"].values == expected).all()
+
+
+def test_the_default_round_is_ten_steps_with_edges_and_one_with_messages():
+    readings = np.ones((20, 2))
+    assert sc.infer(readings, [[0, 1]], 0.8).sizes["round"] == 3
+    assert sc.infer(readings, [[5, 0, 1]], 0.8).sizes["round"] == 21
+    assert sc.infer(readings, None, 0.8).sizes["round"] == 3
+
+
+def test_forms_of_accuracy():
+    def final(accuracy):
+        return sc.infer(READINGS, None, accuracy, 1)["x_hat"].values[-1]
+
+    assert (final(0.8) == final([0.8, 0.8, 0.8])).all()
+    assert (final(0.8) == final((0.8, 0.8))).all()
+    assert final((0.9, 0.7))[0] == pytest.approx((0.5 + 0.7 - 1) / (0.9 + 0.7 - 1))
+    assert final((np.array([0.9, 0.8, 0.8]), 0.7))[0] == final((0.9, 0.7))[0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        ({"observations": [[0, 2]]}, r"observations\[0, 1\] = 2: should be 0"),
+        ({"observations": [0, 1]}, r"should be \(step, robot\)"),
+        ({"observations": "hello"}, "should be an array of 0, 1"),
+        ({"observations": np.zeros((0, 2))}, "one of each at least"),
+        ({"links": [[0, 3]]}, r"links\[0\] = \[0, 3\] names a robot that is not there: 3 robots"),
+        ({"links": [[0, 0]]}, "joins a robot to itself"),
+        ({"links": [[0, 1, 2, 0]]}, r"should be \(edge, 2\)"),
+        ({"links": [[0.5, 1]]}, "whole numbers"),
+        ({"links": [[4, 0, 1]]}, "steps are numbered 0 to 3"),
+        ({"accuracy": 1.5}, r"accuracy 1.5: should lie in \[0, 1\]"),
+        ({"accuracy": [0.5, 0.6]}, "one for each of 3 robots"),
+        ({"accuracy": (0.5, 0.6, 0.7)}, "tuple of 3"),
+        ({"accuracy": None}, "must be said"),
+        ({"accuracy": float("nan")}, r"\[0, 1\]"),
+        ({"observations_per_round": 0}, "whole number from 1"),
+        ({"brain": "nobody"}, "neither a shipped brain"),
+    ],
+)
+def test_what_is_refused(arguments, said):
+    with pytest.raises(sc.InputError, match=said):
+        sc.infer(**({"observations": READINGS, "links": [[0, 1]], "accuracy": 0.8} | arguments))
+
+
+def test_replay_of_what_is_not_there(small_results):
+    with pytest.raises(sc.InputError, match="setting 99: these results hold setting 0 to 31"):
+        sc.replay(small_results, 99, 0)
+    with pytest.raises(sc.InputError, match="trial 4: these results hold trial 0 to 3"):
+        sc.replay(small_results, 0, 4)
+
+
+def test_a_selection_keeps_its_settings_numbers(small_results):
+    part = small_results.isel(setting=[20])
+    assert sc.replay(part, 20, 1)["estimate"].values[-1, 0] == small_results["final_estimate"].values[20, 1, 0]
+
+
+def test_recordings_survive_their_files(small_results, tmp_path):
+    readings, edges = recording(small_results, 4, 1)
+    readings[3, 2] = np.nan
+    recordings.write_rows(tmp_path / "o.csv", [f"r{i}" for i in range(readings.shape[1])], readings)
+    recordings.write_rows(tmp_path / "l.csv", ["i", "j"], edges)
+    assert np.array_equal(recordings.read_observations(tmp_path / "o.csv"), readings, equal_nan=True)
+    assert (recordings.read_links(tmp_path / "l.csv") == edges).all()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [("", "no observations"), ("0,1\n0,2\n", "line 2: '2'"), ("0,1\n0\n", "line 2: 1 values where there were 2")],
+)
+def test_bad_observation_files(text, said, tmp_path):
+    (tmp_path / "o.csv").write_text(text)
+    with pytest.raises(sc.InputError, match=said):
+        recordings.read_observations(tmp_path / "o.csv")
+
+
+def test_accuracy_files(tmp_path):
+    (tmp_path / "a.csv").write_text("b,w\n0.9,0.8\n0.7,0.6\n")
+    b, w = recordings.read_accuracy(str(tmp_path / "a.csv"))
+    assert (b.tolist(), w.tolist()) == ([0.9, 0.7], [0.8, 0.6])
+    assert recordings.read_accuracy("0.9,0.6") == (0.9, 0.6)
+    for bad in ("good", "0.1,0.2,0.3"):
+        with pytest.raises(sc.InputError, match="should be"):
+            recordings.read_accuracy(bad)
+    (tmp_path / "a.csv").write_text("b,w\n0.9,x\n")
+    with pytest.raises(sc.InputError, match="a row a robot"):
+        recordings.read_accuracy(str(tmp_path / "a.csv"))
+
+
+def test_traces_are_written_as_csv_or_netcdf(small_results, tmp_path):
+    import pandas as pd
+    import xarray as xr
+
+    trace = sc.replay(small_results, 0, 0)
+    recordings.write_trace(trace, tmp_path / "t.csv")
+    recordings.write_trace(trace, tmp_path / "t.nc")
+    frame = pd.read_csv(tmp_path / "t.csv")
+    assert np.allclose(frame["estimate"].values.reshape(trace["estimate"].shape), trace["estimate"].values, atol=1e-15)
+    with xr.open_dataset(tmp_path / "t.nc", engine="h5netcdf") as read:
+        assert read.load().equals(trace)
+    with pytest.raises(sc.InputError, match=r"\.csv or \.nc"):
+        recordings.write_trace(trace, tmp_path / "t.txt")
