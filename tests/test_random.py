@@ -13,7 +13,7 @@ ZERO = np.uint64(0)
 
 def draw(seed, size, trial=0, tick=1, part=0):
     out = np.zeros(size, np.uint64)
-    words(address(seed, "test"), trial, tick, part, out)
+    words(address(seed, "test"), trial, tick, part, 0, size, out)
     return out
 
 

@@ -121,7 +121,8 @@ def _directed(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     if not edges.size:
         return np.zeros(0, np.int32), np.zeros(0, np.int32)
     n = np.int64(edges.max()) + 1
-    links = np.unique(np.concatenate([edges @ [n, 1], edges @ [1, n]]))
+    links = np.sort(np.concatenate([edges @ [n, 1], edges @ [1, n]]))
+    links = links[np.append(True, links[1:] != links[:-1])]
     return (links // n).astype(np.int32), (links % n).astype(np.int32)
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+from collections.abc import Sequence
 from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -93,7 +94,7 @@ def _finding(outcome: Outcome) -> str:
     return f"<li><h3>{title}: {_badge(kind(outcome), outcome.verdict)}</h3>{text}</li>"
 
 
-def _figure(done: Reproduction, figure: PaperFigure, paths: list[Path]) -> str:
+def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> str:
     image = base64.b64encode(paths[0].read_bytes()).decode()
     chips = "".join(
         f'<a class=chip href="#{outcome.claim.id}">{_badge(kind(outcome), outcome.claim.title)}</a>'
@@ -183,7 +184,7 @@ def _files(done: Reproduction) -> str:
     items = "".join(
         f'<li><a href="{_link(done, path)}">{escape(path.relative_to(done.out).as_posix())}</a> '
         f"<span class=quiet>{path.stat().st_size / 1e6:.1f} MB</span>"
-        for path in done.paths
+        for path in done.files
     )
     return f"<ul>{items}</ul><p>Datasets are netCDF-4: xarray, R and MATLAB read them.</p>" if items else ""
 

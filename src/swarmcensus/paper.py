@@ -7,9 +7,9 @@ the evaluation, add study files to studies/paper, figures to FIGURES and claims 
 import contextlib
 import shlex
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -55,20 +55,26 @@ class PaperFigure:
 
 @dataclass(frozen=True)
 class Reproduction:
-    """What `reproduce` has made: outcomes of claims, paths of all files, seconds by stage, and what it came from."""
+    """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage."""
 
     out: Path
     command: str
-    datasets: dict[str, xr.Dataset] = field(default_factory=dict)
-    figures: list[tuple[PaperFigure, list[Path]]] = field(default_factory=list)
-    claims: list[Outcome] = field(default_factory=list)
-    paths: list[Path] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
+    datasets: Mapping[str, xr.Dataset]
+    figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
+    claims: Sequence[Outcome]
+    seconds: Mapping[str, float]
 
     @property
     def page(self) -> Path:
         """The page to open in a browser."""
         return self.out / "index.html"
+
+    @property
+    def files(self) -> list[Path]:
+        """All other files that were written."""
+        data = [data_path(self.out, name) for name in self.datasets]
+        drawn = [path for _, paths in self.figures for path in paths]
+        return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
 
 
 def _view(caption: str, topology: str, fill: float, study: str = "topologies") -> View:
@@ -76,52 +82,61 @@ def _view(caption: str, topology: str, fill: float, study: str = "topologies") -
 
 
 _DOTS = (
-    "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong "
-    "the estimate then was. The solid, outlined dots are medians, a colour for each sensor accuracy, black for the "
-    "heterogeneous swarm. Best is bottom left. "
+    "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong it "
+    "then was. The solid, outlined dots are medians, a colour for each sensor accuracy, black for the heterogeneous "
+    "swarm. Best is bottom left. "
 )
 
 FIGURES: tuple[PaperFigure, ...] = (
     PaperFigure(
-        "fig2", "Fig. 2: alone and together, 100 robots, f = 0.55", "scatter",
-        (
+        name="fig2",
+        title="Fig. 2: alone and together, 100 robots, f = 0.55",
+        kind="scatter",
+        views=(
             View("local estimates, no communication", "local", {"robots": 100, "fill_ratio": 0.55}, local=True),
             _view("fully connected", "full", 0.55),
             _view("ring", "ring", 0.55),
             _view("scale-free", "scale-free", 0.55),
         ),
-        _DOTS + "Panel (a) counts single observations, 10,000 in all; (b) to (d) count communication rounds of 10 "
-        "observations each. Look for three things: medians move down and left as sensors get better; (b) to (d) lie "
-        "below (a), most of all for poor sensors; and fully connected robots settle many times sooner than "
-        "the ring or the scale-free tree, which look alike. The paper shows the same four panels.",
-        ("low-error-055", "full-agrees", "full-first", "ring-like-line", "informed-first", "helps-poor", "grows",
-         "mixed-055"),
+        text=_DOTS + "Panel (a) counts single observations, 10,000 in all; (b) to (d) count communication rounds of 10 "
+        "observations each. Look for three things: medians move down and left as sensors get better; those of poor "
+        "sensors lie much higher in (a) than in the other panels; and fully connected robots settle many times sooner "
+        "than those on the ring and on the scale-free tree, which look alike. The paper shows the same four panels.",
+        claims=(
+            *("low-error-055", "full-agrees", "full-first", "ring-like-line", "informed-first", "helps-poor"),
+            *("grows", "mixed-055"),
+        ),
     ),
     PaperFigure(
-        "fig3", "Fig. 3: a blacker floor, and talking too early; 100 robots, scale-free", "scatter",
-        (
+        name="fig3",
+        title="Fig. 3: a blacker floor, and talking too early; 100 robots, scale-free",
+        kind="scatter",
+        views=(
             _view("f = 0.95, R = 10", "scale-free", 0.95),
             _view("f = 0.55, R = 1", "scale-free", 0.55, "same-rounds"),
         ),
-        _DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: the good sensors lie further "
-        "left, and a streak at errors of 0.04 to 0.05 holds poor sensors whose estimates are cut off at 1. In panel (b) "
-        "robots talk after every observation, and so have made a tenth of the observations by "
-        "the last round: all lie further right, and errors reach higher. The paper shows the same two panels.",
-        ("low-error-095", "mixed-095", "blacker-first-sparse", "blacker-first-full", "same-observations",
-         "same-rounds"),
+        text=_DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: the good sensors lie further left, "
+        "and a streak at errors of 0.04 to 0.05 holds poor sensors whose estimates are cut off at 1. In panel (b) "
+        "robots talk after every observation, and so have made a tenth of the observations by the last round: all "
+        "lie further right, and errors reach higher. The paper shows the same two panels.",
+        claims=(
+            *("low-error-095", "mixed-095", "blacker-first-sparse", "blacker-first-full"),
+            *("same-observations", "same-rounds"),
+        ),
     ),
     PaperFigure(
-        "fig4", "Fig. 4: how many robots decide rightly; 100 robots, scale-free", "decisions",
-        (_view("f = 0.55", "scale-free", 0.55), _view("f = 0.95", "scale-free", 0.95)),
-        "If the swarm were asked after so many communication rounds: the share of robots, over all trials, that pick "
-        "the right one of ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond says "
-        "that not one robot of any trial was wrong. All accuracies climb to the top but the two poorest. The heterogeneous "
-        "swarm gets close to it: the few robots that stay wrong have a sensor below 0.6 and a single neighbour that has "
-        "such a one too. "
-        "These are panels (a) and (b) of the paper's figure; (c) and (d) show moving robots.",
-        ("consensus", "sooner-right"),
+        name="fig4",
+        title="Fig. 4: how many robots decide rightly; 100 robots, scale-free",
+        kind="decisions",
+        views=(_view("f = 0.55", "scale-free", 0.55), _view("f = 0.95", "scale-free", 0.95)),
+        text="If the swarm were asked after so many communication rounds: the share of robots, over all trials, that "
+        "pick the right one of ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond "
+        "says that not one robot of any trial was wrong. All accuracies climb to the top but the two poorest. The "
+        "heterogeneous swarm gets close to it: the few robots that stay wrong have a poor sensor, and a single "
+        "neighbour that has one too. The paper's panels (a) and (b); its (c) and (d) show moving robots.",
+        claims=("consensus", "sooner-right"),
     ),
-)  # fmt: skip
+)
 PARTS = (*(figure.name for figure in FIGURES), "claims")
 
 
@@ -132,6 +147,11 @@ def studies_folder() -> Path:
         if folder.is_dir():
             return folder
     raise InputError(f"the paper's study files are missing: this installation has no folder {here / 'paper_studies'}")
+
+
+def data_path(out: Path, study: str) -> Path:
+    """Where the dataset of a study goes."""
+    return out / "data" / f"{study}.nc"
 
 
 def reproduce(
@@ -151,71 +171,78 @@ def reproduce(
     together; `say` gets a line a stage.
 
     Raises InputError for an unknown part and, before anything is run, for a folder that cannot be written. Ctrl-C
-    raises Interrupted; finished studies are then in `out`, and what was done of the others as NAME.partial.nc.
+    raises Interrupted; finished studies are then in `out`, and what was done of the next as NAME.partial.nc.
     """
-    parts = _parts(only)
-    out = Path(out)
+    parts, out = _parts(only), Path(out)
     figures = [figure for figure in FIGURES if figure.name in parts]
-    checked = claims.CLAIMS if "claims" in parts else ()
-    needed = {view.study for figure in figures for view in figure.views} | {s for c in checked for s in c.studies}
-    files = sorted(studies_folder().glob("*.toml"))
-    studies = {p.stem: Study.load(p).with_(trials=trials, seed=seed) for p in files if p.stem in needed}
-    for path in (
-        "index.html",
-        "claims.json",
-        *(f"data/{n}.nc" for n in studies),
-        *(f"figures/{f.name}.png" for f in figures),
-    ):
-        check_writable(out / path)
-    command = ["swarmcensus", "reproduce", "--out", str(out)]
-    command += [word for k, v in (("--trials", trials), ("--seed", seed)) if v is not None for word in (k, str(v))]
-    done = Reproduction(out, shlex.join(command + (["--only", *parts] if only is not None else [])))
+    checks = claims.CLAIMS if "claims" in parts else ()
+    needed = {view.study for figure in figures for view in figure.views}
+    needed |= {study for claim in checks for study in claim.studies}
+    files = [path for path in sorted(studies_folder().glob("*.toml")) if path.stem in needed]
+    studies = {path.stem: Study.load(path).with_(trials=trials, seed=seed) for path in files}
+    stems = [out / "figures" / figure.name for figure in figures]
+    check_writable(out / "index.html")
+    check_writable(out / "claims.json")
+    for path in [data_path(out, name) for name in studies] + [stem.with_suffix(".png") for stem in stems]:
+        check_writable(path)
 
-    with _timed(done, "simulate", say):
-        _simulate(done, studies, jobs, reporting or (lambda _: contextlib.nullcontext(lambda _: None)))
+    seconds: dict[str, float] = {}
+
+    @contextlib.contextmanager
+    def stage(name: str) -> Iterator[None]:
+        begun = time.perf_counter()
+        yield
+        seconds[name] = round(time.perf_counter() - begun, 3)
+        say(f"{name}: {seconds[name]:.1f} s")
+
+    with stage("simulate"):
+        datasets = _simulate(out, studies, jobs, reporting)
+    drawn, outcomes = [], []
     if figures:
-        with _timed(done, "figures", say):
-            _draw(done, figures)
-    if checked:
-        with _timed(done, "claims", say):
-            done.claims.extend(claims.check(done.datasets, checked))
-            _write(done, out / "claims.json", report.as_json(done.claims, done.datasets))
-    with _timed(done, "page", say):
-        _write(done, done.page, page.html(done))
+        with stage("figures"):
+            drawn = [(figure, _draw(figure, datasets, stem)) for figure, stem in zip(figures, stems, strict=True)]
+    if checks:
+        with stage("claims"):
+            outcomes = claims.check(datasets, checks)
+            _write(out / "claims.json", report.as_json(outcomes, datasets))
+    done = Reproduction(out, _command(out, trials, seed, parts), datasets, drawn, outcomes, seconds)
+    with stage("page"):
+        _write(done.page, page.html(done))
     return done
 
 
 def _parts(only: str | Iterable[str] | None) -> list[str]:
-    parts = PARTS if only is None else [only] if isinstance(only, str) else list(only)
-    for part in parts:
+    asked = [only] if isinstance(only, str) else list(only or PARTS)
+    for part in asked:
         if part not in PARTS:
             raise InputError(f"there is no part {part!r} of the paper: known are {', '.join(PARTS)}")
-    return [part for part in PARTS if part in parts]
+    return [part for part in PARTS if part in asked]
 
 
-@contextlib.contextmanager
-def _timed(done: Reproduction, stage: str, say: Callable[[str], None]) -> Iterator[None]:
-    begun, files = time.perf_counter(), len(done.paths)
-    yield
-    done.seconds[stage] = round(time.perf_counter() - begun, 3)
-    made = ", ".join(path.relative_to(done.out).as_posix() for path in done.paths[files:])
-    say(f"{stage}: {done.seconds[stage]:.1f} s  ({made})")
+def _command(out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:
+    words = ["swarmcensus", "reproduce", "--out", str(out)]
+    for option, value in (("--trials", trials), ("--seed", seed)):
+        words += [option, str(value)] if value is not None else []
+    return shlex.join(words + (["--only", *parts] if len(parts) < len(PARTS) else []))
 
 
-def _simulate(done: Reproduction, studies: Mapping[str, Study], jobs: int | None, reporting: Reporting) -> None:
-    sizes = {}
-    for name, study in studies.items():
-        settings = study.settings()
-        sizes[name] = study.trials * len(settings), sum(task.cost for task in plan(study, settings))
-    trials, work = map(sum, zip(*sizes.values(), strict=True)) if sizes else (0, 0.0)
-    trials_before, work_before = 0, 0.0
-    with reporting("reproduce") as progress:
+def _simulate(
+    out: Path, studies: Mapping[str, Study], jobs: int | None, reporting: Reporting | None
+) -> dict[str, xr.Dataset]:
+    settings = {name: study.settings() for name, study in studies.items()}
+    trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
+    work = {name: sum(task.cost for task in plan(study, settings[name])) for name, study in studies.items()}
+    datasets: dict[str, xr.Dataset] = {}
+    with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:
+
+        def show(now: Progress) -> None:
+            if progress:
+                before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
+                total, work_total = sum(trials.values()), sum(work.values())
+                progress(Progress(int(before) + now.done, total, work_before + now.work_done, work_total))
+
         for name, study in studies.items():
-
-            def show(p: Progress, trials_before: int = trials_before, work_before: float = work_before) -> None:
-                progress(Progress(trials_before + p.done, int(trials), work_before + p.work_done, work))
-
-            path = done.out / "data" / f"{name}.nc"
+            path = data_path(out, name)
             partial = path.with_suffix(".partial.nc")
             try:
                 data = run(study, jobs=jobs, progress=show)
@@ -225,24 +252,17 @@ def _simulate(done: Reproduction, studies: Mapping[str, Study], jobs: int | None
                 raise
             results.save(data, path)
             partial.unlink(missing_ok=True)
-            done.datasets[name] = data
-            done.paths.append(path)
-            trials_before += sizes[name][0]
-            work_before += sizes[name][1]
+            datasets[name] = data
+    return datasets
 
 
-def _draw(done: Reproduction, figures: Iterable[PaperFigure]) -> None:
-    from swarmcensus import figures as draw  # matplotlib: half a second, and not every part needs it
+def _draw(figure: PaperFigure, datasets: Mapping[str, xr.Dataset], stem: Path) -> list[Path]:
+    from swarmcensus import figures  # matplotlib: half a second, and not every part needs it
 
-    for figure in figures:
-        kind = draw.scatter_grid if figure.kind == "scatter" else draw.decisions_grid
-        sheet = kind([view.panel(done.datasets) for view in figure.views])
-        paths = draw.save(sheet, done.out / "figures" / figure.name, ("png", "svg"))
-        done.figures.append((figure, paths))
-        done.paths.extend(paths)
+    grid = figures.scatter_grid if figure.kind == "scatter" else figures.decisions_grid
+    return figures.save(grid([view.panel(datasets) for view in figure.views]), stem, ("png", "svg"))
 
 
-def _write(done: Reproduction, path: Path, text: str) -> None:
+def _write(path: Path, text: str) -> None:
     with whole(path) as beside:
         beside.write_text(text, encoding="utf-8")
-    done.paths.append(path)

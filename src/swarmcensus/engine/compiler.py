@@ -18,7 +18,6 @@ from pathlib import Path
 from typing import Any
 
 import numba
-import numba.core.config
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
@@ -182,7 +181,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
             _write_once(folder, files)
     _execute(name, folder / "__init__.py", package=True)
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
-    home = HERE if numba.core.config.DISABLE_JIT else folder
+    home = HERE if numba.config.DISABLE_JIT else folder  # type: ignore[attr-defined]
     return _execute(f"{name}.{main}", home / f"{main}.py", package=False)
 
 

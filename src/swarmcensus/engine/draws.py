@@ -88,22 +88,22 @@ def pick(row, word):
 
 
 @njit(nogil=True, forceinline=True)
-def count_blacks(blacks, bits, tables, looks, key, trial, tick):
-    """How many of this round's observations said black, for each robot."""
+def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
+    """How many of this round's observations said black, for robots first (even) ... last - 1."""
     parts = (looks + PART - 1) // PART
     rows = tables.shape[1]
     for part in range(parts):
-        words(key, trial, tick, part, bits)
+        words(key, trial, tick, part, first, last - first, bits)
         kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
-        for i in range(blacks.size):
-            drawn = pick(tables[kind, i if rows > 1 else 0], bits[i])
+        for i in range(last - first):
+            drawn = pick(tables[kind, first + i if rows > 1 else 0], bits[i])
             blacks[i] = drawn if part == 0 else blacks[i] + drawn
 
 
 @njit(nogil=True)
 def arrange(reading, blacks, bits, left, key, trial, step):
     """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
-    words(key, trial, step, 0, bits)
+    words(key, trial, step, 0, 0, bits.size, bits)
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]
         reading[i] = 1.0 if black else 0.0

@@ -26,6 +26,7 @@ from .mind import (
     unpack,
 )
 
+BLOCK = 256  # robots that are finished together: even, for robots share words in pairs
 
 @njit(nogil=True, error_model="python")
 def begin(memory, blank, b, w):
@@ -36,13 +37,28 @@ def begin(memory, blank, b, w):
         memory[i].w = w[i % w.size]
 
 
+@njit(nogil=True, error_model="python")
+def blocks(receivers, robots):
+    """Where each block's links begin, and where the last one's end; links are sorted by receiver."""
+    firsts = np.arange(0, robots + BLOCK, BLOCK).astype(receivers.dtype)
+    return np.searchsorted(receivers, firsts)
+
+
 @compiled
-def observe_round(memory, outbox, blacks, bits, tables, looks, key, trial, tick):
-    """Every robot makes its round's observations and says what it holds then."""
-    count_blacks(blacks, bits, tables, looks, key, trial, tick)
-    for i in range(memory.size):
-        observe(memory[i], float(blacks[i]), float(looks))
-        pack(outbox, i, broadcast(memory[i]))
+def observe_some(memory, outbox, said, blacks, bits, tables, looks, key, trial, tick, first, last):
+    """Robots first ... last - 1 make their round's observations and say what they hold then."""
+    count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last)
+    for i in range(first, last):
+        observe(memory[i], float(blacks[i - first]), float(looks))
+        pack(outbox, said + i, broadcast(memory[i]))
+
+
+@compiled
+def fuse_some(memory, first, last, rows, r):
+    """Robots first ... last - 1 end their round; their estimates go to row r."""
+    for i in range(first, last):
+        fuse(memory[i])
+        rows[r, i] = estimate(memory[i])
 
 
 @njit(nogil=True, error_model="python")
@@ -52,8 +68,8 @@ def heard(key, trial, tick, receiver, sender, threshold):
 
 
 @compiled
-def hear_all(memory, outbox, scratch):
-    """Everyone hears everyone, in O(N), for a brain whose `receive` only adds.
+def hear_all(memory, outbox, said, scratch, rows, r):
+    """Everyone hears everyone and fuses, in O(N), for a brain whose `receive` only adds.
 
     What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
     unlike "all minus own".
@@ -62,30 +78,32 @@ def hear_all(memory, outbox, scratch):
     before = no_sums
     for i in range(n):
         add_sums(memory[i], before)
-        before = sums_with(before, unpack(outbox, i), scratch[0])
+        before = sums_with(before, unpack(outbox, said + i), scratch[0])
     after = no_sums
     for i in range(n - 1, -1, -1):
         add_sums(memory[i], after)
-        after = sums_with(after, unpack(outbox, i), scratch[0])
+        after = sums_with(after, unpack(outbox, said + i), scratch[0])
+        fuse(memory[i])
+        rows[r, i] = estimate(memory[i])
 
 
 @compiled
-def hear_listed(memory, outbox, receivers, senders, key, trial, tick, threshold):
-    """Every robot hears the neighbours that the links list; `threshold` 0 means that no message is lost."""
-    for e in range(receivers.size):
-        if threshold == 0 or heard(key, trial, tick, receivers[e], senders[e], threshold):
-            receive(memory[receivers[e]], unpack(outbox, senders[e]))
+def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold):
+    """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
+    for link in range(first, last):
+        if threshold == 0 or heard(key, trial, tick, receivers[link], senders[link], threshold):
+            receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
 
 
 @njit(nogil=True, error_model="python")
-def hear_pairs(memory, outbox, key, trial, tick, threshold, stop):
+def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     for i in range(memory.size):
         if stop[0] != 0:
             return
         for j in range(memory.size):
             if i != j and (threshold == 0 or heard(key, trial, tick, i, j, threshold)):
-                receive(memory[i], unpack(outbox, j))
+                receive(memory[i], unpack(outbox, said + j))
 
 
 @njit(nogil=True, error_model="python")
@@ -116,64 +134,86 @@ def settle(rows, top, delta, low, high, where, value):
 
 @njit(nogil=True, error_model="python")
 def advance(
-    memory, outbox, scratch, blacks, bits, reading, tables, first, last, local, looks, trial,
-    read_key, order_key, link_key, links, receivers, senders, threshold, rows, stop,
+    memory, outbox, scratch, blacks, bits, tables, first, last, looks, trial,
+    read_key, link_key, links, receivers, senders, reach, threshold, rows, stop,
 ):  # fmt: skip
-    """Run indices first ... last - 1 (rounds; single observations when `local`); their estimates go to `rows`."""
+    """Run rounds first ... last - 1; their estimates go to `rows`.
+
+    Along listed links a robot ends one round and observes for the next in one go, block by block, so that a
+    swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
+    `said` is where this round's messages begin.
+    """
     n = memory.size
+    said, next_said = 0, n
+    for k in range(first - 1, last):
+        if stop[0] != 0:
+            return
+        r = k - first
+        if r >= 0 and links == FULL:
+            hear_all(memory, outbox, said, scratch, rows, r)
+        elif r >= 0 and links != LISTED:
+            hear_pairs(memory, outbox, said, link_key, trial, k, threshold, stop)
+        for start in range(0, n, BLOCK):
+            end = min(start + BLOCK, n)
+            if r >= 0 and links == LISTED:
+                one, other = reach[start // BLOCK], reach[start // BLOCK + 1]
+                hear_listed(memory, outbox, said, receivers, senders, one, other, link_key, trial, k, threshold)
+            if r >= 0 and links != FULL:
+                fuse_some(memory, start, end, rows, r)
+            if k + 1 < last:
+                observe_some(
+                    memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end
+                )
+        said, next_said = next_said, said
+
+
+@njit(nogil=True, error_model="python")
+def advance_alone(
+    memory, reading, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stop
+):  # fmt: skip
+    """Run single observations first ... last - 1 of robots that hear nobody; their estimates go to `rows`."""
     for k in range(first, last):
         if stop[0] != 0:
             return
-        if local:
-            tick = (k - 1) // looks + 1
-            left = looks - (k - 1) % looks
-            if left == looks:
-                count_blacks(blacks, bits, tables, looks, read_key, trial, tick)
-            arrange(reading, blacks, bits, left, order_key, trial, k)
-            for i in range(n):
-                observe(memory[i], reading[i], 1.0)
-        else:
-            observe_round(memory, outbox, blacks, bits, tables, looks, read_key, trial, k)
-            if links == LISTED:
-                hear_listed(memory, outbox, receivers, senders, link_key, trial, k, threshold)
-            elif links == FULL:
-                hear_all(memory, outbox, scratch)
-            else:
-                hear_pairs(memory, outbox, link_key, trial, k, threshold, stop)
-        for i in range(n):
+        left = looks - (k - 1) % looks
+        if left == looks:
+            count_blacks(blacks, bits, tables, looks, read_key, trial, (k - 1) // looks + 1, 0, memory.size)
+        arrange(reading, blacks, bits, left, order_key, trial, k)
+        for i in range(memory.size):
+            observe(memory[i], reading[i], 1.0)
             fuse(memory[i])
             rows[k - first, i] = estimate(memory[i])
 
 
 @entry
 def simulate(
-    blank, robots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds, segment,
+    blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds,
     read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold,
     delta, bin_low, bin_high, checkpoints, where, value, final, correct, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
     Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
-    all trials or one for each. With `local`, robots hear nobody and `rounds` counts single
-    observations. Estimates are kept for `segment` indices at a time; where the convergence rule must look
+    all trials or one for each. `memory` (robot), `outbox` (2 robots, message), `rows` (index, robot) and
+    `snapshots` (segment, robot) are room to work in. With `local`, robots hear nobody and `rounds` counts single
+    observations. Estimates are kept for a segment of indices, as many as `rows`, at a time; where the convergence rule must look
     further back, the segment before is run again from a snapshot of the minds, to the same bits.
     """
-    memory = np.empty(robots, blank.dtype)
+    robots = memory.size
+    segment = rows.shape[0]
+    segments = (rounds + segment - 1) // segment
     scratch = blank.copy()
-    outbox = np.empty((robots, outbox_width), np.float64)
-    blacks = np.zeros(robots, np.int64)
-    bits = np.zeros(robots, np.uint64)
+    blacks = np.zeros(robots if local else min(robots, BLOCK), np.int64)
+    bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots)
     low = np.empty(robots)
     high = np.empty(robots)
-    segments = (rounds + segment - 1) // segment
-    snapshots = np.empty((segments, robots if segments > 1 else 0), blank.dtype)
-    rows = np.empty((segment, robots))
     for trial in range(where.shape[0]):
         number = first_trial + trial
         graph = trial if starts.size > 2 else 0
         receivers = all_receivers[starts[graph] : starts[graph + 1]]
         senders = all_senders[starts[graph] : starts[graph + 1]]
+        reach = blocks(receivers, robots)
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
         begin(memory, blank, assumed_b[trial], assumed_w[trial])
         start = np.empty((1, robots))
@@ -192,11 +232,16 @@ def simulate(
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
-                advance(
-                    memory, outbox, scratch, blacks, bits, reading, tables, first, last, local, looks,
-                    number, read_key, order_key, link_key, links, receivers, senders, threshold,
-                    rows, stop,
-                )  # fmt: skip
+                if local:
+                    advance_alone(
+                        memory, reading, blacks, bits, tables, first, last, looks, number, read_key, order_key,
+                        rows, stop,
+                    )  # fmt: skip
+                else:
+                    advance(
+                        memory, outbox, scratch, blacks, bits, tables, first, last, looks, number, read_key,
+                        link_key, links, receivers, senders, reach, threshold, rows, stop,
+                    )  # fmt: skip
                 if stop[0] != 0:
                     return False
                 if forward:
@@ -227,18 +272,20 @@ def record(
     robots = history.shape[1]
     memory = np.empty(robots, blank.dtype)
     scratch = blank.copy()
-    outbox = np.empty((robots, outbox_width), np.float64)
+    outbox = np.empty((2 * robots, outbox_width), np.float64)
+    blacks = np.zeros(min(robots, BLOCK), np.int64)
     bits = np.zeros(robots, np.uint64)
-    reading = np.zeros(robots)
     rows = np.empty((1, robots))
     stop = np.zeros(1, np.uint8)
     tables = black_tables(b, w, fill_ratio, looks)
+    reach = blocks(receivers, robots)
     begin(memory, blank, assumed_b, assumed_w)
     history[0, :] = memory
     for k in range(1, history.shape[0]):
+        count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, 0, robots)
         advance(
-            memory, outbox, scratch, blacks_seen[k], bits, reading, tables, k, k + 1, False, looks, trial,
-            read_key, read_key, link_key, links, receivers, senders, threshold, rows, stop,
+            memory, outbox, scratch, blacks, bits, tables, k, k + 1, looks, trial, read_key, link_key, links,
+            receivers, senders, reach, threshold, rows, stop,
         )  # fmt: skip
         history[k, :] = memory
 

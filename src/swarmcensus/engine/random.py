@@ -70,17 +70,17 @@ def unit(word):
 
 
 @njit(nogil=True)
-def words(key, trial, tick, part, out):
-    """Fill `out`, a uint64 for each robot: robots 2j and 2j + 1 share the block of counter j."""
+def words(key, trial, tick, part, first, size, out):
+    """Fill out[:size], a uint64 for each robot from `first` (even): robots 2j and 2j + 1 share block j."""
     k0 = key[0]
     k1 = key[1]
     c0 = counter(trial, tick)
-    high = uint64(part) << U(32)
-    pairs = out.size // 2
+    high = counter(part, first // 2)
+    pairs = size // 2
     for j in range(pairs):
-        a, b = block(k0, k1, c0, high | uint64(j))
+        a, b = block(k0, k1, c0, high + uint64(j))
         out[2 * j] = a
         out[2 * j + 1] = b
-    if out.size % 2 == 1:
-        a, b = block(k0, k1, c0, high | uint64(pairs))
-        out[out.size - 1] = a
+    if size % 2 == 1:
+        a, b = block(k0, k1, c0, high + uint64(pairs))
+        out[size - 1] = a

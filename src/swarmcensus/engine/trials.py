@@ -11,7 +11,9 @@ from swarmcensus.errors import InputError
 from swarmcensus.metrics import right_bin
 from swarmcensus.settings import Setting
 
-ROWS_BYTES = 8_000_000  # of estimates kept at a time, where the convergence rule needs no more
+ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
+ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
+CROWD_BYTES = 1_000_000_000
 
 
 @dataclass(frozen=True)
@@ -41,8 +43,9 @@ def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -
     least memory, which grows with the square root of the rounds.
     """
     fits = ROWS_BYTES // (8 * robots)
+    crowd = min(ROWS_OF_A_CROWD, CROWD_BYTES // (8 * robots))
     balanced = math.isqrt(rounds * record_bytes // 8)
-    length = max(fits, balanced, 1)
+    length = max(fits, crowd, balanced, 1)
     return min(rounds, -(-length // multiple) * multiple)
 
 
@@ -61,16 +64,24 @@ def run_batch(
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
     links = setting.links(seed, first, trials)
+    segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
+    segments = -(-rounds // segment)
+    kernel = compiler.compile_brain(setting.brain)
+    room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
+        np.empty(setting.robots, blank.dtype),
+        np.empty((2 * setting.robots, len(setting.brain.message))),
+        np.empty((segment, setting.robots)),
+        np.empty((segments, setting.robots if segments > 1 else 0), blank.dtype),
+    )
     arguments = (
-        blank, setting.robots, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks,
-        rounds, segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1),
+        blank, *room, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks, rounds,
         setting.readings_key(seed), setting.readings_key(seed, "order"), setting.losses_key(seed),
         links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
         where, value, final, correct, stop,
     )  # fmt: skip
     try:
-        finished = compiler.compile_brain(setting.brain).simulate(*arguments)
+        finished = kernel.simulate(*arguments)
     except Exception as error:
         what = f"{type(error).__name__}: {error}"
         trial = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
@@ -110,8 +121,7 @@ def seconds(setting: Setting, local: bool = False) -> float:
     looks = setting.observations_per_round
     if local:
         return setting.rounds * looks * setting.robots * 15e-9
-    links = setting.links(0, 0, 1) if setting.topology.edges is not None else None
-    messages = len(links.receivers) / setting.robots if links else 2.0
+    messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
     if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6

@@ -17,7 +17,7 @@ def spread_uniform(key, first_trial, low, high, out):
     """Fill `out` (trial, robot) with U(low, high)."""
     bits = np.empty(out.shape[1], np.uint64)
     for trial in range(out.shape[0]):
-        words(key, first_trial + trial, 0, 0, bits)
+        words(key, first_trial + trial, 0, 0, 0, bits.size, bits)
         for i in range(out.shape[1]):
             out[trial, i] = low + (high - low) * unit(bits[i])
 
@@ -77,7 +77,7 @@ def random_tree(key, trial, robots):
     """
     parent = np.zeros(robots, np.int64)
     bits = np.empty(robots, np.uint64)
-    words(key, trial, 0, 0, bits)
+    words(key, trial, 0, 0, 0, robots, bits)
     for i in range(2, robots):
         end = np.int64(unit(bits[i]) * (2 * (i - 1)))
         child = 1 + end // 2  # link number `child` joins that robot to its parent
@@ -95,5 +95,5 @@ def single_readings(b, w, fill_ratio, looks, read_key, order_key, trial, out):
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:
-            count_blacks(blacks, bits, tables, looks, read_key, trial, step // looks + 1)
+            count_blacks(blacks, bits, tables, looks, read_key, trial, step // looks + 1, 0, robots)
         arrange(out[step], blacks, bits, left, order_key, trial, step + 1)
