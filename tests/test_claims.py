@@ -96,9 +96,9 @@ def backwards(study, topology, robots, accuracy, f):
     return {"K": np.exp(8 * QUALITY[accuracy])} if (topology, f) == ("ring", 0.55) else {}
 
 
-def helps_good(study, accuracy, f, **_):
-    """At f = 0.55, robots with good sensors are bad by themselves."""
-    return {"local": 5.0} if study == "local" and QUALITY[accuracy] > 0.75 and f == 0.55 else {}
+def hurts_poor(study, topology, accuracy, **_):
+    """On the ring, robots with poor sensors do worse in company than alone."""
+    return {"error": 5.0} if (study, topology) == ("topologies", "ring") and QUALITY[accuracy] < 0.75 else {}
 
 
 FAILING = {
@@ -108,7 +108,7 @@ FAILING = {
     "full-first": only(one("full"), K=7),
     "ring-like-line": only(one("line"), error=1.5),
     "informed-first": only(one("ring"), K=12),
-    "helps-poor": helps_good,
+    "helps-poor": hurts_poor,
     "grows": backwards,
     "mixed-055": only(mixed(0.55), K=0.5),
     "mixed-095": only(mixed(0.95), error=1.6),

@@ -90,7 +90,7 @@ CLAIMS: tuple[Claim, ...] = (
         title="Informed estimates converge before local ones",
         sentence="Robots converge onto an informed estimate much quicker than a local estimate",
         section=TOPOLOGY,
-        statistic="median K in observations, informed / local, for each topology, accuracy and f",
+        statistic="median K in observations, informed / local, for each topology and accuracy at f = 0.55",
         threshold="below 1",
         right=BELOW_ONE,
         measure=measures.informed_first,
@@ -102,7 +102,7 @@ CLAIMS: tuple[Claim, ...] = (
         sentence="with improved accuracies particularly for low-quality sensors",
         section=TOPOLOGY,
         statistic="median local error less median informed error: its mean over the five accuracies below 0.75 "
-        "less its mean over the five above, for each topology and f",
+        "less its mean over the five above, for each topology at f = 0.55",
         threshold="above 0",
         right=(0.0, np.inf),
         measure=measures.helps_poor,

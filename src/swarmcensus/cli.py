@@ -123,10 +123,10 @@ def _from_zero(text: str) -> int:
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run, draw and check the paper."""
-    from swarmcensus import paper
+    from swarmcensus import paper, report
     from swarmcensus.progress import reporting
 
-    paper.reproduce(
+    done = paper.reproduce(
         options.out,
         trials=options.trials,
         seed=options.seed,
@@ -134,6 +134,8 @@ def reproduce(options: argparse.Namespace) -> int:
         only=options.only,
         reporting=reporting,
     )
+    report.show(done.claims)
+    print(done.page)
     return 0
 
 

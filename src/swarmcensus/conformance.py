@@ -90,7 +90,7 @@ def _compiles(brain: brains.Brain) -> None:
     kernel = compiler.compile_brain(brain)
     blank = compiler.blank(brain)
     history = np.empty((2, 2), blank.dtype)
-    nobody = np.zeros(0, np.int32)
+    nobody = np.zeros(0, np.uint32)
     sure = np.full(2, 0.9)
     try:
         kernel.follow(blank, sure, sure, np.ones((1, 2)), 1, True, np.zeros(1, np.int64), nobody, nobody, history)

@@ -58,8 +58,8 @@ def _lines(function: Callable[..., Any], *arguments: Any) -> int:
     count = 0
 
     def trace(frame: Any, event: str, _: Any) -> Any:
-        nonlocal count
-        count += event == "line"
+        nonlocal count  # of the brain's own lines: a finaliser of somebody else's may run in between
+        count += event == "line" and frame.f_code.co_filename == function.__code__.co_filename
         return trace
 
     before = sys.gettrace()

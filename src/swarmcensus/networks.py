@@ -69,7 +69,7 @@ class Topology:
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
         if self.name == "full" and self.edges is None:
-            empty = np.zeros(0, np.int32)
+            empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
         if self.name == "scale-free" or self.generator:
             key = address(seed, "topology", topology=self.content, robots=robots)
@@ -119,11 +119,11 @@ def _numbered(graph: Any) -> list[tuple[int, int]]:
 def _directed(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Undirected edges as directed links (receivers, senders), each once, sorted by receiver and sender."""
     if not edges.size:
-        return np.zeros(0, np.int32), np.zeros(0, np.int32)
+        return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
     n = np.int64(edges.max()) + 1
     links = np.sort(np.concatenate([edges @ [n, 1], edges @ [1, n]]))
     links = links[np.append(True, links[1:] != links[:-1])]
-    return (links // n).astype(np.int32), (links % n).astype(np.int32)
+    return (links // n).astype(np.uint32), (links % n).astype(np.uint32)
 
 
 def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topology:

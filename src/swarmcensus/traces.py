@@ -109,7 +109,7 @@ def infer(
         blank = compiler.blank(used)
         kernel = compiler.compile_brain(used)
         history = np.empty((-(-len(readings) // every) + 1, robots), blank.dtype)
-        receivers, senders = (np.ascontiguousarray(pairs[:, k], np.int32) for k in (0, 1))
+        receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             kernel.follow(blank, b, w, readings, int(every), periodic, first, senders, receivers, history)
         except Exception as error:

@@ -91,12 +91,12 @@ def pick(row, word):
 def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
     """How many of this round's observations said black, for robots first (even) ... last - 1."""
     parts = (looks + PART - 1) // PART
-    rows = tables.shape[1]
+    stride = np.uint64(1 if tables.shape[1] > 1 else 0)
     for part in range(parts):
         words(key, trial, tick, part, first, last - first, bits)
         kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
-        for i in range(last - first):
-            drawn = pick(tables[kind, first + i if rows > 1 else 0], bits[i])
+        for i in range(np.uint64(0), last - first):
+            drawn = pick(tables[kind, (first + i) * stride], bits[i])
             blacks[i] = drawn if part == 0 else blacks[i] + drawn
 
 

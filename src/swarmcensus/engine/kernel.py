@@ -26,7 +26,11 @@ from .mind import (
     unpack,
 )
 
-BLOCK = 256  # robots that are finished together: even, for robots share words in pairs
+# Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
+# inner loops: Numba then need not ask whether an index counts from the end.
+BLOCK = np.uint64(256)
+ZERO = np.uint64(0)
+
 
 @njit(nogil=True, error_model="python")
 def begin(memory, blank, b, w):
@@ -40,8 +44,8 @@ def begin(memory, blank, b, w):
 @njit(nogil=True, error_model="python")
 def blocks(receivers, robots):
     """Where each block's links begin, and where the last one's end; links are sorted by receiver."""
-    firsts = np.arange(0, robots + BLOCK, BLOCK).astype(receivers.dtype)
-    return np.searchsorted(receivers, firsts)
+    firsts = np.arange(0, robots + 256, 256).astype(receivers.dtype)
+    return np.searchsorted(receivers, firsts).astype(np.uint64)
 
 
 @compiled
@@ -74,13 +78,14 @@ def hear_all(memory, outbox, said, scratch, rows, r):
     What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
     unlike "all minus own".
     """
-    n = memory.size
+    n = np.uint64(memory.size)
     before = no_sums
-    for i in range(n):
+    for i in range(ZERO, n):
         add_sums(memory[i], before)
         before = sums_with(before, unpack(outbox, said + i), scratch[0])
     after = no_sums
-    for i in range(n - 1, -1, -1):
+    for below in range(ZERO, n):
+        i = n - np.uint64(1) - below
         add_sums(memory[i], after)
         after = sums_with(after, unpack(outbox, said + i), scratch[0])
         fuse(memory[i])
@@ -103,7 +108,7 @@ def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stop):
             return
         for j in range(memory.size):
             if i != j and (threshold == 0 or heard(key, trial, tick, i, j, threshold)):
-                receive(memory[i], unpack(outbox, said + j))
+                receive(memory[i], unpack(outbox, said + np.uint64(j)))
 
 
 @njit(nogil=True, error_model="python")
@@ -143,8 +148,8 @@ def advance(
     swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
     `said` is where this round's messages begin.
     """
-    n = memory.size
-    said, next_said = 0, n
+    n = np.uint64(memory.size)
+    said, next_said = ZERO, n
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
@@ -153,17 +158,15 @@ def advance(
             hear_all(memory, outbox, said, scratch, rows, r)
         elif r >= 0 and links != LISTED:
             hear_pairs(memory, outbox, said, link_key, trial, k, threshold, stop)
-        for start in range(0, n, BLOCK):
+        for start in range(ZERO, n, BLOCK):
             end = min(start + BLOCK, n)
             if r >= 0 and links == LISTED:
-                one, other = reach[start // BLOCK], reach[start // BLOCK + 1]
+                one, other = reach[start // BLOCK], reach[start // BLOCK + np.uint64(1)]
                 hear_listed(memory, outbox, said, receivers, senders, one, other, link_key, trial, k, threshold)
             if r >= 0 and links != FULL:
                 fuse_some(memory, start, end, rows, r)
             if k + 1 < last:
-                observe_some(
-                    memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end
-                )
+                observe_some(memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end)
         said, next_said = next_said, said
 
 
@@ -177,7 +180,9 @@ def advance_alone(
             return
         left = looks - (k - 1) % looks
         if left == looks:
-            count_blacks(blacks, bits, tables, looks, read_key, trial, (k - 1) // looks + 1, 0, memory.size)
+            count_blacks(
+                blacks, bits, tables, looks, read_key, trial, (k - 1) // looks + 1, ZERO, np.uint64(memory.size)
+            )
         arrange(reading, blacks, bits, left, order_key, trial, k)
         for i in range(memory.size):
             observe(memory[i], reading[i], 1.0)
@@ -203,7 +208,7 @@ def simulate(
     segment = rows.shape[0]
     segments = (rounds + segment - 1) // segment
     scratch = blank.copy()
-    blacks = np.zeros(robots if local else min(robots, BLOCK), np.int64)
+    blacks = np.zeros(robots if local else min(robots, 256), np.int64)
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots)
     low = np.empty(robots)
@@ -273,7 +278,7 @@ def record(
     memory = np.empty(robots, blank.dtype)
     scratch = blank.copy()
     outbox = np.empty((2 * robots, outbox_width), np.float64)
-    blacks = np.zeros(min(robots, BLOCK), np.int64)
+    blacks = np.zeros(min(robots, 256), np.int64)
     bits = np.zeros(robots, np.uint64)
     rows = np.empty((1, robots))
     stop = np.zeros(1, np.uint8)
@@ -282,7 +287,7 @@ def record(
     begin(memory, blank, assumed_b, assumed_w)
     history[0, :] = memory
     for k in range(1, history.shape[0]):
-        count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, 0, robots)
+        count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, ZERO, np.uint64(robots))
         advance(
             memory, outbox, scratch, blacks, bits, tables, k, k + 1, looks, trial, read_key, link_key, links,
             receivers, senders, reach, threshold, rows, stop,

@@ -75,7 +75,7 @@ def words(key, trial, tick, part, first, size, out):
     k0 = key[0]
     k1 = key[1]
     c0 = counter(trial, tick)
-    high = counter(part, first // 2)
+    high = counter(part, uint64(first) >> U(1))
     pairs = size // 2
     for j in range(pairs):
         a, b = block(k0, k1, c0, high + uint64(j))

@@ -83,7 +83,7 @@ def run_batch(
     try:
         finished = kernel.simulate(*arguments)
     except Exception as error:
-        what = f"{type(error).__name__}: {error}"
+        what = f"{type(error).__name__}: {str(error).strip().splitlines()[0] if str(error).strip() else ''}"
         trial = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
         raise InputError(f"brain {setting.brain.name!r} fails in {trial} of {setting}: {what}") from error
     return Batch(where, np.abs(value - setting.fill_ratio), final, correct) if finished else None

@@ -54,8 +54,8 @@ def both_ways(parent):
         first[parent[i] + 1] += 1
     for i in range(robots):
         first[i + 1] += first[i]
-    receivers = np.empty(first[robots], np.int32)
-    senders = np.empty(first[robots], np.int32)
+    receivers = np.empty(first[robots], np.uint32)
+    senders = np.empty(first[robots], np.uint32)
     place = first[:robots].copy()
     for i in range(robots):
         if i > 0:  # a parent is always an earlier robot, and children come in order
@@ -95,5 +95,7 @@ def single_readings(b, w, fill_ratio, looks, read_key, order_key, trial, out):
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:
-            count_blacks(blacks, bits, tables, looks, read_key, trial, step // looks + 1, 0, robots)
+            count_blacks(
+                blacks, bits, tables, looks, read_key, trial, step // looks + 1, np.uint64(0), np.uint64(robots)
+            )
         arrange(out[step], blacks, bits, left, order_key, trial, step + 1)
