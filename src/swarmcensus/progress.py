@@ -48,8 +48,8 @@ def _lines(label: str) -> Callable[[Progress], None]:
         now = time.monotonic()
         if now - last >= LINE_SECONDS:
             last = now
-            rate, left = _pace(progress, now - begun)
-            print(f"{label}: {progress.done} of {progress.total} trials, {rate}, {left}", file=sys.stderr, flush=True)
+            pace = ", ".join(_pace(progress, now - begun)) if progress.work_done else "starting"
+            print(f"{label}: {progress.done} of {progress.total} trials, {pace}", file=sys.stderr, flush=True)
 
     return show
 
