@@ -126,9 +126,9 @@ def compile_brain(brain: Brain) -> types.ModuleType:
     return _module(_brain_files(brain), "kernel")
 
 
-def compile_world() -> types.ModuleType:
-    """The entry points that know of no brain: `world.py`."""
-    return _module({"__init__.py": "", "world.py": _source("world.py")}, "world")
+def compile_world(name: str = "world") -> types.ModuleType:
+    """The entry points that know of no brain: `world.py` or `walk.py`."""
+    return _module({"__init__.py": "", f"{name}.py": _source(f"{name}.py")}, name)
 
 
 def is_compiled(brain: Brain) -> bool:

@@ -1,0 +1,70 @@
+"""Walks as data: who looked at which tile and who heard whom, tick by tick, in chunks that fit in memory."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.bodies import Body
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.walk import STATE
+from swarmcensus.errors import InputError
+
+CHUNK_BYTES = 16_000_000  # of a walk kept at a time
+LINKS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some ticks of a walk; links of tick k are i[heard[k]: heard[k + 1]], each once, i < j."""
+
+    tick: int  # the first one
+    looked: np.ndarray  # (tick, robot), bool: whether an observation is made
+    tiles: np.ndarray  # (tick, robot, 2): the tile under the ground sensor
+    heard: np.ndarray  # (tick + 1)
+    i: np.ndarray
+    j: np.ndarray
+    poses: np.ndarray  # (tick, robot, 3): x and y in metres, heading in radians; no rows where not asked for
+
+
+def neighbours_at_most(robots: int, body: Body) -> int:
+    """How many bodies fit around one robot within its reach: the densest packing of discs."""
+    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.radius) / body.radius) ** 2
+    return min(robots - 1, int(fit) + 1)
+
+
+def walk(
+    robots: int, side: float, body: Body, key: np.ndarray, trial: int, ticks: int, stop: np.ndarray, poses: bool = False
+) -> Iterator[Chunk]:
+    """The walk of one trial, in chunks, from tick 1 on. Raises InputError where the robots find no room."""
+    module = compile_world("walk")
+    numbers, half = body.numbers, side / 2.0
+    state = np.zeros((robots, STATE))
+    if not module.place(state, numbers, half, key, trial):
+        raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
+    cells = max(1, int(side / max(body.reach, half / math.sqrt(robots))))
+    around = (
+        np.zeros(robots + 1, np.int64),
+        np.zeros(max(1, robots * neighbours_at_most(robots, body)), np.int32),
+        np.zeros(max(1, robots * neighbours_at_most(robots, body))),
+        np.zeros((cells, cells), np.int32),
+        np.zeros(robots, np.int32),
+    )
+    module.look_around(state, numbers, half, *around)
+    links = max(LINKS, around[1].size)
+    i, j = np.zeros(links, np.int32), np.zeros(links, np.int32)
+    tick = 1
+    while tick <= ticks:
+        length = min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (33 if poses else 9))))
+        looked = np.zeros((length, robots), np.bool_)
+        tiles = np.zeros((length, robots, 2), np.int32)
+        heard = np.zeros(length + 1, np.int64)
+        seen = np.zeros((length if poses else 0, robots, 3))
+        done = module.walk(
+            state, numbers, half, key, trial, tick, looked, tiles, heard, i, j, seen, *around, stop
+        )  # fmt: skip
+        if stop[0] != 0:
+            return
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done + 1], i, j, seen[:done])
+        tick += done
