@@ -72,7 +72,9 @@ def test_datasets_are_what_the_study_files_say(done):
 def test_robots_meet_the_same_readings_alone_and_in_company(done):
     """The local study and the study of topologies share trials, so that their difference is communication's."""
     shared = [
-        d.isel(setting=((d.robots == 100) & (d.topology == "full") & (d.fill_ratio == 0.55)).values).final_estimate.values[..., :100]
+        d.isel(
+            setting=((d.robots == 100) & (d.topology == "full") & (d.fill_ratio == 0.55)).values
+        ).final_estimate.values[..., :100]
         for d in (done.datasets["local"], done.datasets["topologies"])
     ]
     np.testing.assert_array_equal(*shared)

@@ -39,11 +39,15 @@ class Body(BaseModel):
     @property
     def numbers(self) -> np.ndarray:
         """The body as the engine takes it: one record of float64."""
+        turn = 2.0 * self.turn_speed * self.tick / self.wheel_distance
         values = {
             "radius": self.radius,
             "step": self.speed * self.tick,
-            "turn": 2.0 * self.turn_speed * self.tick / self.wheel_distance,
             "lag": self.wheel_lag,
+            "cos_late": math.cos(turn * self.wheel_lag),
+            "sin_late": math.sin(turn * self.wheel_lag),
+            "cos_then": math.cos(turn * (1.0 - self.wheel_lag)),
+            "sin_then": math.sin(turn * (1.0 - self.wheel_lag)),
             "straight_mean": self.straight_mean,
             "turn_most": float(self.turn_most),
             "proximity_range": self.proximity_range,
@@ -56,6 +60,7 @@ class Body(BaseModel):
             "radio_range": self.radio_range,
             "line_of_sight": float(self.line_of_sight),
             "reach": self.reach,
+            "skin": self.skin,
         }
         record = np.zeros(1, np.dtype((np.record, [(name, np.float64) for name in values])))
         record[0] = tuple(values.values())
@@ -67,3 +72,8 @@ class Body(BaseModel):
         seen = 2.0 * self.radius + self.proximity_range
         touched = 2.0 * self.radius + 4.0 * self.speed * self.tick
         return max(math.hypot(self.radio_range, self.radius), seen, touched)
+
+    @property
+    def skin(self) -> float:
+        """How much further lists of others reach, so that they hold for some ticks."""
+        return max(8.0 * self.speed * self.tick, 0.1 * self.reach)

@@ -19,7 +19,8 @@ from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 from swarmcensus.engine.random import address
 from swarmcensus.errors import InputError
 
-NAMED = ("full", "ring", "line", "scale-free")
+MOVING = "moving"  # robots that move hear whom they meet: see arena.py
+NAMED = ("full", "ring", "line", "scale-free", MOVING)
 FORMS = (
     f'one of {", ".join(NAMED)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
     'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'

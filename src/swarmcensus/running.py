@@ -1,33 +1,41 @@
 """Runs a study: settings become tasks of a fair size, threads run them, Ctrl-C keeps what is done."""
 
+import itertools
 import os
 import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 
 from swarmcensus import results
 from swarmcensus.engine import compiler
-from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds
+from swarmcensus.engine.rides import run_ride
+from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
 
 TASK_SECONDS = 0.1  # long against the cost of starting a task, short against a person's patience
 WAIT_SECONDS = 0.1
+RIDERS_BYTES = 256_000_000  # of curves that the minds on one walk may fill
 
 
 @dataclass(frozen=True)
 class Task:
-    """Some trials of one setting; a local task serves every setting whose robots see the same."""
+    """Some trials of one setting, or of several at once.
 
+    A local task serves every setting whose robots see the same; a ride is one trial of settings that share
+    its walk.
+    """
+
+    kind: Literal["batch", "local", "ride"]
     settings: tuple[int, ...]
     first: int
     trials: int
-    local: bool
     cost: float
 
 
@@ -73,22 +81,37 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
 def plan(study: Study, settings: list[Setting]) -> Iterator[Task]:
     """The tasks of a study, in the order of its settings."""
     for number, setting in enumerate(settings):
-        yield from _split((number,), setting, study.trials, local=False)
+        if setting.body is None:
+            yield from _split("batch", (number,), setting, study.trials)
     if study.measure.local:
-        alike: dict[object, list[int]] = {}
-        for number, setting in enumerate(settings):
-            mute = replace(setting, topology=settings[0].topology, link_success=1.0)
-            alike.setdefault(mute, []).append(number)
-        for numbers in alike.values():
-            yield from _split(tuple(numbers), settings[numbers[0]], study.trials, local=True)
+        for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0)):
+            yield from _split("local", numbers, settings[numbers[0]], study.trials)
+    for numbers in _alike(settings, lambda s: (repr(s.walk_content), s.rounds) if s.body else None):
+        if settings[numbers[0]].body is not None:
+            yield from _rides(numbers, settings, study.trials)
 
 
-def _split(numbers: tuple[int, ...], setting: Setting, trials: int, local: bool) -> Iterator[Task]:
-    cost = seconds(setting, local)
+def _rides(numbers: tuple[int, ...], settings: list[Setting], trials: int) -> Iterator[Task]:
+    first = settings[numbers[0]]
+    some = max(1, RIDERS_BYTES // (8 * first.robots * first.rounds))
+    for trial, k in itertools.product(range(trials), range(0, len(numbers), some)):
+        riders = numbers[k : k + some]
+        yield Task("ride", riders, trial, 1, walk_seconds(first) + len(riders) * seconds(first))
+
+
+def _alike(settings: list[Setting], content: Callable[[Setting], object]) -> list[tuple[int, ...]]:
+    groups: dict[object, list[int]] = {}
+    for number, setting in enumerate(settings):
+        groups.setdefault(content(setting), []).append(number)
+    return [tuple(numbers) for numbers in groups.values()]
+
+
+def _split(kind: Literal["batch", "local"], numbers: tuple[int, ...], setting: Setting, trials: int) -> Iterator[Task]:
+    cost = seconds(setting, kind == "local")
     size = max(1, min(trials, int(TASK_SECONDS / cost)))
     for first in range(0, trials, size):
         count = min(size, trials - first)
-        yield Task(numbers, first, count, local, cost * count)
+        yield Task(kind, numbers, first, count, cost * count)
 
 
 def _work(
@@ -104,11 +127,14 @@ def _work(
     total, work_total = study.trials * len(settings), sum(t.cost for t in tasks)
     done, work_done, interrupted = 0, 0.0, False
 
-    def job(task: Task) -> Batch | None:
-        setting = settings[task.settings[0]]
-        return run_batch(setting, study.seed, task.first, task.trials, metrics, stop, task.local)
+    def job(task: Task) -> list[Batch] | None:
+        chosen = [settings[n] for n in task.settings]
+        if task.kind == "ride":
+            return run_ride(chosen, study.seed, task.first, metrics, stop)
+        batch = run_batch(chosen[0], study.seed, task.first, task.trials, metrics, stop, task.kind == "local")
+        return None if batch is None else [batch] * len(chosen)
 
-    waiting: dict[Future[Batch | None], Task] = {}
+    waiting: dict[Future[list[Batch] | None], Task] = {}
     rest = iter(tasks)
     with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as pool:
         try:
@@ -121,7 +147,7 @@ def _work(
                 finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
                 for future in finished:
                     task = waiting.pop(future)
-                    done += _keep(data, settings, task, future)
+                    done += _keep(data, task, future)
                     work_done += task.cost
         except KeyboardInterrupt:
             interrupted = True
@@ -132,15 +158,15 @@ def _work(
         if interrupted:
             for future, task in waiting.items():
                 if not future.cancelled():
-                    done += _keep(data, settings, task, future)
+                    done += _keep(data, task, future)
     progress(Progress(done, total, work_done, work_total))
     return done, interrupted
 
 
-def _keep(data: xr.Dataset, settings: list[Setting], task: Task, future: Future[Batch | None]) -> int:
-    batch = future.result()
-    if batch is None:
+def _keep(data: xr.Dataset, task: Task, future: Future[list[Batch] | None]) -> int:
+    batches = future.result()
+    if batches is None:
         return 0
-    for number in task.settings:
-        results.store(data, number, task.first, batch, task.local)
-    return 0 if task.local else task.trials
+    for number, batch in zip(task.settings, batches, strict=True):
+        results.store(data, number, task.first, batch, task.kind == "local")
+    return 0 if task.kind == "local" else task.trials * len(batches)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarmcensus.bodies import Body
 from swarmcensus.brains import Brain
 from swarmcensus.engine.random import address
 from swarmcensus.networks import Links, Topology
@@ -25,15 +26,18 @@ class Setting:
     assumed_accuracy: Accuracy | None  # None: robots know their sensors
     fill_ratio: float
     link_success: float
-    rounds: int
+    rounds: int  # ticks where robots move
     observations_per_round: int
+    density: float | None = None  # of robots that move
+    body: Body | None = None
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
-        return (
-            f"{self.topology}, N = {self.robots}, accuracy {self.accuracy}, f = {self.fill_ratio}, "
-            f"C = {self.rounds}, R = {self.observations_per_round}"
-        )
+        where = f"{self.topology}, N = {self.robots}"
+        what = f"accuracy {self.accuracy}, f = {self.fill_ratio}"
+        if self.body is not None:
+            return f"{where}, D = {self.density}, {what}, {self.rounds} ticks"
+        return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
 
     @property
     def coordinates(self) -> dict[str, object]:
@@ -42,7 +46,7 @@ class Setting:
             "brain": self.brain.name,
             "topology": str(self.topology),
             "robots": self.robots,
-            "density": np.nan,
+            "density": np.nan if self.density is None else self.density,
             "accuracy": str(self.accuracy),
             "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
             "fill_ratio": self.fill_ratio,
@@ -60,11 +64,37 @@ class Setting:
             accuracy=str(self.accuracy),
             fill_ratio=self.fill_ratio,
             observations_per_round=self.observations_per_round,
+            density=self.density,
+        )
+
+    @property
+    def walk_content(self) -> dict[str, object]:
+        """What a walk depends on: settings alike in it share their walks, trial by trial."""
+        assert self.body is not None
+        body = self.body.model_dump(exclude={"message_delay"})
+        return {"robots": self.robots, "density": self.density, "body": body}
+
+    def walk_key(self, seed: int) -> np.ndarray:
+        """The address of where robots start and how they walk."""
+        return address(seed, "walk", **self.walk_content)
+
+    def floor_key(self, seed: int) -> np.ndarray:
+        """The address of the floor's tiles."""
+        assert self.body is not None
+        return address(
+            seed, "floor", robots=self.robots, density=self.density, tile=self.body.tile, fill_ratio=self.fill_ratio
         )
 
     def losses_key(self, seed: int) -> np.ndarray:
         """The address of which messages are lost."""
-        return address(seed, "losses", topology=self.topology.content, robots=self.robots, success=self.link_success)
+        return address(
+            seed,
+            "losses",
+            topology=self.topology.content,
+            robots=self.robots,
+            density=self.density,
+            success=self.link_success,
+        )
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""

@@ -20,9 +20,10 @@ from pydantic import (
     model_validator,
 )
 
-from swarmcensus import brains
+from swarmcensus import arena, brains
+from swarmcensus.bodies import Body, Positive
 from swarmcensus.errors import InputError
-from swarmcensus.networks import Topology, parse_topology
+from swarmcensus.networks import MOVING, Topology, parse_topology
 from swarmcensus.sensors import Accuracy, parse_accuracy
 from swarmcensus.settings import Setting
 
@@ -89,18 +90,24 @@ class Swarm(_Table):
 
 
 class World(_Table):
-    """What the robots live in: who hears whom, how much is black, how often a message gets through."""
+    """What the robots live in: who hears whom, how much is black, how often a message gets through.
+
+    `density` and `body` are those of robots that move (topology "moving").
+    """
 
     topology: _grid(TopologyField)  # type: ignore[valid-type]
     fill_ratio: _grid(Share)  # type: ignore[valid-type]
     link_success: _grid(Share) = [1.0]  # type: ignore[valid-type]
+    density: _grid(Positive) | None = None  # type: ignore[valid-type]
+    body: Body = Body()
 
 
 class Schedule(_Table):
-    """How long: communication rounds (C), and observations in each (R)."""
+    """How long: communication rounds (C), and observations in each (R); ticks of robots that move."""
 
     rounds: _grid(Whole) = [1000]  # type: ignore[valid-type]
     observations_per_round: _grid(Whole) = [10]  # type: ignore[valid-type]
+    ticks: _grid(Whole) = [10_000]  # type: ignore[valid-type]
 
 
 class Measure(_Table):
@@ -131,10 +138,36 @@ class Tables(_Table):
             names = [v.name for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {key} have one name: {', '.join(names)}")
-        late = [c for c in self.measure.checkpoints or () if c > max(self.schedule.rounds)]
+        late = [c for c in self.measure.checkpoints or () if c > self.last_round]
         if late:
-            raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {max(self.schedule.rounds)}")
+            raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {self.last_round}")
+        self._check_moving()
         return self
+
+    @property
+    def last_round(self) -> int:
+        """The last round, or tick, of the longest setting."""
+        moving = [t.name == MOVING for t in self.world.topology]
+        rounds = [] if all(moving) else self.schedule.rounds
+        ticks = self.schedule.ticks if any(moving) else []
+        return int(max([*rounds, *ticks]))
+
+    def _check_moving(self) -> None:
+        if not any(t.name == MOVING for t in self.world.topology):
+            if self.world.density is not None:
+                raise ValueError('world.density is of robots that move: it goes with topology = "moving"')
+            return
+        if self.world.density is None:
+            raise ValueError("world.density is missing: robots that move need a swarm density, such as 1")
+        if self.measure.local:
+            raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")
+        for robots, density in itertools.product(self.swarm.robots, self.world.density):
+            largest = arena.largest_density(robots, self.world.body)
+            if density > largest:
+                raise ValueError(
+                    f"world.density = {density}: the arena cannot hold {robots} robots; the largest that can is "
+                    f"{largest:.1f}"
+                )
 
 
 class Study:
@@ -194,15 +227,17 @@ class Study:
         """The rounds at which decisions are recorded: by default 1, 2, 5, 10, 20, 50 ... and the last."""
         if self.measure.checkpoints is not None:
             return sorted(set(self.measure.checkpoints))
-        last = max(self.schedule.rounds)
+        lengths = {s.rounds for s in self.settings()}
         steps = {m * 10**k for k in range(10) for m in (1, 2, 5)}
-        return sorted({s for s in steps if s < last} | set(self.schedule.rounds))
+        return sorted({s for s in steps if s < max(lengths)} | lengths)
 
     def settings(self) -> list[Setting]:
         """Every combination of the study's values, in the order of the file's tables."""
         swarm, world, schedule = self.swarm, self.world, self.schedule
+        fixed = [(c, r, None, None) for c in schedule.rounds for r in schedule.observations_per_round]
+        moving = [(t, 1, d, world.body) for d in world.density or () for t in schedule.ticks]
         return [
-            Setting(*values)
+            Setting(*values, *length)
             for values in itertools.product(
                 swarm.brain,
                 world.topology,
@@ -211,9 +246,8 @@ class Study:
                 swarm.assumed_accuracy or [None],
                 world.fill_ratio,
                 world.link_success,
-                schedule.rounds,
-                schedule.observations_per_round,
             )
+            for length in (moving if values[1].name == MOVING else fixed)
         ]
 
 

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus import brains
+from swarmcensus import arena, brains
 from swarmcensus.engine import compiler, oracle
+from swarmcensus.engine.rides import record_ride
 from swarmcensus.engine.trials import record_readings, record_trial
 from swarmcensus.errors import InputError
 from swarmcensus.results import load, study_of
@@ -17,17 +18,26 @@ from swarmcensus.settings import Setting
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
 
-def replay(results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None) -> xr.Dataset:
+def replay(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None, links: bool = False
+) -> xr.Dataset:
     """One trial again, in full: dimensions round and robot, each field of the brain's memory, `estimate`.
+
+    Of robots that move also `position` (axis; metres, the arena's centre at 0), `heading` (radians), `looked`
+    (whether an observation was made), `tile` (the true colour under the sensor, 1 black), `reading` (NaN where
+    none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot.
 
     `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not
     shipped with swarmcensus must be given as a file. The curves are those that the run measured, to the last
     bit. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
-    history, estimates, blacks = record_trial(found, study.seed, trial)
-    trace = _trace({name: history[name] for name in found.brain.memory}, estimates, found.brain)
-    trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    if found.body is not None:
+        trace = _moving_trace(found, study.seed, trial, links)
+    else:
+        history, estimates, blacks = record_trial(found, study.seed, trial)
+        trace = _trace({name: history[name] for name in found.brain.memory}, estimates, found.brain)
+        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
     trace.attrs |= {
         "title": f"{study.name}, setting {setting}, trial {trial}: {found}",
         "setting": setting,
@@ -40,14 +50,48 @@ def replay(results: xr.Dataset | str | Path, setting: int, trial: int, brain: st
     return trace
 
 
+def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
+    assert found.body is not None
+    assert found.density is not None
+    ride = record_ride(found, seed, trial)
+    trace = _trace({name: ride.history[name] for name in found.brain.memory}, ride.estimates, found.brain)
+    dims = ("round", "robot")
+    trace["position"] = ((*dims, "axis"), ride.poses[..., :2], {"units": "m", "long_name": "from the arena's centre"})
+    trace["heading"] = (dims, ride.poses[..., 2], {"units": "rad"})
+    trace["looked"] = (dims, ride.looked.astype(np.int8), {"long_name": "1 where an observation was made"})
+    trace["tile"] = (dims, ride.colours, {"long_name": "the true colour under the ground sensor, 1 black"})
+    trace["reading"] = (dims, ride.readings, {"long_name": "what the ground sensor said, 1 black"})
+    heard = np.zeros(ride.looked.shape, np.int32)
+    for side in (1, 2):
+        np.add.at(heard, (ride.links[:, 0], ride.links[:, side]), 1)
+    trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
+    if links:
+        trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
+    trace = trace.assign_coords(axis=["x", "y"])
+    trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
+    trace.attrs |= {
+        "side": arena.side(found.robots, found.density, found.body),
+        "radio_range": found.body.radio_range,
+        "radius": found.body.radius,
+        "tile_side": found.body.tile,
+    }
+    return trace
+
+
 def recording(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the robots of one trial saw and who heard whom, as `infer` takes it.
 
-    Returns readings (step, robot), 1 black, and undirected edges (edge, 2). Raises InputError.
+    Returns readings (step, robot), 1 black, and undirected edges (edge, 2); of robots that move, messages
+    (message, 3) of step, sender, receiver. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
+    if found.body is not None:
+        ride = record_ride(found, study.seed, trial)
+        tick, i, j = ride.links.T
+        messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
+        return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
     links = found.links(study.seed, trial, 1)
     if links.senders.size or found.robots == 1 or found.topology.name != "full":
         edges = np.stack([links.receivers, links.senders], axis=1)

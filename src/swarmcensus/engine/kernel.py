@@ -8,7 +8,7 @@ from numba import njit
 
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.modes import FULL, LISTED
-from swarmcensus.engine.random import block, counter
+from swarmcensus.engine.random import block, counter, unit, words
 
 from .mind import (
     add_sums,
@@ -66,7 +66,7 @@ def fuse_some(memory, first, last, rows, r):
 
 
 @njit(nogil=True, error_model="python")
-def heard(key, trial, tick, receiver, sender, threshold):
+def heard_by(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
     return block(key[0], key[1], counter(trial, tick), counter(receiver, sender))[0] < threshold
 
@@ -96,7 +96,7 @@ def hear_all(memory, outbox, said, scratch, rows, r):
 def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold):
     """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
     for link in range(first, last):
-        if threshold == 0 or heard(key, trial, tick, receivers[link], senders[link], threshold):
+        if threshold == 0 or heard_by(key, trial, tick, receivers[link], senders[link], threshold):
             receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
 
 
@@ -107,7 +107,7 @@ def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stop):
         if stop[0] != 0:
             return
         for j in range(memory.size):
-            if i != j and (threshold == 0 or heard(key, trial, tick, i, j, threshold)):
+            if i != j and (threshold == 0 or heard_by(key, trial, tick, i, j, threshold)):
                 receive(memory[i], unpack(outbox, said + np.uint64(j)))
 
 
@@ -201,8 +201,9 @@ def simulate(
     Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
     all trials or one for each. `memory` (robot), `outbox` (2 robots, message), `rows` (index, robot) and
     `snapshots` (segment, robot) are room to work in. With `local`, robots hear nobody and `rounds` counts single
-    observations. Estimates are kept for a segment of indices, as many as `rows`, at a time; where the convergence rule must look
-    further back, the segment before is run again from a snapshot of the minds, to the same bits.
+    observations. Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
+    convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
+    same bits.
     """
     robots = memory.size
     segment = rows.shape[0]
@@ -333,3 +334,78 @@ def believe(history, out):
     for k in range(history.shape[0]):
         for i in range(history.shape[1]):
             out[k, i] = estimate(history[k, i])
+
+
+TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
+
+
+@entry
+def wake(memory, blank, b, w, outbox, start):
+    """Blank minds that believe in b and w; what they would say, and their estimates before any observation."""
+    begin(memory, blank, b, w)
+    for i in range(memory.size):
+        pack(outbox, i, broadcast(memory[i]))
+        start[0, i] = estimate(memory[i])
+
+
+@entry
+def ride(
+    memory, outbox, rows, trial, tick, b, w, fill_ratio, floor_key, read_key, link_key, threshold, delay,
+    looked, tiles, heard, links_i, links_j, history, colours, readings, stop,
+):  # fmt: skip
+    """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
+
+    What a robot hears was said `delay` ticks ago; `outbox` holds delay + 1 ticks. `history`, `colours` (the true
+    tile, 1 black) and `readings` (NaN where a robot made none) are filled where they have rows.
+    """
+    n = memory.size
+    bits = np.zeros(n, np.uint64)
+    step_b, step_w = (1 if b.size > 1 else 0), (1 if w.size > 1 else 0)
+    for k in range(looked.shape[0]):
+        if stop[0] != 0:
+            return
+        now = tick + k
+        said = (now % (delay + 1)) * n
+        words(read_key, trial, now, 0, 0, n, bits)
+        for i in range(n):
+            if looked[k, i] or colours.shape[0] > 0:
+                floor, _ = block(
+                    floor_key[0],
+                    floor_key[1],
+                    counter(trial, 0),
+                    counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1]),
+                )
+                black = unit(floor) < fill_ratio
+                right = unit(bits[i]) < (b[i * step_b] if black else w[i * step_w])
+                reading = 1.0 if black == right else 0.0
+                if looked[k, i]:
+                    observe(memory[i], reading, 1.0)
+                if colours.shape[0] > 0:
+                    colours[k, i] = black
+                    readings[k, i] = reading if looked[k, i] else np.nan
+            pack(outbox, said + i, broadcast(memory[i]))
+        if now >= delay:
+            then = ((now - delay) % (delay + 1)) * n
+            for link in range(heard[k], heard[k + 1]):
+                i, j = links_i[link], links_j[link]
+                if threshold == 0 or heard_by(link_key, trial, now, i, j, threshold):
+                    receive(memory[i], unpack(outbox, then + j))
+                if threshold == 0 or heard_by(link_key, trial, now, j, i, threshold):
+                    receive(memory[j], unpack(outbox, then + i))
+        for i in range(n):
+            fuse(memory[i])
+            rows[now - 1, i] = estimate(memory[i])
+        if history.shape[0] > 0:
+            history[k, :] = memory
+
+
+@entry
+def conclude(rows, start, delta, where, value):
+    """The convergence of whole curves `rows`, index 1 on, after `start`, index 0."""
+    robots = rows.shape[1]
+    low = np.full(robots, np.inf)
+    high = np.full(robots, -np.inf)
+    where[:] = rows.shape[0]
+    value[:] = rows[rows.shape[0] - 1]
+    if settle(rows, 1, delta, low, high, where, value):
+        settle(start, 0, delta, low, high, where, value)

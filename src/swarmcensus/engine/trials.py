@@ -119,9 +119,16 @@ def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
 def seconds(setting: Setting, local: bool = False) -> float:
     """A rough prediction of a trial's cost on one core, for batches of a fair size and the time left."""
     looks = setting.observations_per_round
+    if setting.body is not None:
+        return setting.rounds * setting.robots * 40e-9
     if local:
         return setting.rounds * looks * setting.robots * 15e-9
     messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
     if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
+
+
+def walk_seconds(setting: Setting) -> float:
+    """The same of a walk."""
+    return setting.rounds * setting.robots * (100e-9 + 30e-9 * (setting.density or 0.0))

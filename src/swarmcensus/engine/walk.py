@@ -18,23 +18,37 @@ RAY_Y = np.array([math.sin(k * math.pi / 4) for k in range(RAYS)])
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
 CONTACT = 1e-6  # metres of overlap that contact leaves
 SWEEPS = 200
+SLACK = 0.02  # metres that contact may push a robot further than it goes by itself
 PLACINGS = 10_000  # tries to place one robot
 
 # columns of a robot's state
-X, Y, COS, SIN, SPEED, TURN, MOVE, LEFT_TICKS, AVOIDING = range(9)
-STATE = 9
+X, Y, COS, SIN, SPEED, TURN, MOVE, LEFT_TICKS, AVOIDING, MOVE_NOW = range(10)
+STATE = 10
 
 
 @compiled
-def cells_of(state, half, size, heads, following):
-    """Sort robots into a grid of square cells as linked lists; returns the cells along a side."""
+def cell(x, half, size, side):
+    """Which of `side` cells of a grid a coordinate lies in."""
+    return min(max(int((x + half) / size), 0), side - 1)
+
+
+@compiled
+def sort_into_cells(state, half, size, heads, following):
+    """Put the robots into square cells, as linked lists."""
     side = heads.shape[0]
     heads[:, :] = -1
     for i in range(state.shape[0] - 1, -1, -1):
-        a = min(max(int((state[i, X] + half) / size), 0), side - 1)
-        b = min(max(int((state[i, Y] + half) / size), 0), side - 1)
+        a, b = cell(state[i, X], half, size, side), cell(state[i, Y], half, size, side)
         following[i] = heads[a, b]
         heads[a, b] = i
+
+
+@compiled
+def square_distance(state, i, j):
+    """Between the centres of two robots."""
+    dx = state[j, X] - state[i, X]
+    dy = state[j, Y] - state[i, Y]
+    return dx * dx + dy * dy
 
 
 @entry
@@ -53,8 +67,7 @@ def place(state, body, half, key, trial):
             p, q = block(key[0], key[1], counter(trial, attempt), counter(1, i))
             x = (2.0 * unit(p) - 1.0) * (half - radius)
             y = (2.0 * unit(q) - 1.0) * (half - radius)
-            a = min(int((x + half) / size), side - 1)
-            b = min(int((y + half) / size), side - 1)
+            a, b = cell(x, half, size, side), cell(y, half, size, side)
             free = True
             for m in range(max(a - 1, 0), min(a + 2, side)):
                 for n in range(max(b - 1, 0), min(b + 2, side)):
@@ -78,89 +91,57 @@ def place(state, body, half, key, trial):
 
 
 @compiled
-def meets(state, i, others, count, d2, j, reach2):
-    """Robot j is put on robot i's list where it is within reach; returns the list's new length."""
-    dx = state[j, X] - state[i, X]
-    dy = state[j, Y] - state[i, Y]
-    square = dx * dx + dy * dy
-    if square < reach2:
-        others[count] = j
-        d2[count] = square
-        return count + 1
-    return count
-
-
-@compiled
-def neighbourhoods(state, half, reach, first, others, d2, heads, following):
-    """All robots within `reach` of each robot i: others[first[i]: first[i + 1]], squared distances in `d2`.
+def list_others(state, half, reach, first, others, heads, following):
+    """List for each robot i the robots within `reach`, in order: others[first[i]: first[i + 1]].
 
     The lists must be long enough for as many as fit. The cost is linear in the robots.
     """
     robots = state.shape[0]
     reach2 = reach * reach
-    count = 0
-    if robots <= ALL_PAIRS:
-        for i in range(robots):
-            first[i] = count
-            for j in range(i):
-                count = meets(state, i, others, count, d2, j, reach2)
-            for j in range(i + 1, robots):
-                count = meets(state, i, others, count, d2, j, reach2)
-        first[robots] = count
-        return
-    size = 2.0 * half / heads.shape[0]
     side = heads.shape[0]
-    cells_of(state, half, size, heads, following)
+    size = 2.0 * half / side
+    crowd = robots > ALL_PAIRS
+    if crowd:
+        sort_into_cells(state, half, size, heads, following)
+    count = 0
     for i in range(robots):
         first[i] = count
-        a = min(max(int((state[i, X] + half) / size), 0), side - 1)
-        b = min(max(int((state[i, Y] + half) / size), 0), side - 1)
+        if not crowd:
+            for j in range(robots):
+                if j != i and square_distance(state, i, j) < reach2:
+                    others[count] = j
+                    count += 1
+            continue
+        a, b = cell(state[i, X], half, size, side), cell(state[i, Y], half, size, side)
         for m in range(max(a - 1, 0), min(a + 2, side)):
             for n in range(max(b - 1, 0), min(b + 2, side)):
                 j = heads[m, n]
                 while j >= 0:
-                    if j != i:
-                        count = meets(state, i, others, count, d2, j, reach2)
+                    if j != i and square_distance(state, i, j) < reach2:
+                        g = count
+                        while g > first[i] and others[g - 1] > j:
+                            others[g] = others[g - 1]
+                            g -= 1
+                        others[g] = j
+                        count += 1
                     j = following[j]
-        # in order of robots, whatever the cells
-        for e in range(first[i] + 1, count):
-            j, square = others[e], d2[e]
-            g = e
-            while g > first[i] and others[g - 1] > j:
-                others[g], d2[g] = others[g - 1], d2[g - 1]
-                g -= 1
-            others[g], d2[g] = j, square
     first[robots] = count
 
 
 @compiled
-def ray_to_wall(px, py, dx, dy, half):
-    """How far from p along the unit vector d the nearest wall is."""
-    far = np.inf
-    if abs(dx) > 1e-12:
-        far = (math.copysign(half, dx) - px) / dx
-    if abs(dy) > 1e-12:
-        far = min(far, (math.copysign(half, dy) - py) / dy)
-    return max(far, 0.0)
+def measure(state, first, others, gaps):
+    """Where every listed robot is, as seen from the one whose list it is on: gaps (place) of dx, dy, d^2."""
+    for i in range(state.shape[0]):
+        for e in range(first[i], first[i + 1]):
+            dx = state[others[e], X] - state[i, X]
+            dy = state[others[e], Y] - state[i, Y]
+            gaps[e, 0] = dx
+            gaps[e, 1] = dy
+            gaps[e, 2] = dx * dx + dy * dy
 
 
 @compiled
-def ray_to_disc(px, py, dx, dy, qx, qy, radius):
-    """How far from p along the unit vector d a disc around q is; infinite where the ray misses it."""
-    ax = qx - px
-    ay = qy - py
-    gap = ax * ax + ay * ay - radius * radius
-    if gap <= 0.0:
-        return 0.0
-    along = ax * dx + ay * dy
-    under = along * along - gap
-    if along <= 0.0 or under < 0.0:
-        return np.inf
-    return along - math.sqrt(under)
-
-
-@compiled
-def obstacle(state, i, body, half, first, others, d2):
+def obstacle(state, i, body, half, first, others, gaps):
     """The mean of the proximity ring's readings, as a vector in the body's frame."""
     x = state[i, X]
     y = state[i, Y]
@@ -170,7 +151,7 @@ def obstacle(state, i, body, half, first, others, d2):
     walls = max(abs(x), abs(y)) > half - reach
     close = False
     for e in range(first[i], first[i + 1]):
-        close |= d2[e] < touching
+        close |= gaps[e, 2] < touching
     ahead = 0.0
     aside = 0.0
     if not (walls or close):
@@ -178,32 +159,38 @@ def obstacle(state, i, body, half, first, others, d2):
     for k in range(RAYS):
         dx = state[i, COS] * RAY_X[k] - state[i, SIN] * RAY_Y[k]
         dy = state[i, SIN] * RAY_X[k] + state[i, COS] * RAY_Y[k]
-        px = x + radius * dx
-        py = y + radius * dy
-        d = ray_to_wall(px, py, dx, dy, half) if walls else np.inf
+        d = np.inf  # from the body's centre to the first thing along the ray
+        if walls and abs(x + reach * dx) > half:
+            d = (half - abs(x)) / abs(dx)
+        if walls and abs(y + reach * dy) > half:
+            d = min(d, (half - abs(y)) / abs(dy))
         if close:
             for e in range(first[i], first[i + 1]):
-                if d2[e] < touching:
-                    d = min(d, ray_to_disc(px, py, dx, dy, state[others[e], X], state[others[e], Y], radius))
-        if d < body.proximity_near:
-            ahead += RAY_X[k]
-            aside += RAY_Y[k]
-        elif d <= body.proximity_range:
-            seen = min(max(4.14 * math.exp(-33.0 * d) - 0.085, 0.0), 1.0)
+                if gaps[e, 2] < touching:
+                    along = gaps[e, 0] * dx + gaps[e, 1] * dy
+                    under = along * along + radius * radius - gaps[e, 2]
+                    if along > 0.0 and under >= 0.0:
+                        d = min(d, along - math.sqrt(under))
+        d -= radius
+        if d <= body.proximity_range:
+            seen = 1.0
+            if d >= body.proximity_near:
+                seen = min(max(4.14 * math.exp(-33.0 * d) - 0.085, 0.0), 1.0)
             ahead += seen * RAY_X[k]
             aside += seen * RAY_Y[k]
     return ahead / RAYS, aside / RAYS
 
 
 @compiled
-def decide(state, i, body, half, first, others, d2, key, trial, tick):
+def decide(state, i, body, half, first, others, gaps, key, trial, tick):
     """What robot i does in this tick, and whether it avoids an obstacle (and so makes no observation)."""
-    ahead, aside = obstacle(state, i, body, half, first, others, d2)
-    angle = math.atan2(aside, ahead)
-    if ahead * ahead + aside * aside >= body.avoid_above * body.avoid_above and abs(angle) < body.avoid_within:
-        state[i, AVOIDING] = state[i, AVOIDING] % 60.0 + 1.0
-        state[i, LEFT_TICKS] = 0.0
-        return (RIGHT if state[i, AVOIDING] > 30.0 or angle > 0.0 else LEFT), True
+    ahead, aside = obstacle(state, i, body, half, first, others, gaps)
+    if ahead * ahead + aside * aside >= body.avoid_above * body.avoid_above:
+        angle = math.atan2(aside, ahead)
+        if abs(angle) < body.avoid_within:
+            state[i, AVOIDING] = state[i, AVOIDING] % 60.0 + 1.0
+            state[i, LEFT_TICKS] = 0.0
+            return (RIGHT if state[i, AVOIDING] > 30.0 or angle > 0.0 else LEFT), True
     state[i, AVOIDING] = 0.0
     if state[i, LEFT_TICKS] == 0.0:
         p, q = block(key[0], key[1], counter(trial, tick), counter(0, i))
@@ -221,43 +208,44 @@ def decide(state, i, body, half, first, others, d2, key, trial, tick):
 
 
 @compiled
-def go(state, i, share, body):
-    """Robot i moves on with its speed and turn for a share of a tick."""
-    turn = state[i, TURN] * share
-    if turn != 0.0:
-        c = math.cos(turn)
-        s = math.sin(turn)
-        cosine = state[i, COS] * c - state[i, SIN] * s
-        sine = state[i, SIN] * c + state[i, COS] * s
-        stretch = 1.5 - 0.5 * (cosine * cosine + sine * sine)  # one step of Newton's: rounding must not grow
-        state[i, COS] = cosine * stretch
-        state[i, SIN] = sine * stretch
-    way = state[i, SPEED] * share
-    state[i, X] += way * state[i, COS]
-    state[i, Y] += way * state[i, SIN]
+def go(state, i, share, cosine, sine):
+    """Robot i moves on for a share of a tick, in which a turn has this cosine and sine."""
+    if state[i, TURN] != 0.0:
+        sine *= state[i, TURN]
+        c = state[i, COS] * cosine - state[i, SIN] * sine
+        s = state[i, SIN] * cosine + state[i, COS] * sine
+        stretch = 1.5 - 0.5 * (c * c + s * s)  # a step of Newton's: rounding must not grow
+        state[i, COS] = c * stretch
+        state[i, SIN] = s * stretch
+    state[i, X] += state[i, SPEED] * share * state[i, COS]
+    state[i, Y] += state[i, SPEED] * share * state[i, SIN]
 
 
 @compiled
-def part(state, body, half, first, others):
-    """Push apart what overlaps, robots by halves and off the walls, until nothing does."""
+def part(state, body, half, first, others, gaps):
+    """Push apart what overlaps, robots by halves and off the walls, until nothing does.
+
+    Only pairs that were close a tick ago can touch, however they moved. A sweep's pushes may bring others
+    together, which the next sweep finds.
+    """
     limit = half - body.radius
     apart = 2.0 * body.radius
+    close = apart + 4.0 * body.step + SLACK
     for _ in range(SWEEPS):
         worst = 0.0
         for i in range(state.shape[0]):
             state[i, X] = min(max(state[i, X], -limit), limit)
             state[i, Y] = min(max(state[i, Y], -limit), limit)
             for e in range(first[i], first[i + 1]):
-                j = others[e]
-                if j < i:
+                if others[e] < i and gaps[e, 2] < close * close:
+                    j = others[e]
                     dx = state[i, X] - state[j, X]
                     dy = state[i, Y] - state[j, Y]
                     square = dx * dx + dy * dy
                     if square < apart * apart:
                         d = math.sqrt(square)
-                        overlap = apart - d
-                        worst = max(worst, overlap)
-                        push = 0.5 * overlap / max(d, 1e-9)
+                        worst = max(worst, apart - d)
+                        push = 0.5 * (apart - d) / max(d, 1e-9)
                         state[i, X] += push * dx
                         state[i, Y] += push * dy
                         state[j, X] -= push * dx
@@ -270,72 +258,83 @@ def part(state, body, half, first, others):
 
 
 @compiled
-def in_sight(state, i, e, first, last, others, d2, radius):
-    """Whether no other robot's disc lies across the line from robot i to the one at place e of its list."""
-    dx = state[others[e], X] - state[i, X]
-    dy = state[others[e], Y] - state[i, Y]
-    square = d2[e]
+def in_sight(e, first, last, gaps, radius):
+    """Whether no other robot's disc lies across the line to the one at place e of a list first ... last - 1."""
+    dx = gaps[e, 0]
+    dy = gaps[e, 1]
+    square = gaps[e, 2]
+    wide = radius * radius * square
     for g in range(first, last):
-        if g != e and d2[g] < square + radius * radius:
-            ax = state[others[g], X] - state[i, X]
-            ay = state[others[g], Y] - state[i, Y]
-            along = ax * dx + ay * dy
-            if 0.0 < along < square:
-                across = ax * dy - ay * dx
-                if across * across < radius * radius * square:
-                    return False
+        if gaps[g, 2] < square + radius * radius and g != e:
+            along = gaps[g, 0] * dx + gaps[g, 1] * dy
+            across = gaps[g, 0] * dy - gaps[g, 1] * dx
+            if 0.0 < along < square and across * across < wide:
+                return False
     return True
 
 
-@entry
-def look_around(state, bodies, half, first, others, d2, heads, following):
-    """The neighbourhoods of robots that have just been placed."""
-    neighbourhoods(state, half, bodies[0].reach, first, others, d2, heads, following)
+@compiled
+def has_strayed(state, anchors, skin):
+    """Whether any robot has gone half the skin since the lists were made; `anchors` (robot, 2) is where it was."""
+    for i in range(state.shape[0]):
+        dx = state[i, X] - anchors[i, 0]
+        dy = state[i, Y] - anchors[i, 1]
+        if 4.0 * (dx * dx + dy * dy) > skin * skin:
+            return True
+    return False
 
 
 @entry
 def walk(
     state, bodies, half, key, trial, tick, looked, tiles, heard, links_i, links_j, poses,
-    first, others, d2, heads, following, stop,
+    anchors, first, others, gaps, heads, following, stop,
 ):  # fmt: skip
     """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where links are full.
 
     Fills, for each tick: looked (robot): whether an observation is made; tiles (robot, 2): the tile under the
     ground sensor; heard[k]: where its links begin in (links_i, links_j), i < j; poses (robot, 3) of x, y and
-    heading where it has rows. `first`, `others`, `d2` hold the neighbourhoods of the state and are kept so.
+    heading where it has rows. The lists of others are kept from call to call: they reach a skin further than
+    robots do, and are made again once a robot has gone half of that.
     """
     body = bodies[0]
     robots = state.shape[0]
     radio2 = body.radio_range * body.radio_range
+    blind = body.line_of_sight == 0.0  # to what stands between two robots
     used = 0
     for k in range(looked.shape[0]):
         if stop[0] != 0 or used + others.size // 2 > links_i.size:
             return k
+        if tick + k == 1 or has_strayed(state, anchors, body.skin):
+            list_others(state, half, body.reach + body.skin, first, others, heads, following)
+            for i in range(robots):
+                anchors[i, 0] = state[i, X]
+                anchors[i, 1] = state[i, Y]
+            measure(state, first, others, gaps)
         for i in range(robots):
-            move, avoiding = decide(state, i, body, half, first, others, d2, key, trial, tick + k)
+            move, avoiding = decide(state, i, body, half, first, others, gaps, key, trial, tick + k)
             looked[k, i] = not avoiding
-            go(state, i, body.lag, body)  # the wheels answer late: at first the last tick's motion goes on
+            state[i, MOVE_NOW] = move
+        for i in range(robots):
+            # the wheels answer late: at first the last tick's motion goes on
+            go(state, i, body.lag, body.cos_late, body.sin_late)
+            move = state[i, MOVE_NOW]
             state[i, SPEED] = body.step if move == STRAIGHT else 0.0
-            state[i, TURN] = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
-            go(state, i, 1.0 - body.lag, body)
-        part(state, body, half, first, others)
-        neighbourhoods(state, half, body.reach, first, others, d2, heads, following)
+            state[i, TURN] = 1.0 if move == LEFT else (-1.0 if move == RIGHT else 0.0)
+            go(state, i, 1.0 - body.lag, body.cos_then, body.sin_then)
+        part(state, body, half, first, others, gaps)
+        measure(state, first, others, gaps)
         heard[k] = used
         for i in range(robots):
-            tiles[k, i, 0] = math.floor(
-                (state[i, X] + body.sensor_x * state[i, COS] - body.sensor_y * state[i, SIN]) / body.tile
-            )
-            tiles[k, i, 1] = math.floor(
-                (state[i, Y] + body.sensor_x * state[i, SIN] + body.sensor_y * state[i, COS]) / body.tile
-            )
+            x = state[i, X] + body.sensor_x * state[i, COS] - body.sensor_y * state[i, SIN]
+            y = state[i, Y] + body.sensor_x * state[i, SIN] + body.sensor_y * state[i, COS]
+            tiles[k, i, 0] = math.floor(x / body.tile)
+            tiles[k, i, 1] = math.floor(y / body.tile)
             for e in range(first[i], first[i + 1]):
-                if others[e] > i and d2[e] < radio2:
-                    if body.line_of_sight == 0.0 or in_sight(
-                        state, i, e, first[i], first[i + 1], others, d2, body.radius
-                    ):
-                        links_i[used] = i
-                        links_j[used] = others[e]
-                        used += 1
+                in_range = gaps[e, 2] < radio2 and others[e] > i
+                if in_range and (blind or in_sight(e, first[i], first[i + 1], gaps, body.radius)):
+                    links_i[used] = i
+                    links_j[used] = others[e]
+                    used += 1
             if poses.shape[0] > 0:
                 poses[k, i, 0] = state[i, X]
                 poses[k, i, 1] = state[i, Y]

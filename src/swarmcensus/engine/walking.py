@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.bodies import Body
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.walk import STATE
+from swarmcensus.engine.walk import COS, SIN, STATE, X, Y
 from swarmcensus.errors import InputError
 
 CHUNK_BYTES = 16_000_000  # of a walk kept at a time
@@ -26,11 +26,12 @@ class Chunk:
     i: np.ndarray
     j: np.ndarray
     poses: np.ndarray  # (tick, robot, 3): x and y in metres, heading in radians; no rows where not asked for
+    begin: np.ndarray  # (robot, 3): the same before the first of these ticks
 
 
 def neighbours_at_most(robots: int, body: Body) -> int:
     """How many bodies fit around one robot within its reach: the densest packing of discs."""
-    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.radius) / body.radius) ** 2
+    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.skin + body.radius) / body.radius) ** 2
     return min(robots - 1, int(fit) + 1)
 
 
@@ -43,16 +44,17 @@ def walk(
     state = np.zeros((robots, STATE))
     if not module.place(state, numbers, half, key, trial):
         raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
-    cells = max(1, int(side / max(body.reach, half / math.sqrt(robots))))
+    cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
+    listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
+        np.zeros((robots, 2)),
         np.zeros(robots + 1, np.int64),
-        np.zeros(max(1, robots * neighbours_at_most(robots, body)), np.int32),
-        np.zeros(max(1, robots * neighbours_at_most(robots, body))),
+        np.zeros(listed, np.int32),
+        np.zeros((listed, 3)),
         np.zeros((cells, cells), np.int32),
         np.zeros(robots, np.int32),
     )
-    module.look_around(state, numbers, half, *around)
-    links = max(LINKS, around[1].size)
+    links = max(LINKS, listed)
     i, j = np.zeros(links, np.int32), np.zeros(links, np.int32)
     tick = 1
     while tick <= ticks:
@@ -61,10 +63,11 @@ def walk(
         tiles = np.zeros((length, robots, 2), np.int32)
         heard = np.zeros(length + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
+        begin = np.stack([state[:, X], state[:, Y], np.arctan2(state[:, SIN], state[:, COS])], axis=1)
         done = module.walk(
             state, numbers, half, key, trial, tick, looked, tiles, heard, i, j, seen, *around, stop
         )  # fmt: skip
         if stop[0] != 0:
             return
-        yield Chunk(tick, looked[:done], tiles[:done], heard[: done + 1], i, j, seen[:done])
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done + 1], i, j, seen[:done], begin)
         tick += done

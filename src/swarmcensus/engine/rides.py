@@ -1,0 +1,117 @@
+"""Trials of moving robots: one walk, and all the minds that ride along on it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus import arena
+from swarmcensus.engine import compiler
+from swarmcensus.engine.trials import Batch, Metrics
+from swarmcensus.engine.walking import Chunk, walk
+from swarmcensus.metrics import right_bin
+from swarmcensus.settings import Setting
+
+NOTHING = np.zeros((0, 0))
+
+
+class Rider:
+    """One setting's minds on a walk, and the curves of their estimates."""
+
+    def __init__(self, setting: Setting, seed: int, trial: int) -> None:
+        """Wake the minds of one trial."""
+        assert setting.body is not None
+        self.setting, self.trial = setting, trial
+        self.kernel = compiler.compile_brain(setting.brain)
+        self.delay = setting.body.message_delay
+        robots = setting.robots
+        blank = compiler.blank(setting.brain)
+        self.memory = np.empty(robots, blank.dtype)
+        self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
+        self.rows = np.empty((setting.rounds, robots))
+        self.start = np.empty((1, robots))
+        self.keys = setting.floor_key(seed), setting.readings_key(seed), setting.losses_key(seed)
+        b, w, *assumed = (a[0] for a in setting.accuracies(seed, trial, 1))
+        self.sensors = b, w
+        self.kernel.wake(self.memory, blank, *assumed, self.outbox, self.start)
+
+    def ride(
+        self, chunk: Chunk, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+    ) -> None:
+        """Live through a chunk; `keep` holds room for minds, colours and readings (tick, robot)."""
+        kept = keep or (np.empty((0, 0), self.memory.dtype), NOTHING, NOTHING)
+        self.kernel.ride(
+            self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, self.setting.fill_ratio,
+            *self.keys, self.setting.loss_threshold, self.delay, chunk.looked, chunk.tiles, chunk.heard, chunk.i,
+            chunk.j, *kept, stop,
+        )  # fmt: skip
+
+    def measure(self, metrics: Metrics) -> Batch:
+        """The trial's metrics, as a batch of one."""
+        robots = self.setting.robots
+        where, value = np.zeros(robots, np.int64), np.zeros(robots)
+        self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
+        error = np.abs(value - self.setting.fill_ratio)
+        low, high = right_bin(self.setting.fill_ratio, metrics.bins)
+        right = np.full((len(metrics.checkpoints), 1), np.nan)
+        for c, checkpoint in enumerate(metrics.checkpoints):
+            if checkpoint <= len(self.rows):
+                row = self.rows[checkpoint - 1]
+                right[c, 0] = np.mean((row >= low) & (row < high))
+        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right)
+
+
+def run_ride(
+    settings: Sequence[Setting], seed: int, trial: int, metrics: Metrics, stop: np.ndarray
+) -> list[Batch] | None:
+    """One trial of settings that share a walk; None if `stop` was set meanwhile."""
+    riders = [Rider(setting, seed, trial) for setting in settings]
+    for chunk in walk_of(settings[0], seed, trial, stop):
+        for rider in riders:
+            rider.ride(chunk, stop)
+    return None if stop[0] else [rider.measure(metrics) for rider in riders]
+
+
+def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bool = False) -> Iterator[Chunk]:
+    """The chunks of a setting's walk."""
+    assert setting.body is not None
+    assert setting.density is not None
+    side = arena.side(setting.robots, setting.density, setting.body)
+    return walk(setting.robots, side, setting.body, setting.walk_key(seed), trial, setting.rounds, stop, poses)
+
+
+@dataclass(frozen=True)
+class Ride:
+    """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""
+
+    history: np.ndarray  # minds
+    estimates: np.ndarray
+    poses: np.ndarray  # x, y, heading
+    looked: np.ndarray  # whether an observation was made
+    colours: np.ndarray  # the true tile, 1 black
+    readings: np.ndarray  # NaN where none was made
+    links: np.ndarray  # (link, 3): tick, robot, robot
+
+
+def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
+    """Run one trial of moving robots again, and keep all of it."""
+    stop = np.zeros(1, np.uint8)
+    rider = Rider(setting, seed, trial)
+    shape = (setting.rounds + 1, setting.robots)
+    history = np.empty(shape, rider.memory.dtype)
+    history[0] = rider.memory
+    poses = np.full((*shape, 3), np.nan)
+    looked = np.zeros(shape, np.bool_)
+    colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
+    links = []
+    for chunk in walk_of(setting, seed, trial, stop, poses=True):
+        ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
+        if chunk.tick == 1:
+            poses[0] = chunk.begin
+        rider.ride(chunk, stop, (history[ticks], colours[ticks], readings[ticks]))
+        poses[ticks], looked[ticks] = chunk.poses, chunk.looked
+        used = chunk.heard[-1]
+        tick = np.repeat(np.arange(ticks.start, ticks.stop), np.diff(chunk.heard))
+        links.append(np.stack([tick, chunk.i[:used], chunk.j[:used]], axis=1))
+    estimates = np.concatenate([rider.start, rider.rows])
+    return Ride(history, estimates, poses, looked, colours, readings, np.concatenate(links))
