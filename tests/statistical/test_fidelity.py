@@ -65,9 +65,7 @@ def measure(trial):
     poses, looked, tiles = (np.concatenate([getattr(c, n) for c in chunks]) for n in ("poses", "looked", "tiles"))
     neighbours = np.zeros((TICKS, ROBOTS), int)
     for chunk in chunks:
-        ticks = np.repeat(np.arange(len(chunk.looked)), np.diff(chunk.heard)) + chunk.tick - 1
-        for ends in (chunk.i, chunk.j):
-            np.add.at(neighbours, (ticks, ends[: len(ticks)]), 1)
+        neighbours[chunk.tick - 1 :][: len(chunk.looked)] = np.diff(chunk.heard).reshape(-1, ROBOTS)
     xy, heading, alone = poses[..., :2], poses[..., 2], neighbours == 0
 
     def squared(lag):

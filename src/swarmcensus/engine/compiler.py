@@ -37,6 +37,7 @@ for name, value in list(vars(brain).items()):
 {functions}
 outbox_width = {width}
 no_sums = {no_sums}
+additive = {additive}
 
 
 @compiled
@@ -103,6 +104,7 @@ def _glue(brain: Brain) -> str:
         additions="\n    ".join(f"me.{name} += sums[{j}]" for j, name in enumerate(brain.sums)) or "pass",
         sums="".join(f"sums[{j}] + scratch.{name}, " for j, name in enumerate(brain.sums)).strip() or "sums",
         clearing="\n    ".join(f"scratch.{name} = 0.0" for name in brain.sums) or "pass",
+        additive=bool(brain.sums),
         no_sums=(0.0,) * max(1, len(brain.sums)),
     )
 

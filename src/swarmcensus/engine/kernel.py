@@ -12,6 +12,7 @@ from swarmcensus.engine.random import block, counter, unit, words
 
 from .mind import (
     add_sums,
+    additive,
     broadcast,
     compiled,
     entry,
@@ -336,7 +337,21 @@ def believe(history, out):
             out[k, i] = estimate(history[k, i])
 
 
-TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
+@compiled
+def hear_some(me, i, outbox, then, senders, first, last, scratch, key, trial, tick, threshold):
+    """Robot i hears what senders first ... last - 1 said.
+
+    Where `receive` only adds and no message is lost, the sums are kept in registers and added once.
+    """
+    if additive and threshold == 0:
+        sums = no_sums
+        for e in range(first, last):
+            sums = sums_with(sums, unpack(outbox, then + senders[e]), scratch[0])
+        add_sums(me, sums)
+    else:
+        for e in range(first, last):
+            if threshold == 0 or heard_by(key, trial, tick, i, senders[e], threshold):
+                receive(me, unpack(outbox, then + senders[e]))
 
 
 @entry
@@ -350,15 +365,17 @@ def wake(memory, blank, b, w, outbox, start):
 
 @entry
 def ride(
-    memory, outbox, rows, trial, tick, b, w, fill_ratio, floor_key, read_key, link_key, threshold, delay,
-    looked, tiles, heard, links_i, links_j, history, colours, readings, stop,
+    memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    looked, black, heard, senders, history, readings, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
 
-    What a robot hears was said `delay` ticks ago; `outbox` holds delay + 1 ticks. `history`, `colours` (the true
-    tile, 1 black) and `readings` (NaN where a robot made none) are filled where they have rows.
+    `looked` and `black` (tick, robot): whether a robot observes, and whether the tile under its sensor is black.
+    What a robot hears was said `delay` ticks ago; `outbox` holds delay + 1 ticks. `history` and `readings` (NaN
+    where a robot made none) are filled where they have rows.
     """
     n = memory.size
+    scratch = memory[:1].copy()
     bits = np.zeros(n, np.uint64)
     step_b, step_w = (1 if b.size > 1 else 0), (1 if w.size > 1 else 0)
     for k in range(looked.shape[0]):
@@ -368,31 +385,19 @@ def ride(
         said = (now % (delay + 1)) * n
         words(read_key, trial, now, 0, 0, n, bits)
         for i in range(n):
-            if looked[k, i] or colours.shape[0] > 0:
-                floor, _ = block(
-                    floor_key[0],
-                    floor_key[1],
-                    counter(trial, 0),
-                    counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1]),
-                )
-                black = unit(floor) < fill_ratio
-                right = unit(bits[i]) < (b[i * step_b] if black else w[i * step_w])
-                reading = 1.0 if black == right else 0.0
-                if looked[k, i]:
-                    observe(memory[i], reading, 1.0)
-                if colours.shape[0] > 0:
-                    colours[k, i] = black
-                    readings[k, i] = reading if looked[k, i] else np.nan
+            if looked[k, i]:
+                right = unit(bits[i]) < (b[i * step_b] if black[k, i] else w[i * step_w])
+                observe(memory[i], 1.0 if black[k, i] == right else 0.0, 1.0)
+                if readings.shape[0] > 0:
+                    readings[k, i] = 1.0 if black[k, i] == right else 0.0
             pack(outbox, said + i, broadcast(memory[i]))
-        if now >= delay:
-            then = ((now - delay) % (delay + 1)) * n
-            for link in range(heard[k], heard[k + 1]):
-                i, j = links_i[link], links_j[link]
-                if threshold == 0 or heard_by(link_key, trial, now, i, j, threshold):
-                    receive(memory[i], unpack(outbox, then + j))
-                if threshold == 0 or heard_by(link_key, trial, now, j, i, threshold):
-                    receive(memory[j], unpack(outbox, then + i))
+        then = ((now - delay) % (delay + 1)) * n
         for i in range(n):
+            if now >= delay:
+                hear_some(
+                    memory[i], i, outbox, then, senders, heard[k * n + i], heard[k * n + i + 1], scratch,
+                    link_key, trial, now, threshold,
+                )  # fmt: skip
             fuse(memory[i])
             rows[now - 1, i] = estimate(memory[i])
         if history.shape[0] > 0:

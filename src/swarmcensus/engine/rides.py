@@ -12,8 +12,6 @@ from swarmcensus.engine.walking import Chunk, walk
 from swarmcensus.metrics import right_bin
 from swarmcensus.settings import Setting
 
-NOTHING = np.zeros((0, 0))
-
 
 class Rider:
     """One setting's minds on a walk, and the curves of their estimates."""
@@ -30,20 +28,19 @@ class Rider:
         self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
-        self.keys = setting.floor_key(seed), setting.readings_key(seed), setting.losses_key(seed)
+        self.keys = setting.readings_key(seed), setting.losses_key(seed)
         b, w, *assumed = (a[0] for a in setting.accuracies(seed, trial, 1))
         self.sensors = b, w
         self.kernel.wake(self.memory, blank, *assumed, self.outbox, self.start)
 
     def ride(
-        self, chunk: Chunk, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray, np.ndarray] | None = None
+        self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
     ) -> None:
-        """Live through a chunk; `keep` holds room for minds, colours and readings (tick, robot)."""
-        kept = keep or (np.empty((0, 0), self.memory.dtype), NOTHING, NOTHING)
+        """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
+        kept = keep or (np.empty((0, 0), self.memory.dtype), np.zeros((0, 0)))
         self.kernel.ride(
-            self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, self.setting.fill_ratio,
-            *self.keys, self.setting.loss_threshold, self.delay, chunk.looked, chunk.tiles, chunk.heard, chunk.i,
-            chunk.j, *kept, stop,
+            self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, *self.keys,
+            self.setting.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept, stop,
         )  # fmt: skip
 
     def measure(self, metrics: Metrics) -> Batch:
@@ -67,9 +64,20 @@ def run_ride(
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
     riders = [Rider(setting, seed, trial) for setting in settings]
     for chunk in walk_of(settings[0], seed, trial, stop):
+        floors: dict[bytes, np.ndarray] = {}
         for rider in riders:
-            rider.ride(chunk, stop)
+            floor = rider.setting.floor_key(seed).tobytes()
+            if floor not in floors:
+                floors[floor] = colours_under(rider.setting, seed, trial, chunk)
+            rider.ride(chunk, floors[floor], stop)
     return None if stop[0] else [rider.measure(metrics) for rider in riders]
+
+
+def colours_under(setting: Setting, seed: int, trial: int, chunk: Chunk) -> np.ndarray:
+    """Whether the tile under each robot's sensor is black (tick, robot)."""
+    black = np.zeros(chunk.looked.shape, np.bool_)
+    compiler.compile_world().paint_tiles(chunk.tiles, setting.floor_key(seed), trial, setting.fill_ratio, black)
+    return black
 
 
 def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bool = False) -> Iterator[Chunk]:
@@ -108,10 +116,19 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
-        rider.ride(chunk, stop, (history[ticks], colours[ticks], readings[ticks]))
+        colours[ticks] = colours_under(setting, seed, trial, chunk)
+        rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
-        used = chunk.heard[-1]
-        tick = np.repeat(np.arange(ticks.start, ticks.stop), np.diff(chunk.heard))
-        links.append(np.stack([tick, chunk.i[:used], chunk.j[:used]], axis=1))
+        links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
     return Ride(history, estimates, poses, looked, colours, readings, np.concatenate(links))
+
+
+def links_of(chunk: Chunk) -> np.ndarray:
+    """The links of a chunk, each once: rows of tick, robot, robot, the lower robot first."""
+    ticks, robots = chunk.looked.shape
+    place = np.repeat(np.arange(ticks * robots), np.diff(chunk.heard))
+    tick, receiver = chunk.tick + place // robots, place % robots
+    sender = chunk.senders[: len(place)]
+    once = receiver < sender
+    return np.stack([tick[once], receiver[once], sender[once]], axis=1)

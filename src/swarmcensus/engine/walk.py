@@ -17,13 +17,14 @@ RAY_X = np.array([math.cos(k * math.pi / 4) for k in range(RAYS)])
 RAY_Y = np.array([math.sin(k * math.pi / 4) for k in range(RAYS)])
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
 CONTACT = 1e-6  # metres of overlap that contact leaves
+TINY = 1e-12  # keeps a ray along a wall from dividing by zero
 SWEEPS = 200
 SLACK = 0.02  # metres that contact may push a robot further than it goes by itself
 PLACINGS = 10_000  # tries to place one robot
 
 # columns of a robot's state
-X, Y, COS, SIN, SPEED, TURN, MOVE, LEFT_TICKS, AVOIDING, MOVE_NOW = range(10)
-STATE = 10
+X, Y, COS, SIN, SPEED, TURN, MOVE, LEFT_TICKS, AVOIDING = range(9)
+STATE = 9
 
 
 @compiled
@@ -91,10 +92,11 @@ def place(state, body, half, key, trial):
 
 
 @compiled
-def list_others(state, half, reach, first, others, heads, following):
+def list_others(state, half, reach, first, others, mirror, heads, following):
     """List for each robot i the robots within `reach`, in order: others[first[i]: first[i + 1]].
 
-    The lists must be long enough for as many as fit. The cost is linear in the robots.
+    mirror[e] is the place of robot i on the list of others[e]. The lists must be long enough for as many as fit.
+    The cost is linear in the robots.
     """
     robots = state.shape[0]
     reach2 = reach * reach
@@ -126,23 +128,37 @@ def list_others(state, half, reach, first, others, heads, following):
                         count += 1
                     j = following[j]
     first[robots] = count
+    for i in range(robots):  # robot i meets the lists of lower robots in their order: its own
+        following[i] = first[i]
+    for i in range(robots):
+        for e in range(first[i], first[i + 1]):
+            mirror[e] = following[others[e]]
+            following[others[e]] += 1
 
 
 @compiled
-def measure(state, first, others, gaps):
-    """Where every listed robot is, as seen from the one whose list it is on: gaps (place) of dx, dy, d^2."""
+def measure(state, first, others, mirror, gaps):
+    """Where every listed robot is, as seen from the one whose list it is on: gaps of rows dx, dy, d^2."""
     for i in range(state.shape[0]):
         for e in range(first[i], first[i + 1]):
-            dx = state[others[e], X] - state[i, X]
-            dy = state[others[e], Y] - state[i, Y]
-            gaps[e, 0] = dx
-            gaps[e, 1] = dy
-            gaps[e, 2] = dx * dx + dy * dy
+            if others[e] > i:
+                dx = state[others[e], X] - state[i, X]
+                dy = state[others[e], Y] - state[i, Y]
+                m = mirror[e]
+                gaps[0, e] = dx
+                gaps[1, e] = dy
+                gaps[2, e] = dx * dx + dy * dy
+                gaps[0, m] = -dx
+                gaps[1, m] = -dy
+                gaps[2, m] = gaps[2, e]
 
 
 @compiled
-def obstacle(state, i, body, half, first, others, gaps):
-    """The mean of the proximity ring's readings, as a vector in the body's frame."""
+def obstacle(state, i, body, half, first, last, gaps, rays):
+    """The mean of the proximity ring's readings, as a vector in the body's frame.
+
+    `rays` is room for rows of a ray's direction and of the distance from the centre to what it hits first.
+    """
     x = state[i, X]
     y = state[i, Y]
     radius = body.radius
@@ -150,8 +166,8 @@ def obstacle(state, i, body, half, first, others, gaps):
     touching = (reach + radius) * (reach + radius)
     walls = max(abs(x), abs(y)) > half - reach
     close = False
-    for e in range(first[i], first[i + 1]):
-        close |= gaps[e, 2] < touching
+    for e in range(first, last):
+        close |= gaps[2, e] < touching
     ahead = 0.0
     aside = 0.0
     if not (walls or close):
@@ -159,19 +175,24 @@ def obstacle(state, i, body, half, first, others, gaps):
     for k in range(RAYS):
         dx = state[i, COS] * RAY_X[k] - state[i, SIN] * RAY_Y[k]
         dy = state[i, SIN] * RAY_X[k] + state[i, COS] * RAY_Y[k]
-        d = np.inf  # from the body's centre to the first thing along the ray
-        if walls and abs(x + reach * dx) > half:
-            d = (half - abs(x)) / abs(dx)
-        if walls and abs(y + reach * dy) > half:
-            d = min(d, (half - abs(y)) / abs(dy))
-        if close:
-            for e in range(first[i], first[i + 1]):
-                if gaps[e, 2] < touching:
-                    along = gaps[e, 0] * dx + gaps[e, 1] * dy
-                    under = along * along + radius * radius - gaps[e, 2]
-                    if along > 0.0 and under >= 0.0:
-                        d = min(d, along - math.sqrt(under))
-        d -= radius
+        rays[0, k] = dx
+        rays[1, k] = dy
+        wall_x = (half - math.copysign(x, x * dx)) / (abs(dx) + TINY)
+        wall_y = (half - math.copysign(y, y * dy)) / (abs(dy) + TINY)
+        rays[2, k] = min(wall_x, wall_y)
+    if close:
+        for e in range(first, last):
+            if gaps[2, e] < touching:
+                gx = gaps[0, e]
+                gy = gaps[1, e]
+                miss = radius * radius - gaps[2, e]
+                for k in range(RAYS):
+                    along = gx * rays[0, k] + gy * rays[1, k]
+                    under = along * along + miss
+                    hit = along - math.sqrt(max(under, 0.0))
+                    rays[2, k] = hit if (along > 0.0) & (under >= 0.0) & (hit < rays[2, k]) else rays[2, k]
+    for k in range(RAYS):
+        d = rays[2, k] - radius
         if d <= body.proximity_range:
             seen = 1.0
             if d >= body.proximity_near:
@@ -182,9 +203,9 @@ def obstacle(state, i, body, half, first, others, gaps):
 
 
 @compiled
-def decide(state, i, body, half, first, others, gaps, key, trial, tick):
+def decide(state, i, body, half, first, last, gaps, rays, key, trial, tick):
     """What robot i does in this tick, and whether it avoids an obstacle (and so makes no observation)."""
-    ahead, aside = obstacle(state, i, body, half, first, others, gaps)
+    ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays)
     if ahead * ahead + aside * aside >= body.avoid_above * body.avoid_above:
         angle = math.atan2(aside, ahead)
         if abs(angle) < body.avoid_within:
@@ -237,7 +258,7 @@ def part(state, body, half, first, others, gaps):
             state[i, X] = min(max(state[i, X], -limit), limit)
             state[i, Y] = min(max(state[i, Y], -limit), limit)
             for e in range(first[i], first[i + 1]):
-                if others[e] < i and gaps[e, 2] < close * close:
+                if others[e] < i and gaps[2, e] < close * close:
                     j = others[e]
                     dx = state[i, X] - state[j, X]
                     dy = state[i, Y] - state[j, Y]
@@ -260,17 +281,16 @@ def part(state, body, half, first, others, gaps):
 @compiled
 def in_sight(e, first, last, gaps, radius):
     """Whether no other robot's disc lies across the line to the one at place e of a list first ... last - 1."""
-    dx = gaps[e, 0]
-    dy = gaps[e, 1]
-    square = gaps[e, 2]
+    dx = gaps[0, e]
+    dy = gaps[1, e]
+    square = gaps[2, e]
     wide = radius * radius * square
-    for g in range(first, last):
-        if gaps[g, 2] < square + radius * radius and g != e:
-            along = gaps[g, 0] * dx + gaps[g, 1] * dy
-            across = gaps[g, 0] * dy - gaps[g, 1] * dx
-            if 0.0 < along < square and across * across < wide:
-                return False
-    return True
+    blocked = False
+    for g in range(first, last):  # the one at place e itself is exactly `square` along, and so is not between
+        along = gaps[0, g] * dx + gaps[1, g] * dy
+        across = gaps[0, g] * dy - gaps[1, g] * dx
+        blocked |= (along > 0.0) & (along < square) & (across * across < wide)
+    return not blocked
 
 
 @compiled
@@ -286,58 +306,59 @@ def has_strayed(state, anchors, skin):
 
 @entry
 def walk(
-    state, bodies, half, key, trial, tick, looked, tiles, heard, links_i, links_j, poses,
-    anchors, first, others, gaps, heads, following, stop,
+    state, bodies, half, key, trial, tick, looked, tiles, heard, senders, poses,
+    anchors, first, others, mirror, gaps, sees, heads, following, stop,
 ):  # fmt: skip
-    """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where links are full.
+    """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where `senders` is full.
 
     Fills, for each tick: looked (robot): whether an observation is made; tiles (robot, 2): the tile under the
-    ground sensor; heard[k]: where its links begin in (links_i, links_j), i < j; poses (robot, 3) of x, y and
-    heading where it has rows. The lists of others are kept from call to call: they reach a skin further than
-    robots do, and are made again once a robot has gone half of that.
+    ground sensor; heard: in the k-th of these ticks robot i hears senders[heard[k n + i]: heard[k n + i + 1]], in
+    order; poses (robot, 3) of x, y and heading where it has rows. The lists of others are kept from call to call:
+    they reach a skin further than robots do, and are made again once a robot has gone half of that.
     """
     body = bodies[0]
     robots = state.shape[0]
     radio2 = body.radio_range * body.radio_range
     blind = body.line_of_sight == 0.0  # to what stands between two robots
+    rays = np.empty((3, RAYS))
     used = 0
+    heard[0] = 0
     for k in range(looked.shape[0]):
-        if stop[0] != 0 or used + others.size // 2 > links_i.size:
+        if stop[0] != 0 or used + others.size > senders.size:
             return k
         if tick + k == 1 or has_strayed(state, anchors, body.skin):
-            list_others(state, half, body.reach + body.skin, first, others, heads, following)
+            list_others(state, half, body.reach + body.skin, first, others, mirror, heads, following)
             for i in range(robots):
                 anchors[i, 0] = state[i, X]
                 anchors[i, 1] = state[i, Y]
-            measure(state, first, others, gaps)
+            measure(state, first, others, mirror, gaps)
         for i in range(robots):
-            move, avoiding = decide(state, i, body, half, first, others, gaps, key, trial, tick + k)
+            move, avoiding = decide(state, i, body, half, first[i], first[i + 1], gaps, rays, key, trial, tick + k)
             looked[k, i] = not avoiding
-            state[i, MOVE_NOW] = move
-        for i in range(robots):
             # the wheels answer late: at first the last tick's motion goes on
             go(state, i, body.lag, body.cos_late, body.sin_late)
-            move = state[i, MOVE_NOW]
             state[i, SPEED] = body.step if move == STRAIGHT else 0.0
             state[i, TURN] = 1.0 if move == LEFT else (-1.0 if move == RIGHT else 0.0)
             go(state, i, 1.0 - body.lag, body.cos_then, body.sin_then)
         part(state, body, half, first, others, gaps)
-        measure(state, first, others, gaps)
-        heard[k] = used
+        measure(state, first, others, mirror, gaps)
+        for i in range(robots):
+            for e in range(first[i], first[i + 1]):
+                if others[e] > i:
+                    near = gaps[2, e] < radio2
+                    sees[e] = near and (blind or in_sight(e, first[i], first[i + 1], gaps, body.radius))
+                    sees[mirror[e]] = sees[e]
         for i in range(robots):
             x = state[i, X] + body.sensor_x * state[i, COS] - body.sensor_y * state[i, SIN]
             y = state[i, Y] + body.sensor_x * state[i, SIN] + body.sensor_y * state[i, COS]
             tiles[k, i, 0] = math.floor(x / body.tile)
             tiles[k, i, 1] = math.floor(y / body.tile)
             for e in range(first[i], first[i + 1]):
-                in_range = gaps[e, 2] < radio2 and others[e] > i
-                if in_range and (blind or in_sight(e, first[i], first[i + 1], gaps, body.radius)):
-                    links_i[used] = i
-                    links_j[used] = others[e]
-                    used += 1
+                senders[used] = others[e]
+                used += sees[e]
+            heard[k * robots + i + 1] = used
             if poses.shape[0] > 0:
                 poses[k, i, 0] = state[i, X]
                 poses[k, i, 1] = state[i, Y]
                 poses[k, i, 2] = math.atan2(state[i, SIN], state[i, COS])
-        heard[k + 1] = used
     return looked.shape[0]

@@ -12,19 +12,21 @@ from swarmcensus.engine.walk import COS, SIN, STATE, X, Y
 from swarmcensus.errors import InputError
 
 CHUNK_BYTES = 16_000_000  # of a walk kept at a time
-LINKS = 1_000_000
+SENDERS = 2_000_000
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """Some ticks of a walk; links of tick k are i[heard[k]: heard[k + 1]], each once, i < j."""
+    """Some ticks of a walk of n robots.
+
+    In the k-th of these ticks robot i hears senders[heard[k n + i]: heard[k n + i + 1]], in order.
+    """
 
     tick: int  # the first one
     looked: np.ndarray  # (tick, robot), bool: whether an observation is made
     tiles: np.ndarray  # (tick, robot, 2): the tile under the ground sensor
-    heard: np.ndarray  # (tick + 1)
-    i: np.ndarray
-    j: np.ndarray
+    heard: np.ndarray  # (tick * robot + 1)
+    senders: np.ndarray
     poses: np.ndarray  # (tick, robot, 3): x and y in metres, heading in radians; no rows where not asked for
     begin: np.ndarray  # (robot, 3): the same before the first of these ticks
 
@@ -50,24 +52,23 @@ def walk(
         np.zeros((robots, 2)),
         np.zeros(robots + 1, np.int64),
         np.zeros(listed, np.int32),
-        np.zeros((listed, 3)),
+        np.zeros(listed, np.int32),
+        np.zeros((3, listed)),
+        np.zeros(listed, np.bool_),
         np.zeros((cells, cells), np.int32),
         np.zeros(robots, np.int32),
     )
-    links = max(LINKS, listed)
-    i, j = np.zeros(links, np.int32), np.zeros(links, np.int32)
+    senders = np.zeros(listed + SENDERS, np.int32)
     tick = 1
     while tick <= ticks:
-        length = min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (33 if poses else 9))))
+        length = min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))
         looked = np.zeros((length, robots), np.bool_)
         tiles = np.zeros((length, robots, 2), np.int32)
-        heard = np.zeros(length + 1, np.int64)
+        heard = np.zeros(length * robots + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
         begin = np.stack([state[:, X], state[:, Y], np.arctan2(state[:, SIN], state[:, COS])], axis=1)
-        done = module.walk(
-            state, numbers, half, key, trial, tick, looked, tiles, heard, i, j, seen, *around, stop
-        )  # fmt: skip
+        done = module.walk(state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stop)
         if stop[0] != 0:
             return
-        yield Chunk(tick, looked[:done], tiles[:done], heard[: done + 1], i, j, seen[:done], begin)
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, seen[:done], begin)
         tick += done

@@ -11,6 +11,8 @@ from swarmcensus.engine.compiler import compiled, entry
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.random import block, counter, unit, words
 
+TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
+
 
 @entry
 def spread_uniform(key, first_trial, low, high, out):
@@ -83,6 +85,17 @@ def random_tree(key, trial, robots):
         child = 1 + end // 2  # link number `child` joins that robot to its parent
         parent[i] = child if end % 2 == 0 else parent[child]
     return both_ways(parent)
+
+
+@entry
+def paint_tiles(tiles, key, trial, fill_ratio, black):
+    """Fill `black` (tick, robot) for tiles (tick, robot, 2) that are black independently, with this probability."""
+    for k in range(tiles.shape[0]):
+        for i in range(tiles.shape[1]):
+            word, _ = block(
+                key[0], key[1], counter(trial, 0), counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1])
+            )
+            black[k, i] = unit(word) < fill_ratio
 
 
 @entry
