@@ -73,8 +73,36 @@ class Accuracy:
         return self.black.kind == white.kind == "fixed" and math.isclose(self.black.a + white.a, 1.0)
 
 
-def parse_spread(value: object) -> Spread:
-    """Read a number, "U(lo, hi)" or "N(mean, sd)". Raises ValueError with what would be right."""
+@dataclass(frozen=True)
+class Misjudgement:
+    """What a swarm assumes of its sensors: the truth plus an error, one a robot for both b and w, within [0, 1]."""
+
+    error: Spread
+
+    def __str__(self) -> str:
+        """The canonical text, as in the dataset."""
+        return f"error={self.error}"
+
+    def draw(
+        self, seed: int, first_trial: int, trials: int, robots: int, true: tuple[np.ndarray, np.ndarray]
+    ) -> tuple[np.ndarray, ...]:
+        """Assumed b and w (trial, robot) or (trial, 1), given the true ones."""
+        error = np.full((trials, 1), self.error.a)
+        if self.error.kind != "fixed":
+            uniform = np.empty((2, trials, robots))
+            for part in (0, 1):
+                key = address(seed, f"error {part}", error=str(self.error), robots=robots)
+                compile_world().spread_uniform(key, first_trial, 0.0, 1.0, uniform[part])
+            if self.error.kind == "U":
+                error = self.error.a + (self.error.b - self.error.a) * uniform[0]
+            else:  # Box and Muller's transform
+                normal = np.sqrt(-2.0 * np.log1p(-uniform[0])) * np.cos(2.0 * np.pi * uniform[1])
+                error = self.error.a + self.error.b * normal
+        return tuple(np.ascontiguousarray(np.clip(side + error, 0.0, 1.0)) for side in true)
+
+
+def parse_spread(value: object, accuracy: bool = True) -> Spread:
+    """Read a number, "U(lo, hi)" or "N(mean, sd)", within [0, 1] where it is an accuracy. Raises ValueError."""
     if isinstance(value, str):
         match = SPREAD.fullmatch(value)
         try:
@@ -86,10 +114,11 @@ def parse_spread(value: object) -> Spread:
         spread = Spread("fixed", float(value))
     else:
         raise ValueError(f"a sensor accuracy is {FORMS}")
-    if not 0.0 <= spread.a <= 1.0:
-        raise ValueError("a sensor accuracy lies in [0, 1]")
+    low = 0.0 if accuracy else -1.0
+    if not low <= spread.a <= 1.0:
+        raise ValueError("a sensor accuracy lies in [0, 1]" if accuracy else "an error lies in [-1, 1]")
     if spread.kind == "U" and not spread.a <= spread.b <= 1.0:
-        raise ValueError("U(lo, hi) needs 0 <= lo <= hi <= 1")
+        raise ValueError(f"U(lo, hi) needs {low:.0f} <= lo <= hi <= 1")
     if spread.kind == "N" and not 0.0 < spread.b < math.inf:
         raise ValueError("N(mean, sd) needs sd > 0")
     return spread
@@ -104,3 +133,12 @@ def parse_accuracy(value: object) -> Accuracy:
             raise ValueError("an accuracy table has the keys black and white")
         return Accuracy(parse_spread(value["black"]), parse_spread(value["white"]))
     return Accuracy(parse_spread(value))
+
+
+def parse_assumed(value: object) -> Accuracy | Misjudgement:
+    """Read any form of assumed accuracy: those of an accuracy, or {error = ...}. Raises ValueError."""
+    if isinstance(value, Misjudgement):
+        return value
+    if isinstance(value, Mapping) and set(value) == {"error"}:
+        return Misjudgement(parse_spread(value["error"], accuracy=False))
+    return parse_accuracy(value)

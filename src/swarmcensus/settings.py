@@ -12,7 +12,7 @@ from swarmcensus.bodies import Body
 from swarmcensus.brains import Brain
 from swarmcensus.engine.random import address
 from swarmcensus.networks import Links, Topology
-from swarmcensus.sensors import Accuracy
+from swarmcensus.sensors import Accuracy, Misjudgement
 
 
 @dataclass(frozen=True)
@@ -23,7 +23,7 @@ class Setting:
     topology: Topology
     robots: int
     accuracy: Accuracy
-    assumed_accuracy: Accuracy | None  # None: robots know their sensors
+    assumed_accuracy: Accuracy | Misjudgement | None  # None: robots know their sensors
     fill_ratio: float
     link_success: float
     rounds: int  # ticks where robots move
@@ -101,6 +101,8 @@ class Setting:
         true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)
         if self.assumed_accuracy is None:
             return *true, *true
+        if isinstance(self.assumed_accuracy, Misjudgement):
+            return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
         return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
 
     def links(self, seed: int, first_trial: int, trials: int) -> Links:

@@ -24,7 +24,7 @@ from swarmcensus import arena, brains
 from swarmcensus.bodies import Body, Positive
 from swarmcensus.errors import InputError
 from swarmcensus.networks import MOVING, Topology, parse_topology
-from swarmcensus.sensors import Accuracy, parse_accuracy
+from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
 
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
@@ -70,6 +70,7 @@ Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 BrainField = Annotated[brains.Brain, BeforeValidator(_brain)]
 TopologyField = Annotated[Topology, BeforeValidator(_topology)]
 AccuracyField = Annotated[Accuracy, BeforeValidator(parse_accuracy)]
+AssumedField = Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]
 
 
 def _grid(item: Any) -> Any:
@@ -86,7 +87,7 @@ class Swarm(_Table):
     brain: _grid(BrainField) = Field(default=["minimalistic"], validate_default=True)  # type: ignore[valid-type]
     robots: _grid(Whole)  # type: ignore[valid-type]
     accuracy: _grid(AccuracyField)  # type: ignore[valid-type]
-    assumed_accuracy: _grid(AccuracyField) | None = None  # type: ignore[valid-type]
+    assumed_accuracy: _grid(AssumedField) | None = None  # type: ignore[valid-type]
 
 
 class World(_Table):
