@@ -86,7 +86,7 @@ def plan(study: Study, settings: list[Setting]) -> Iterator[Task]:
     if study.measure.local:
         for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0)):
             yield from _split("local", numbers, settings[numbers[0]], study.trials)
-    for numbers in _alike(settings, lambda s: (repr(s.walk_content), s.rounds) if s.body else None):
+    for numbers in _alike(settings, lambda s: s.walk_group if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, study.trials)
 

@@ -11,6 +11,7 @@ import numpy as np
 from swarmcensus.bodies import Body
 from swarmcensus.brains import Brain
 from swarmcensus.engine.random import address
+from swarmcensus.faults import Fault, stops
 from swarmcensus.networks import Links, Topology
 from swarmcensus.sensors import Accuracy, Misjudgement
 
@@ -30,6 +31,7 @@ class Setting:
     observations_per_round: int
     density: float | None = None  # of robots that move
     body: Body | None = None
+    faults: tuple[Fault, ...] = ()
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
@@ -69,10 +71,16 @@ class Setting:
 
     @property
     def walk_content(self) -> dict[str, object]:
-        """What a walk depends on: settings alike in it share their walks, trial by trial."""
+        """What the random numbers of a walk depend on."""
         assert self.body is not None
         body = self.body.model_dump(exclude={"message_delay"})
         return {"robots": self.robots, "density": self.density, "body": body}
+
+    @property
+    def walk_group(self) -> str:
+        """Settings alike in this share their walks, trial by trial."""
+        lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
+        return repr((self.walk_content, self.rounds, lame))
 
     def walk_key(self, seed: int) -> np.ndarray:
         """The address of where robots start and how they walk."""
@@ -105,11 +113,14 @@ class Setting:
             return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
         return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
 
+    def stops(self, seed: int, trial: int) -> np.ndarray:
+        """When parts of robots fail: see `swarmcensus.faults`."""
+        return stops(self.faults, seed, trial, self.robots)
+
     def links(self, seed: int, first_trial: int, trials: int) -> Links:
         """Who hears whom in these trials."""
-        return self.topology.links(
-            self.robots, seed, first_trial, trials, self.link_success == 1.0, bool(self.brain.sums)
-        )
+        heard_by_all = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
+        return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, bool(self.brain.sums))
 
     @property
     def loss_threshold(self) -> np.uint64:

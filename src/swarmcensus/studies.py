@@ -23,6 +23,7 @@ from pydantic import (
 from swarmcensus import arena, brains
 from swarmcensus.bodies import Body, Positive
 from swarmcensus.errors import InputError
+from swarmcensus.faults import Fault
 from swarmcensus.networks import MOVING, Topology, parse_topology
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
@@ -130,6 +131,7 @@ class Tables(_Table):
     world: World
     schedule: Schedule = Schedule()
     measure: Measure = Measure()
+    faults: tuple[Fault, ...] = ()
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
@@ -143,6 +145,12 @@ class Tables(_Table):
         if late:
             raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {self.last_round}")
         self._check_moving()
+        for n, fault in enumerate(self.faults):
+            most = min(self.swarm.robots)
+            if isinstance(fault.robots, int) and fault.robots > most:
+                raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {most} robots")
+            if "moving" in fault.stop and not any(t.name == MOVING for t in self.world.topology):
+                raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
         return self
 
     @property
@@ -189,6 +197,7 @@ class Study:
         self.name, self.seed, self.trials = checked.name, checked.seed, checked.trials
         self.swarm, self.world = checked.swarm, checked.world
         self.schedule, self.measure = checked.schedule, checked.measure
+        self.faults = checked.faults
         self.text = text if text is not None else to_toml(tables)
         for accuracy in self.swarm.accuracy:
             if accuracy.is_blind:
@@ -235,8 +244,8 @@ class Study:
     def settings(self) -> list[Setting]:
         """Every combination of the study's values, in the order of the file's tables."""
         swarm, world, schedule = self.swarm, self.world, self.schedule
-        fixed = [(c, r, None, None) for c in schedule.rounds for r in schedule.observations_per_round]
-        moving = [(t, 1, d, world.body) for d in world.density or () for t in schedule.ticks]
+        fixed = [(c, r, None, None, self.faults) for c in schedule.rounds for r in schedule.observations_per_round]
+        moving = [(t, 1, d, world.body, self.faults) for d in world.density or () for t in schedule.ticks]
         return [
             Setting(*values, *length)
             for values in itertools.product(

@@ -7,7 +7,7 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
-from swarmcensus.engine.modes import FULL, LISTED
+from swarmcensus.engine.modes import FULL, LISTED, SENSING, TALKING
 from swarmcensus.engine.random import block, counter, unit, words
 
 from .mind import (
@@ -50,11 +50,18 @@ def blocks(receivers, robots):
 
 
 @compiled
-def observe_some(memory, outbox, said, blacks, bits, tables, looks, key, trial, tick, first, last):
+def works(stops, part, i, tick):
+    """Whether a part of robot i has not failed yet; `stops` (part, robot) is empty where nothing ever fails."""
+    return stops.shape[1] == 0 or tick < stops[part, i]
+
+
+@compiled
+def observe_some(memory, outbox, said, blacks, bits, tables, looks, key, trial, tick, first, last, stops):
     """Robots first ... last - 1 make their round's observations and say what they hold then."""
     count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last)
     for i in range(first, last):
-        observe(memory[i], float(blacks[i - first]), float(looks))
+        if works(stops, SENSING, i, tick):
+            observe(memory[i], float(blacks[i - first]), float(looks))
         pack(outbox, said + i, broadcast(memory[i]))
 
 
@@ -94,21 +101,27 @@ def hear_all(memory, outbox, said, scratch, rows, r):
 
 
 @compiled
-def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold):
+def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
     """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
     for link in range(first, last):
-        if threshold == 0 or heard_by(key, trial, tick, receivers[link], senders[link], threshold):
+        if works(stops, TALKING, senders[link], tick) and (
+            threshold == 0 or heard_by(key, trial, tick, receivers[link], senders[link], threshold)
+        ):
             receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
 
 
 @njit(nogil=True, error_model="python")
-def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stop):
+def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stops, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     for i in range(memory.size):
         if stop[0] != 0:
             return
         for j in range(memory.size):
-            if i != j and (threshold == 0 or heard_by(key, trial, tick, i, j, threshold)):
+            if (
+                i != j
+                and works(stops, TALKING, j, tick)
+                and (threshold == 0 or heard_by(key, trial, tick, i, j, threshold))
+            ):
                 receive(memory[i], unpack(outbox, said + np.uint64(j)))
 
 
@@ -141,7 +154,7 @@ def settle(rows, top, delta, low, high, where, value):
 @njit(nogil=True, error_model="python")
 def advance(
     memory, outbox, scratch, blacks, bits, tables, first, last, looks, trial,
-    read_key, link_key, links, receivers, senders, reach, threshold, rows, stop,
+    read_key, link_key, links, receivers, senders, reach, threshold, rows, stops, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
@@ -158,22 +171,24 @@ def advance(
         if r >= 0 and links == FULL:
             hear_all(memory, outbox, said, scratch, rows, r)
         elif r >= 0 and links != LISTED:
-            hear_pairs(memory, outbox, said, link_key, trial, k, threshold, stop)
+            hear_pairs(memory, outbox, said, link_key, trial, k, threshold, stops, stop)
         for start in range(ZERO, n, BLOCK):
             end = min(start + BLOCK, n)
             if r >= 0 and links == LISTED:
                 one, other = reach[start // BLOCK], reach[start // BLOCK + np.uint64(1)]
-                hear_listed(memory, outbox, said, receivers, senders, one, other, link_key, trial, k, threshold)
+                hear_listed(memory, outbox, said, receivers, senders, one, other, link_key, trial, k, threshold, stops)
             if r >= 0 and links != FULL:
                 fuse_some(memory, start, end, rows, r)
             if k + 1 < last:
-                observe_some(memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end)
+                observe_some(
+                    memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end, stops
+                )
         said, next_said = next_said, said
 
 
 @njit(nogil=True, error_model="python")
 def advance_alone(
-    memory, reading, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stop
+    memory, reading, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stops, stop
 ):  # fmt: skip
     """Run single observations first ... last - 1 of robots that hear nobody; their estimates go to `rows`."""
     for k in range(first, last):
@@ -186,7 +201,8 @@ def advance_alone(
             )
         arrange(reading, blacks, bits, left, order_key, trial, k)
         for i in range(memory.size):
-            observe(memory[i], reading[i], 1.0)
+            if works(stops, SENSING, i, (k - 1) // looks + 1):
+                observe(memory[i], reading[i], 1.0)
             fuse(memory[i])
             rows[k - first, i] = estimate(memory[i])
 
@@ -194,7 +210,7 @@ def advance_alone(
 @entry
 def simulate(
     blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds,
-    read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold,
+    read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
     delta, bin_low, bin_high, checkpoints, where, value, final, correct, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
@@ -220,6 +236,7 @@ def simulate(
         graph = trial if starts.size > 2 else 0
         receivers = all_receivers[starts[graph] : starts[graph + 1]]
         senders = all_senders[starts[graph] : starts[graph + 1]]
+        stops = all_stops[trial]
         reach = blocks(receivers, robots)
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
         begin(memory, blank, assumed_b[trial], assumed_w[trial])
@@ -242,12 +259,12 @@ def simulate(
                 if local:
                     advance_alone(
                         memory, reading, blacks, bits, tables, first, last, looks, number, read_key, order_key,
-                        rows, stop,
+                        rows, stops, stop,
                     )  # fmt: skip
                 else:
                     advance(
                         memory, outbox, scratch, blacks, bits, tables, first, last, looks, number, read_key,
-                        link_key, links, receivers, senders, reach, threshold, rows, stop,
+                        link_key, links, receivers, senders, reach, threshold, rows, stops, stop,
                     )  # fmt: skip
                 if stop[0] != 0:
                     return False
@@ -273,7 +290,7 @@ def simulate(
 @entry
 def record(
     blank, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, blacks_seen,
-    read_key, link_key, links, receivers, senders, threshold,
+    read_key, link_key, links, receivers, senders, threshold, stops,
 ):  # fmt: skip
     """Run one trial and keep every mind after every round in `history`, (round, robot), and its readings."""
     robots = history.shape[1]
@@ -292,7 +309,7 @@ def record(
         count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, ZERO, np.uint64(robots))
         advance(
             memory, outbox, scratch, blacks, bits, tables, k, k + 1, looks, trial, read_key, link_key, links,
-            receivers, senders, reach, threshold, rows, stop,
+            receivers, senders, reach, threshold, rows, stops, stop,
         )  # fmt: skip
         history[k, :] = memory
 
@@ -338,19 +355,21 @@ def believe(history, out):
 
 
 @compiled
-def hear_some(me, i, outbox, then, senders, first, last, scratch, key, trial, tick, threshold):
+def hear_some(me, i, outbox, then, senders, first, last, scratch, key, trial, tick, threshold, stops, delay):
     """Robot i hears what senders first ... last - 1 said.
 
     Where `receive` only adds and no message is lost, the sums are kept in registers and added once.
     """
-    if additive and threshold == 0:
+    if additive and threshold == 0 and stops.shape[1] == 0:
         sums = no_sums
         for e in range(first, last):
             sums = sums_with(sums, unpack(outbox, then + senders[e]), scratch[0])
         add_sums(me, sums)
     else:
         for e in range(first, last):
-            if threshold == 0 or heard_by(key, trial, tick, i, senders[e], threshold):
+            if works(stops, TALKING, senders[e], tick - delay) and (
+                threshold == 0 or heard_by(key, trial, tick, i, senders[e], threshold)
+            ):
                 receive(me, unpack(outbox, then + senders[e]))
 
 
@@ -366,7 +385,7 @@ def wake(memory, blank, b, w, outbox, start):
 @entry
 def ride(
     memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
-    looked, black, heard, senders, history, readings, stop,
+    looked, black, heard, senders, history, readings, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
 
@@ -385,7 +404,7 @@ def ride(
         said = (now % (delay + 1)) * n
         words(read_key, trial, now, 0, 0, n, bits)
         for i in range(n):
-            if looked[k, i]:
+            if looked[k, i] and works(stops, SENSING, i, now):
                 right = unit(bits[i]) < (b[i * step_b] if black[k, i] else w[i * step_w])
                 observe(memory[i], 1.0 if black[k, i] == right else 0.0, 1.0)
                 if readings.shape[0] > 0:
@@ -396,7 +415,7 @@ def ride(
             if now >= delay:
                 hear_some(
                     memory[i], i, outbox, then, senders, heard[k * n + i], heard[k * n + i + 1], scratch,
-                    link_key, trial, now, threshold,
+                    link_key, trial, now, threshold, stops, delay,
                 )  # fmt: skip
             fuse(memory[i])
             rows[now - 1, i] = estimate(memory[i])

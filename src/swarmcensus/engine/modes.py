@@ -1,3 +1,8 @@
-"""How messages travel in a round: along listed links, all in two sums, or between all pairs one by one."""
+"""Numbers that the engine's files share."""
 
+# how messages travel in a round: along listed links, all in two sums, or between all pairs one by one
 LISTED, FULL, PAIRS = 0, 1, 2
+
+# what of a robot may fail
+MOVING, SENSING, TALKING = 0, 1, 2
+NEVER = 1 << 62

@@ -28,6 +28,7 @@ class Rider:
         self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
+        self.stops = setting.stops(seed, trial)
         self.keys = setting.readings_key(seed), setting.losses_key(seed)
         b, w, *assumed = (a[0] for a in setting.accuracies(seed, trial, 1))
         self.sensors = b, w
@@ -40,7 +41,8 @@ class Rider:
         kept = keep or (np.empty((0, 0), self.memory.dtype), np.zeros((0, 0)))
         self.kernel.ride(
             self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, *self.keys,
-            self.setting.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept, stop,
+            self.setting.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept,
+            self.stops, stop,
         )  # fmt: skip
 
     def measure(self, metrics: Metrics) -> Batch:
@@ -85,7 +87,17 @@ def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bo
     assert setting.body is not None
     assert setting.density is not None
     side = arena.side(setting.robots, setting.density, setting.body)
-    return walk(setting.robots, side, setting.body, setting.walk_key(seed), trial, setting.rounds, stop, poses)
+    return walk(
+        setting.robots,
+        side,
+        setting.body,
+        setting.walk_key(seed),
+        trial,
+        setting.rounds,
+        stop,
+        poses,
+        setting.stops(seed, trial),
+    )
 
 
 @dataclass(frozen=True)

@@ -77,6 +77,7 @@ def run_batch(
         blank, *room, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks, rounds,
         setting.readings_key(seed), setting.readings_key(seed, "order"), setting.losses_key(seed),
         links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
+        np.stack([setting.stops(seed, first + t) for t in range(trials)]),
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
         where, value, final, correct, stop,
     )  # fmt: skip
@@ -99,7 +100,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, n
     kernel.record(
         blank, trial, *(a[0] for a in setting.accuracies(seed, trial, 1)), setting.fill_ratio,
         setting.observations_per_round, history, blacks, setting.readings_key(seed), setting.losses_key(seed),
-        links.mode, links.receivers, links.senders, setting.loss_threshold,
+        links.mode, links.receivers, links.senders, setting.loss_threshold, setting.stops(seed, trial),
     )  # fmt: skip
     kernel.believe(history, estimates)
     return history, estimates, blacks

@@ -9,6 +9,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiler import compiled, entry
+from swarmcensus.engine.modes import MOVING
 from swarmcensus.engine.random import block, counter, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
@@ -307,7 +308,7 @@ def has_strayed(state, anchors, skin):
 @entry
 def walk(
     state, bodies, half, key, trial, tick, looked, tiles, heard, senders, poses,
-    anchors, first, others, mirror, gaps, sees, heads, following, stop,
+    anchors, first, others, mirror, gaps, sees, heads, following, stops, stop,
 ):  # fmt: skip
     """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where `senders` is full.
 
@@ -333,7 +334,9 @@ def walk(
                 anchors[i, 1] = state[i, Y]
             measure(state, first, others, mirror, gaps)
         for i in range(robots):
-            move, avoiding = decide(state, i, body, half, first[i], first[i + 1], gaps, rays, key, trial, tick + k)
+            move, avoiding = STAND, False
+            if stops.shape[1] == 0 or tick + k < stops[MOVING, i]:
+                move, avoiding = decide(state, i, body, half, first[i], first[i + 1], gaps, rays, key, trial, tick + k)
             looked[k, i] = not avoiding
             # the wheels answer late: at first the last tick's motion goes on
             go(state, i, body.lag, body.cos_late, body.sin_late)

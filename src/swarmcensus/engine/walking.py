@@ -13,6 +13,7 @@ from swarmcensus.errors import InputError
 
 CHUNK_BYTES = 16_000_000  # of a walk kept at a time
 SENDERS = 2_000_000
+NO_STOPS = np.zeros((3, 0), np.int64)
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,20 @@ def neighbours_at_most(robots: int, body: Body) -> int:
 
 
 def walk(
-    robots: int, side: float, body: Body, key: np.ndarray, trial: int, ticks: int, stop: np.ndarray, poses: bool = False
+    robots: int,
+    side: float,
+    body: Body,
+    key: np.ndarray,
+    trial: int,
+    ticks: int,
+    stop: np.ndarray,
+    poses: bool = False,
+    stops: np.ndarray = NO_STOPS,
 ) -> Iterator[Chunk]:
-    """The walk of one trial, in chunks, from tick 1 on. Raises InputError where the robots find no room."""
+    """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
+
+    Raises InputError where the robots find no room.
+    """
     module = compile_world("walk")
     numbers, half = body.numbers, side / 2.0
     state = np.zeros((robots, STATE))
@@ -67,7 +79,9 @@ def walk(
         heard = np.zeros(length * robots + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
         begin = np.stack([state[:, X], state[:, Y], np.arctan2(state[:, SIN], state[:, COS])], axis=1)
-        done = module.walk(state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stop)
+        done = module.walk(
+            state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stops, stop
+        )
         if stop[0] != 0:
             return
         yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, seen[:done], begin)
