@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from swarmcensus import brains, claims, measures, minimalism, statistics
+from swarmcensus import brains, claims, measures, minimalism, moving_measures, statistics
 from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing
 
 KNOWN = {claim.id: claim for claim in claims.CLAIMS}
-CHECKPOINTS = [10, 50, 100, 200, 500, 1000]
+CHECKPOINTS = np.array([10, 50, 100, 200, 500, 1000])
 QUALITY = {accuracy: float(accuracy) for accuracy in measures.NUMBERS} | {measures.MIXED: 0.75}
-SPEED = {"full": 0.2, "ring": 1.0, "line": 1.0, "scale-free": 1.1}
+SPEED = {"full": 0.2, "ring": 1.0, "line": 1.0, "scale-free": 1.1, "moving": 1.2}
 ONES = {"K": 1.0, "error": 1.0, "local": 1.0, "spread": 0.0, "right": 1.0, "noise": 0.05}
 
 
@@ -28,12 +28,13 @@ def world(*names, twist=as_it_is, trials=30):
 
 @functools.cache
 def dataset(study, twist, trials):
-    topologies = {"topologies": measures.TOPOLOGIES, "local": ("full",)}.get(study, ("scale-free",))
-    sizes = (10, 100) if study == "topologies" else (100,)
+    topologies = {"topologies": measures.TOPOLOGIES, "local": ("full",), "moving": ("moving",)}
+    sizes = {"topologies": (10, 100), "moving": (25,)}
     settings = [
-        {"study": study, "topology": t, "robots": n, "accuracy": a, "f": f}
-        for t in topologies
-        for n in sizes
+        {"study": study, "topology": t, "robots": n, "density": density, "accuracy": a, "f": f}
+        for t in topologies.get(study, ("scale-free",))
+        for n in sizes.get(study, (100,))
+        for density in (moving_measures.DENSITIES if study == "moving" else (np.nan,))
         for a in measures.ALL
         for f in measures.FILLS
     ]
@@ -45,23 +46,24 @@ def dataset(study, twist, trials):
         quality, n = QUALITY[setting["accuracy"]], setting["robots"]
         rng = np.random.default_rng(i % 22)  # settings that differ in topology alone meet the same luck
         luck = np.exp(now["noise"] * (rng.normal(size=(trials, 1)) + 0.2 * rng.normal(size=(trials, n))))
-        slow = np.exp(-4 * (quality - 0.5)) * SPEED[setting["topology"]] * (0.8 if setting["f"] == 0.95 else 1)
-        unit = {"same-observations": 10, "same-rounds": 1.5}.get(study, 1)
-        error = 0.04 * np.exp(-5 * (quality - 0.5)) * luck
+        easy = (0.8 if setting["f"] == 0.95 else 1) * (0.9 if setting["density"] == 10 else 1)
+        slow = np.exp(-4 * (quality - 0.5)) * SPEED[setting["topology"]] * easy
+        unit = {"same-observations": 10, "same-rounds": 1.5, "moving": 10}.get(study, 1)
+        error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * luck
         data["convergence_round"][i, :, :n] = 400 * slow * unit * now["K"] * luck
         data["convergence_error"][i, :, :n] = error * now["error"]
         data["final_estimate"][i, :, :n] = setting["f"] + now["spread"] * np.linspace(0, 1, n)
         data["local_convergence_step"][i, :, :n] = 4000 * slow * 10 * luck
         data["local_convergence_error"][i, :, :n] = error * 1.5 * now["local"]
-        wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * SPEED[setting["topology"]]
+        wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * slow
         correct[i] = now["right"] * (1 - np.round(wrong * n * luck.mean(1)[:, None]) / n).T
-    columns = {"topology": "topology", "robots": "robots", "accuracy": "accuracy", "fill_ratio": "f"}
-    coords = {name: ("setting", [s[key] for s in settings]) for name, key in columns.items()}
+    columns = {"topology": "topology", "robots": "robots", "density": "density", "accuracy": "accuracy"}
+    coords = {n: ("setting", [s[key] for s in settings]) for n, key in (columns | {"fill_ratio": "f"}).items()}
     kept = VARIABLES + (LOCAL if study == "local" else ())
     return xr.Dataset(
         {name: (("setting", "trial", "robot"), data[name]) for name in kept}
         | {"correct": (("setting", "checkpoint", "trial"), correct)},
-        coords | {"checkpoint": CHECKPOINTS},
+        coords | {"checkpoint": CHECKPOINTS * (10 if study in ("moving", "same-observations") else 1)},
     )
 
 
@@ -87,13 +89,18 @@ def mixed(f):
     return lambda **s: s["accuracy"] == measures.MIXED and s["f"] == f
 
 
+def mover(accuracy="0.775", f=0.55, density=10.0):
+    return lambda **s: (s["topology"], s["accuracy"], s["f"], s["density"]) == ("moving", accuracy, f, density)
+
+
 def study(name, accuracy="0.775"):
     return lambda **s: s["study"] == name and s["accuracy"] == accuracy
 
 
-def backwards(study, topology, robots, accuracy, f):
-    """On the ring at f = 0.55, better sensors converge later."""
-    return {"K": np.exp(8 * QUALITY[accuracy])} if (topology, f) == ("ring", 0.55) else {}
+def backwards(topology, accuracy, f, density, **_):
+    """On the ring, and in crowds that move, better sensors converge later at f = 0.55."""
+    there = topology == "ring" or density == 10
+    return {"K": np.exp(8 * QUALITY[accuracy])} if there and f == 0.55 else {}
 
 
 def hurts_poor(study, topology, accuracy, **_):
@@ -118,6 +125,16 @@ FAILING = {
     "same-rounds": only(study("same-rounds"), K=0.3),
     "consensus": only(one("scale-free", "0.675"), right=0.999),
     "sooner-right": only(lambda topology, f, **_: (topology, f) == ("ring", 0.55), right=0.9),
+    "denser-first": only(mover(), K=1.5),
+    "denser-alike": only(mover(), error=0.5),
+    "blacker-first-moving": only(mover(f=0.95), K=1.5),
+    "blacker-closer-moving": only(mover(f=0.95), error=1.5),
+    "grows-moving": backwards,
+    "impaired-moving": only(mover("0.625"), error=20),
+    "consensus-moving": only(mover("0.675", density=1), right=0.999),
+    "mixed-consensus-moving": only(mover(measures.MIXED, density=1), right=0.999),
+    "mixed-sooner-moving": only(mover(measures.MIXED, density=1), right=0.5),
+    "like-tree-moving": only(mover(density=1), right=0.7),
 }
 NEAR = {  # right at the threshold, and noisy
     "low-error-055": only(one("ring", "0.525"), error=1.25 / np.exp(-0.125), noise=0.3),
@@ -127,6 +144,8 @@ NEAR = {  # right at the threshold, and noisy
     "blacker-first-sparse": only(one("ring", f=0.95), K=1.25, noise=0.3),
     "same-observations": only(study("same-observations"), error=0.8, noise=0.3),
     "same-rounds": only(study("same-rounds"), K=1 / 1.5, noise=0.3),
+    "denser-first": only(mover(), K=1 / 0.9, noise=0.3),
+    "blacker-closer-moving": only(mover(f=0.95), error=1.25, noise=0.3),
 }
 
 
@@ -171,6 +190,22 @@ def test_single_steps_against_the_trend_are_noted():
     outcome = verdict("grows", only(one("ring", "0.725"), K=1.5))
     assert outcome.verdict == HOLDS
     assert outcome.note == "Of 72 single steps of accuracy, 1 slow the swarm: ring, f = 0.55, 0.675 to 0.725."
+
+
+def test_notes_on_moving_robots_say_what_was_measured():
+    assert verdict("grows-moving").note == "Of 36 single steps of accuracy, none slows a swarm beyond doubt."
+    few = verdict("mixed-sooner-moving", only(mover(measures.MIXED, f=0.95, density=1), right=0.935))
+    assert few.note.endswith("at f = 0.55: 0.525, 0.575, 0.625, 0.675; at f = 0.95: 0.525.")
+    expense = verdict("impaired-moving", only(mover("0.975", density=1), K=0.5, noise=0)).note
+    assert "95 %: 7.9 to 8.2 (D = 1, f = 0.55), 3.9 to" in expense  # 2 exp(0.35 * 4), and half of that
+    settled = verdict("like-tree-moving", only(mover(density=1), K=4)).note
+    assert "median convergence is 1.09 to 4.35 times and median error is 1.00 to 1.00 times" in settled
+
+
+def test_moving_robots_are_compared_after_as_many_observations():
+    """Their decisions with those at R = 10, their estimates with those at R = 1: neither is the other's."""
+    assert verdict("like-tree-moving", only(lambda study, **_: study == "same-observations", right=0.1)).holds
+    assert verdict("like-tree-moving", only(lambda study, **_: study == "topologies", right=0.1)).holds is False
 
 
 def test_all_that_is_missing_is_not_measured():

@@ -60,7 +60,11 @@ def test_a_brain_of_ones_own(tmp_path):
         (("return (me.n,)", "return (math.inf,)"), "gives finite", "not a finite number"),
         (("return (me.n,)", "me.n += 1.0\n    return (me.n,)"), "only read", "broadcast changes me.n"),
         (('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nSUMS = ("n",)'), "SUMS", "by SUMS it adds to n alone"),
-        (("    me.n += blacks\n", "    me.n += str(blacks)\n"), "compiles", "Numba cannot compile it"),
+        (
+            ("    me.n += blacks\n", "    me.n += ('a' if looks > 0.0 else 1.0) == 'a'\n"),
+            "compiles",
+            "Numba cannot compile it",
+        ),
     ],
 )
 def test_faults_are_found(change, name, said, tmp_path):

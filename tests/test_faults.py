@@ -83,7 +83,10 @@ def test_robots_that_stop_moving_stand_still():
 
 def test_who_fails_differs_between_trials_and_faults():
     study = sc.Study.parse(
-        STUDY.replace('[{at = 20, robots = 3, stop = "STOP"}]', '[{at = 5, robots = 0.5, stop = "sensing"}, {at = 9, robots = 0.5, stop = ["talking", "sensing"]}]')
+        STUDY.replace(
+            '[{at = 20, robots = 3, stop = "STOP"}]',
+            '[{at = 5, robots = 0.5, stop = "sensing"}, {at = 9, robots = 0.5, stop = ["talking", "sensing"]}]',
+        )
     )
     setting = study.settings()[0]
     picked = [tuple(map(tuple, setting.stops(3, trial))) for trial in range(6)]
@@ -101,7 +104,7 @@ def test_who_fails_differs_between_trials_and_faults():
         ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9: there are 8 robots"),
         ('{at = 5, robots = 1.5, stop = "sensing"}', "a whole number, or a fraction in [0, 1]"),
         ('{at = 5, robots = 3, stop = "smiling"}', "faults[0].stop[0] = \"smiling\": should be 'moving', 'sensing' or"),
-        ('{at = 5, robots = 3, stop = []}', "faults[0].stop = []"),
+        ("{at = 5, robots = 3, stop = []}", "faults[0].stop = []"),
         ('{at = 5, robots = 3, stop = "moving"}', "these robots never move"),
         ('{at = 5, robots = 3, stops = "sensing"}', "unknown key faults[0].stops"),
     ],

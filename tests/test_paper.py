@@ -11,7 +11,7 @@ import xarray as xr
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus import claims, page, paper, report, results
+from swarmcensus import claims, figures, page, paper, report, results
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
 from swarmcensus.strips import strip
@@ -52,8 +52,8 @@ def a_page(tmp_path, *outcomes):
 
 
 def test_all_files_are_there(done):
-    expected = [f"data/{n}.nc" for n in ("local", "same-observations", "same-rounds", "topologies")]
-    expected += [f"figures/{n}.{kind}" for n in ("fig2", "fig3", "fig4") for kind in ("png", "svg")]
+    expected = [f"data/{n}.nc" for n in ("local", "moving", "same-observations", "same-rounds", "topologies")]
+    expected += [f"figures/{n}.{kind}" for n in ("fig2", "fig3", "fig4", "fig5") for kind in ("png", "svg")]
     expected += ["claims.json", "index.html"]
     found = [p.relative_to(done.out).as_posix() for p in done.out.rglob("*") if p.is_file()]
     assert sorted(found) == sorted(expected)
@@ -67,6 +67,30 @@ def test_datasets_are_what_the_study_files_say(done):
     assert data.sizes["setting"] == 4 * 2 * 11 * 2
     assert "seed = 2023" in data.attrs["study"]
     xr.testing.assert_identical(data.convergence_round, done.datasets["topologies"].convergence_round)
+
+
+def test_the_studies_hold_all_runs_of_the_paper():
+    """4 networks of 10 and 100 robots, and 2 densities, by 11 accuracies, 2 fill ratios and 30 trials: 6,600."""
+    studies = [sc.Study.load(paper.studies_folder() / f"{name}.toml") for name in ("topologies", "moving")]
+    assert sum(len(study.settings()) * study.trials for study in studies) == 6600
+
+
+def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks(done):
+    rounds, ticks = (done.datasets[name] for name in ("topologies", "moving"))
+    assert (10 * rounds.checkpoint.values == ticks.checkpoint.values).all()
+    assert set(rounds.observations_per_round.values) == {10}
+    assert set(ticks.observations_per_round.values) == {1}
+
+
+@pytest.mark.parametrize("name", ["fig4", "fig5"])
+def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, name):
+    (figure,) = (f for f in paper.FIGURES if f.name == name)
+    draw = figures.scatter_grid if figure.kind == "scatter" else figures.decisions_grid
+    axes = draw([view.panel(done.datasets) for view in figure.views]).axes
+    for ax, view in zip(axes, figure.views, strict=True):
+        assert ("ticks" in ax.get_xlabel()) == (view.study == "moving")
+        assert ("rounds" in ax.get_xlabel()) == (view.study != "moving")
+    assert {view.study for view in figure.views} >= {"moving"}
 
 
 def test_robots_meet_the_same_readings_alone_and_in_company(done):
@@ -86,7 +110,7 @@ def test_the_page_needs_nothing_from_outside(done):
     assert "http" not in text.replace("http-equiv", "")
     assert "url(" not in text
     assert not {"script", "link", "iframe", "object"} & set(read.tags)
-    assert len(read.sources) == 3
+    assert len(read.sources) == 4
     assert all(source.startswith("data:image/png;base64,") for source in read.sources)
     assert all(len(alt) > 100 for alt in read.alts)
     for link in read.links:
@@ -114,6 +138,8 @@ def test_every_figure_names_claims_and_studies_that_exist():
     for figure in paper.FIGURES:
         assert names.issuperset(figure.claims)
         assert studies.issuperset(view.study for view in figure.views)
+    spoken_of = {name for figure in paper.FIGURES for name in figure.claims}
+    assert names - spoken_of == {"minimal"}
     assert studies.issuperset(study for claim in claims.CLAIMS for study in claim.studies)
 
 
@@ -130,18 +156,18 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
         def __exit__(self, *_):
             pass
 
-    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig4", reporting=Bar, say=said.append)
-    assert list(done.datasets) == ["topologies"]
-    assert {p.name for p in done.files} == {"topologies.nc", "fig4.png", "fig4.svg"}
+    done = paper.reproduce(tmp_path, trials=1, seed=5, only="fig5", reporting=Bar, say=said.append)
+    assert list(done.datasets) == ["moving"]
+    assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
     assert not (tmp_path / "claims.json").exists()
-    assert "--trials 1 --seed 5 --only fig4" in done.page.read_text(encoding="utf-8")
+    assert "--trials 1 --seed 5 --only fig5" in done.page.read_text(encoding="utf-8")
     assert len(said) == 3
-    assert bars[-1].done == bars[-1].total == 176
+    assert bars[-1].done == bars[-1].total == 44
     assert bars[-1].work_done == pytest.approx(bars[-1].work_total)
 
 
 def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
-    with pytest.raises(InputError, match=r"'fig9'.*fig2, fig3, fig4, claims"):
+    with pytest.raises(InputError, match=r"'fig9'.*fig2, fig3, fig4, fig5, claims"):
         paper.reproduce(tmp_path / "out", only=["fig2", "fig9"])
     assert not (tmp_path / "out").exists()
 

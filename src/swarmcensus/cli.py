@@ -12,6 +12,10 @@ from swarmcensus import __version__
 from swarmcensus.errors import InputError, Interrupted
 
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
+PICTURES = ("scatter", "decisions", "curves", "heatmap", "arena", "film")
+ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
+    ("first", "last", "every", "fps"), ("film",)
+)  # options of `plot` that mean something to these kinds
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -61,18 +65,26 @@ def parser() -> argparse.ArgumentParser:
 
     sub = command("run", run, "Run a study file; write its results as netCDF.")
     sub.add_argument("study", type=Path, metavar="STUDY.toml")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study's name with .nc, here")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study file's name with .nc, here")
     _add_run_options(sub)
 
     sub = command("plot", plot, "Draw a results file.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--kind", choices=("scatter", "decisions", "curves", "heatmap"), default="scatter")
+    sub.add_argument("--kind", choices=PICTURES, default="scatter", help="what to draw (default: %(default)s)")
     sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
     sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
-    sub.add_argument("--setting", type=int, help="the setting whose curves are drawn (default: the first)")
-    sub.add_argument("--trial", type=int, default=0, help="the trial whose curves are drawn (default: %(default)s)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, for curves of a brain of your own")
-    sub.add_argument("--out", type=Path, metavar="FILE.png|svg|pdf", help="default: RESULTS-KIND.png and .svg, here")
+    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
+    sub.add_argument("--trial", type=int, default=0, help="the trial of curves, arena or film (default: %(default)s)")
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
+    sub.add_argument("--tick", type=_from_zero, help="when the arena is drawn (default: the last)")
+    sub.add_argument("--robot", type=_from_zero, help="whose radio range the arena shows (default: 0)")
+    sub.add_argument("--first", type=_from_zero, help="the tick that a film begins at (default: 1)")
+    sub.add_argument("--last", type=_from_zero, help="the tick that it ends at (default: 600 ticks)")
+    sub.add_argument("--every", type=_from_one, help="ticks from frame to frame (default: 2)")
+    sub.add_argument("--fps", type=_from_one, help="frames a second (default: 20)")
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE", help="default: RESULTS-KIND.png and .svg (also .pdf), or .mp4 (also .gif)"
+    )
 
     sub = command("export", export, "Write results as a table: one row a robot and trial.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
@@ -175,8 +187,11 @@ def plot(options: argparse.Namespace) -> int:
     from swarmcensus.selecting import where
 
     data = where(results.load(options.results), options.where)
-    if options.local and options.kind != "scatter":
-        raise InputError(f"--local goes with --kind scatter, not with {options.kind}")
+    for name, kinds in ONLY_OF.items():
+        if getattr(options, name) not in (None, False) and options.kind not in kinds:
+            raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+    if options.kind in ("arena", "film"):
+        return _plot_arena(options, data)
     if options.kind == "curves":
         setting = options.setting if options.setting is not None else int(data["setting"].values[0])
         figure = figures.curves(traces.replay(data, setting, options.trial, options.brain))
@@ -191,14 +206,45 @@ def plot(options: argparse.Namespace) -> int:
     return 0
 
 
+def _plot_arena(options: argparse.Namespace, data: Any) -> int:
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from swarmcensus import arena_pictures, films
+
+    out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
+    films.check_format(out) if options.kind == "film" else _check_suffix(out)
+    trace, floor = arena_pictures.scene_of(data, options.setting, options.trial, options.brain)
+    given = {
+        n: getattr(options, n) for n in ("robot", "first", "last", "every", "fps") if getattr(options, n) is not None
+    }
+    if options.kind == "arena":
+        tick = int(trace["round"][-1]) if options.tick is None else options.tick
+        _save_figure(arena_pictures.snapshot(trace, tick, floor, **given), out, ("png", "svg"))
+        return 0
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task("drawing", total=None)
+        frames = films.film(
+            trace, floor, out, **given, progress=lambda done, total: bar.update(task, completed=done, total=total)
+        )
+    print(f"{out}: {frames:,} frames")
+    return 0
+
+
 def _save_figure(figure: Any, out: Path, default: tuple[str, ...]) -> None:
     from swarmcensus import figures
 
+    suffix = _check_suffix(out)
+    for path in figures.save(figure, out.with_suffix("") if suffix else out, (suffix,) if suffix else default):
+        print(path)
+
+
+def _check_suffix(out: Path) -> str:
     suffix = out.suffix.lower().lstrip(".")
     if suffix and suffix not in ("png", "svg", "pdf"):
         raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
-    for path in figures.save(figure, out.with_suffix("") if suffix else out, (suffix,) if suffix else default):
-        print(path)
+    return suffix
 
 
 def export(options: argparse.Namespace) -> int:
@@ -217,6 +263,8 @@ def replay(options: argparse.Namespace) -> int:
     from swarmcensus import figures, recordings, results, traces
     from swarmcensus.tables import rounds
 
+    if options.plot:
+        _check_suffix(options.plot)
     data = results.load(options.results)
     trace = traces.replay(data, options.setting, options.trial, options.brain)
     if options.out:
@@ -227,7 +275,8 @@ def replay(options: argparse.Namespace) -> int:
         readings, edges = traces.recording(data, options.setting, options.trial, options.brain)
         robots = [f"robot {i}" for i in range(readings.shape[1])]
         recordings.write_rows(options.recording / "observations.csv", robots, readings)
-        recordings.write_rows(options.recording / "links.csv", ["i", "j"], edges)
+        header = ["i", "j"] if edges.shape[1] == 2 else ["step", "sender", "receiver"]
+        recordings.write_rows(options.recording / "links.csv", header, edges)
         print(options.recording)
     rounds(trace)
     return 0
@@ -243,13 +292,16 @@ def infer(options: argparse.Namespace) -> int:
     if out.suffix not in (".csv", ".nc"):
         raise InputError(f"--out {out}: a trace is written as .csv or .nc")
     check_writable(out)
-    trace = traces.infer(
-        recordings.read_observations(options.observations),
-        recordings.read_links(options.links) if options.links else None,
-        recordings.read_accuracy(options.accuracy),
-        options.every,
-        options.brain,
-    )
+    if options.plot:
+        _check_suffix(options.plot)
+    files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}
+    readings = recordings.read_observations(options.observations)
+    links = recordings.read_links(options.links) if options.links else None
+    try:
+        trace = traces.infer(readings, links, recordings.read_accuracy(options.accuracy), options.every, options.brain)
+    except InputError as error:  # say which file it is in
+        name = next((str(f) for key, f in files.items() if str(error).startswith(key)), None)
+        raise InputError(f"{name}: {error}" if name else str(error)) from error
     recordings.write_trace(trace, out)
     rounds(trace)
     print(out)

@@ -2,6 +2,7 @@
 
 import math
 import traceback
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -39,7 +40,9 @@ def check(path: str | Path) -> list[Check]:
     results = [Check("keeps the contract", None)]
     for name, test in CHECKS.items():
         if test is not _agree or results[-1].fault is None:  # nothing to compare where nothing compiles
-            results.append(Check(name, _fault(test, brain)))
+            fault = _fault(test, brain)
+            known = {c.fault for c in results}
+            results.append(Check(name, "the same as above" if fault in known and fault else fault))
     return results
 
 
@@ -145,8 +148,10 @@ def _agree(brain: brains.Brain) -> None:
     readings = (random.random((60, robots)) < random.random(robots)).astype(float)
     readings[random.random(readings.shape) < 0.1] = np.nan
     ring = np.stack([np.arange(robots), (np.arange(robots) + 1) % robots], axis=1)
-    fast = infer(readings, ring, (b, w), 5, brain)
-    slow = infer(readings, ring, (b, w), 5, brain, compiled=False)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind, and meant to be
+        fast = infer(readings, ring, (b, w), 5, brain)
+        slow = infer(readings, ring, (b, w), 5, brain, compiled=False)
     for name in (*brain.memory, "estimate"):
         x, y = fast[name].values, slow[name].values
         far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)

@@ -13,6 +13,7 @@ from swarmcensus.statistics import Floats
 YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
 HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
 Range = tuple[float, float]
+BELOW_ZERO, BELOW_ONE, ABOVE_ONE, ALIKE = (-math.inf, 0.0), (-math.inf, 1.0), (1.0, math.inf), (0.8, 1.25)
 
 
 class Missing(LookupError):

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
 from swarmcensus.metrics import right_bin
-from swarmcensus.panels import Cloud, Panel, Shares, cloud_of, panels_of, require, shares_of, varies
+from swarmcensus.panels import Cloud, Panel, Shares, cloud_of, panels_of, require, shares_of, unit_of, varies
 from swarmcensus.sheets import (
     SMALL,
     Look,
@@ -66,12 +66,12 @@ def scatter(
 ) -> Figure:
     """Draw how fast and how well robots estimate: one dot a robot and trial, and the medians.
 
-    The panel of the paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds (`local`: of
-    the local estimate, in observations), y the error |x^K - f|; solid, outlined dots, named above the panel,
-    are the medians of the sensor accuracies, whose colours `sheets.looks_of` explains. All settings of
-    `results` share the panel. Both axes begin at 0; with `scale` "log" they are logarithmic above 1 and 0.01,
-    "linear" is the paper's. Dots above `error_limit` are counted instead of drawn. In `axes` of your own,
-    leave room for the key on their right.
+    The panel of the paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of
+    robots that move (`local`: of the local estimate, in observations), y the error |x^K - f|; solid, outlined
+    dots, named above the panel, are the medians of the sensor accuracies, whose colours `sheets.looks_of`
+    explains. All settings of `results` share the panel. Both axes begin at 0; with `scale` "log" they are
+    logarithmic above 1 and 0.01, with "log-y" the error alone is; "linear" is the paper's. Dots above
+    `error_limit` are counted instead of drawn. In `axes` of your own, leave room for the key on their right.
 
     Raises InputError if `results` lacks a variable or holds no finished trial.
     """
@@ -96,28 +96,30 @@ def scatter_grid(
 
 def _scatter(panels: list[Panel], axes: list[Axes], scale: Scale) -> Figure:
     clouds = [cloud_of(panel.results, panel.local) for panel in panels]
+    units = [unit_of(panel.results, panel.local) for panel in panels]
     looks = looks_of((accuracy for cloud in clouds for accuracy in cloud), "o")
     if not looks:
         raise InputError(NOTHING)
     free = [cloud for panel, cloud in zip(panels, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
-    for panel, cloud, ax in zip(panels, clouds, axes, strict=True):
+    for panel, cloud, unit, ax in zip(panels, clouds, units, axes, strict=True):
         if not cloud:
             say_empty(ax)
             continue
-        alike = [i for i, other in enumerate(panels) if other.local == panel.local and clouds[i]]
+        alike = [i for i, other in enumerate(units) if other == unit and clouds[i]]
         low = min(when.min() for i in alike for when, _ in clouds[i].values())
         count_axis(ax, low, max(_horizon(panels[i]) for i in alike), scale)
         error_axis(ax, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
-        unit, symbol = ("observations", r"\hat{x}") if panel.local else ("communication rounds", "x")
+        symbol = r"\hat{x}" if panel.local else "x"
         name_axes(ax, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
         _draw_cloud(ax, cloud, looks)
     caption_panels(axes, [panel.caption for panel in panels], LABELS)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.8) for look in looks.values()}
     entries["median, named\nat the top"] = solid_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
     entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
-    if scale == "log":
-        entries["axes are linear to\n1 and 0.01, then\nlogarithmic"] = Line2D([], [], linestyle="")
+    if scale != "linear":
+        bent = "axes are linear to\n1 and 0.01" if scale == "log" else "errors are linear to\n0.01"
+        entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, "sensor accuracy", entries)
     return axes[0].figure.canvas.figure
 
@@ -159,7 +161,7 @@ def _draw_cloud(axes: Axes, cloud: Cloud, looks: dict[str, Look]) -> None:
 
 
 def decisions(results: xr.Dataset, *, title: str | None = None, axes: Axes | None = None) -> Figure:
-    """Draw which share of the robots chooses the right bin after so many communication rounds.
+    """Draw which share of the robots chooses the right bin after so many rounds, or ticks of robots that move.
 
     The panel of the paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or
     than fit, the axis says how many are shown), and holds a diamond for each sensor accuracy, side by side in
@@ -189,7 +191,7 @@ def _decisions(panels: list[Panel], axes: list[Axes]) -> Figure:
         raise InputError(NOTHING)
     for panel, share, ax in zip(panels, shares, axes, strict=True):
         if share:
-            _draw_shares(ax, panel.results["checkpoint"].values, share, looks)
+            _draw_shares(ax, panel.results["checkpoint"].values, share, looks, unit_of(panel.results))
         else:
             say_empty(ax)
     caption_panels(axes, [panel.caption for panel in panels])
@@ -199,7 +201,7 @@ def _decisions(panels: list[Panel], axes: list[Axes]) -> Figure:
     return axes[0].figure.canvas.figure
 
 
-def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look]) -> None:
+def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str) -> None:
     known = np.flatnonzero(np.any([np.isfinite(right) for right, _ in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
     widest = max(2 * len(looks), 0.7 * SMALL * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
@@ -228,13 +230,13 @@ def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: d
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))
     note = f"; {columns} of {known.size} checkpoints" if columns < known.size else ""
-    name_axes(axes, f"communication rounds{note}", "robots in the right bin (%)")
+    name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
 
 
 def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log") -> Figure:
-    """Draw one trial as it unfolds: each robot's estimate against the communication round.
+    """Draw one trial as it unfolds: each robot's estimate against the communication round or tick.
 
-    x is the round (0: before any observation), y the estimated fill ratio; bold is the median over robots,
+    x is the round or tick (0: before any observation), y the estimated fill ratio; bold is the median over robots,
     dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known), shaded the right one of 10 (or
     `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and bands hold the middle
     50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round by round what
@@ -278,7 +280,8 @@ def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log")
     count_axis(ax, rounds[0], rounds[-1], scale)
     ax.set_ylim(0, 1)
     note = " (logarithmic above 1)" if scale == "log" else ""
-    name_axes(ax, f"communication round{note}", "estimated fill ratio $x$")
+    unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
+    name_axes(ax, f"{unit}{note}", "estimated fill ratio $x$")
     caption_panels([ax], [str(trace.attrs.get("title", "")) if title is None else title])
     add_key([ax], "", entries)
     return ax.figure.canvas.figure
@@ -287,8 +290,8 @@ def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log")
 def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
     """Draw medians over robots and trials for every sensor accuracy (rows) and fill ratio (columns).
 
-    Left the error |x^K - f|, right the convergence in communication rounds. Each cell says its number; darker
-    is larger, and grey is a cell without a finished trial. It extends the paper's Figs. 2 to 5 to all f.
+    Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move. Each cell says its
+    number; darker is larger, and grey is a cell without a finished trial. It extends the paper's Figs. 2 to 5 to all f.
 
     Raises InputError if another coordinate varies, or if there is no finished trial.
     """
@@ -322,7 +325,7 @@ def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
         name_axes(ax, "fill ratio $f$", "sensor accuracy")
         ax.tick_params(length=0)
         ax.spines[:].set_visible(False)
-    caption_panels(axes, [r"median error $|x^K - f\,|$", "median convergence $K$ (rounds)"])
+    caption_panels(axes, [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"])
     return axes[0].figure.canvas.figure
 
 

@@ -4,12 +4,13 @@ Unless a name says otherwise, settings are the paper's: 100 robots, R = 10, C = 
 """
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 
 import numpy as np
 
 from swarmcensus import brains, minimalism, statistics
-from swarmcensus.evidence import NO, OPEN, YES, Detail, Evidence, Range
+from swarmcensus.evidence import ABOVE_ONE, NO, OPEN, YES, Detail, Evidence, Range
 from swarmcensus.statistics import Floats
 
 NUMBERS = tuple(f"{0.525 + 0.05 * i:.3f}" for i in range(10))  # the homogeneous swarms' accuracies
@@ -94,23 +95,37 @@ def helps_poor(evidence: Evidence, right: Range) -> Iterator[Detail]:
         yield evidence.judge(topology, gains[:5].mean(0) - gains[5:].mean(0), right)
 
 
-def grows(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Kendall's rank correlation of accuracy with the medians: -1 where each better sensor does better."""
+def rank_correlation(medians: Sequence[Floats]) -> Floats:
+    """Kendall's, of the homogeneous swarms' accuracies with their medians: -1 where each better sensor does better."""
     first, second = np.triu_indices(len(NUMBERS), 1)
+    stacked = np.array(medians)
+    return np.asarray(np.sign(stacked[second] - stacked[first]).mean(0))
+
+
+def grows(evidence: Evidence, right: Range) -> Iterator[Detail]:
+    """The rank correlation of accuracy with the medians."""
     for (name, what), topology, f in itertools.product(BOTH, TOPOLOGIES, FILLS):
-        medians = np.array([at(evidence, name, topology, f, accuracy) for accuracy in NUMBERS])
-        tau = np.sign(medians[second] - medians[first]).mean(0)
+        tau = rank_correlation([at(evidence, name, topology, f, accuracy) for accuracy in NUMBERS])
         yield evidence.judge(f"{what}, {topology}, f = {f}", tau, right)
 
 
 def steps_back(evidence: Evidence) -> str:
-    """Which single steps of accuracy make the swarm slower, with the whole interval of the ratio above 1."""
-    steps = list(itertools.product(TOPOLOGIES, FILLS, itertools.pairwise(NUMBERS)))
+    """`slower_steps` on fixed networks."""
+    return slower_steps(
+        evidence, {f"{t}, f = {f}": partial(at, evidence, K, t, f) for t, f in itertools.product(TOPOLOGIES, FILLS)}
+    )
+
+
+def slower_steps(evidence: Evidence, swarms: Mapping[str, Callable[[str], Floats]]) -> str:
+    """Which single steps of accuracy make a swarm slower, with the whole interval of the ratio above 1.
+
+    `swarms` gives K by accuracy for each kind of swarm.
+    """
+    steps = list(itertools.product(swarms.items(), itertools.pairwise(NUMBERS)))
     back = []
-    for topology, f, (worse, better) in steps:
-        slower = ratio(at(evidence, K, topology, f, better), at(evidence, K, topology, f, worse))
-        if evidence.judge("", slower, (1.0, np.inf)).verdict == YES:
-            back.append(f"{topology}, f = {f}, {worse} to {better}")
+    for (swarm, rounds), (worse, better) in steps:
+        if evidence.judge("", ratio(rounds(better), rounds(worse)), ABOVE_ONE).verdict == YES:
+            back.append(f"{swarm}, {worse} to {better}")
     if not back:
         return f"Of {len(steps)} single steps of accuracy, none slows a swarm beyond doubt."
     return f"Of {len(steps)} single steps of accuracy, {len(back)} slow the swarm: {'; '.join(back)}."
@@ -153,15 +168,20 @@ def right_robots(evidence: Evidence, topology: str, fill: float, accuracy: str) 
 
 
 def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The share of trials in which all robots are right after the last round; its interval is Wilson's.
+    """The share of trials in which all robots are right after the last round."""
+    for f, accuracy in itertools.product(FILLS, NUMBERS[3:]):
+        robots = right_robots(evidence, "scale-free", f, accuracy)
+        yield unanimous(f"{accuracy}, f = {f}", robots, right)
+
+
+def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
+    """The share of trials in which all are right at the last checkpoint of `robots`, with Wilson's interval.
 
     One wrong robot in one trial says no. All right says yes from as many trials as the paper ran.
     """
-    for f, accuracy in itertools.product(FILLS, NUMBERS[3:]):
-        agreed = int((right_robots(evidence, "scale-free", f, accuracy)[:, -1] == 1).sum())
-        share, low, high = statistics.share_interval(agreed, evidence.trials)
-        verdict = NO if share < right[0] else YES if evidence.trials >= PAPER_TRIALS else OPEN
-        yield Detail(f"{accuracy}, f = {f}", share, (low, high), verdict)
+    trials = len(robots)
+    share, low, high = statistics.share_interval(int((robots[:, -1] == 1).sum()), trials)
+    return Detail(setting, share, (low, high), NO if share < right[0] else YES if trials >= PAPER_TRIALS else OPEN)
 
 
 def sooner_right(evidence: Evidence, right: Range) -> Iterator[Detail]:

@@ -69,10 +69,11 @@ class Topology:
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
-        if self.name == "full" and self.edges is None:
+        built_in = self.edges is None and self.generator is None
+        if self.name == "full" and built_in:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
-        if self.name == "scale-free" or self.generator:
+        if (self.name == "scale-free" and built_in) or self.generator:
             key = address(seed, "topology", topology=self.content, robots=robots)
             graphs = [self._random(robots, key, first_trial + k) for k in range(trials)]
         else:
@@ -114,7 +115,7 @@ class Topology:
 
 def _numbered(graph: Any) -> list[tuple[int, int]]:
     number = {node: k for k, node in enumerate(graph.nodes)}
-    return [(number[a], number[b]) for a, b in graph.edges if a != b]
+    return [(number[a], number[b]) for a, b, *_ in graph.edges if a != b]
 
 
 def _directed(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -138,13 +139,15 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
         if value in NAMED:
             return Topology(value)
         if value in known:
-            return Topology(Path(value).stem, _edges(known[value]), source=value)
+            return Topology(_file_name(value), _edges(known[value]), source=value)
         if not (base / value).is_file():
             raise ValueError(f"a topology is {FORMS}; there is no file {base / value}")
-        return Topology(Path(value).stem, _edges(read_edges(base / value)), source=value)
+        return Topology(_file_name(value), _edges(read_edges(base / value)), source=value)
     if isinstance(value, Mapping):
         if "networkx" in value:
             arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
+            if "seed" in arguments:
+                raise ValueError("seed is the study's: each trial's graph has an address of its own")
             text = ",".join(f"{k}={v}" for k, v in arguments.items())
             return Topology(f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments)))
         if set(value) == {"name", "edges"}:
@@ -152,8 +155,13 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
                 raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")
             return Topology(str(value["name"]), _edges(value["edges"]))
     if hasattr(value, "edges") and hasattr(value, "nodes"):
-        return Topology(str(getattr(value, "name", "") or "graph"), _edges(_numbered(value)))
+        name = str(getattr(value, "name", "") or "graph")
+        return Topology(f"{name} graph" if name in NAMED else name, _edges(_numbered(value)))
     raise ValueError(f"a topology is {FORMS}")
+
+
+def _file_name(path: str) -> str:
+    return Path(path).name if Path(path).stem in NAMED else Path(path).stem
 
 
 def _edges(pairs: Iterable[Any]) -> tuple[tuple[int, int], ...]:
@@ -175,7 +183,7 @@ def read_edges(path: Path) -> list[tuple[int, ...]]:
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             for number, row in enumerate(csv.reader(file), start=1):
-                if not row or (number == 1 and not all(_is_whole(cell) for cell in row)):
+                if not row or (number == 1 and is_header(row)):
                     continue
                 if not all(_is_whole(cell) for cell in row) or (rows and len(row) != len(rows[0])):
                     raise InputError(f"{path}, line {number}: {','.join(row)!r}: not a row of whole numbers >= 0")
@@ -183,6 +191,11 @@ def read_edges(path: Path) -> list[tuple[int, ...]]:
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read as CSV: {error}") from error
     return rows
+
+
+def is_header(row: list[str]) -> bool:
+    """Whether a first row names its columns: each begins with a letter."""
+    return all(cell.strip()[:1].isalpha() for cell in row)
 
 
 def _is_whole(cell: str) -> bool:

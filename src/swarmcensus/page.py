@@ -15,12 +15,15 @@ from swarmcensus.report import PAPER, SIGNS, WORDS, kind, measured, tally
 from swarmcensus.strips import strip
 
 if TYPE_CHECKING:
-    from swarmcensus.paper import PaperFigure, Reproduction
+    from swarmcensus.paper import Reproduction
+    from swarmcensus.paper_figures import PaperFigure
 
 SYMBOLS = (
-    "N robots estimate f, the share of the floor that is black, in C rounds of R observations; b and w are how "
-    "often their sensors are right about black and about white. An estimate has converged at K when it stays within "
-    "0.01 of what it was there; its error is |x(K) - f|."
+    "N robots estimate f, the share of the floor that is black; b and w are how often their sensors are right about "
+    "black and about white. On a fixed network they live C communication rounds, with R observations in each; robots "
+    "that move observe and talk once a tick, ten times a second, and their density is D = N π r² / L² in a square of "
+    "side L, with radios that reach r. An estimate has converged at K (round or tick) when it stays within 0.01 of "
+    "what it was there; its error is |x(K) - f|."
 )
 
 
@@ -43,7 +46,8 @@ def html(done: Reproduction) -> str:
         f"<title>The paper, run again</title><style>{style}</style></head><body>"
         "<header><h1>The paper, run again</h1><p class=lead>What a paper says about swarms of robots with lying "
         "sensors, simulated afresh, drawn, and checked sentence by sentence.</p>"
-        f"<p>{escape(PAPER)}: its evaluation on fixed communication networks (Sec. IV-B), by swarmcensus "
+        f"<p>{escape(PAPER)}: its evaluation on fixed communication networks (Sec. IV-B) and with robots that "
+        "move (Sec. IV-C), by swarmcensus "
         f"{escape(__version__)}.</p><p class=quiet>{escape(SYMBOLS)}</p>{_scores(done)}</header>"
         f"<nav>{links}</nav><main>{bodies}</main></body></html>\n"
     )
@@ -117,11 +121,12 @@ def _claims(done: Reproduction) -> str:
     if not done.claims:
         return ""
     return (
-        "<p>A claim is checked in every setting that it speaks of: 100 robots, unless it says otherwise. The value "
-        f"is that of the setting that bears it out least, with a {statistics.LEVEL:.0%} interval: percentiles of "
-        f"{statistics.RESAMPLES:,} bootstrap resamples of whole trials, for the robots of a trial are not "
-        "independent. A claim <b>holds</b> where the intervals of all settings lie on the right side, <b>does not "
-        "hold</b> where at least one lies wholly on the wrong side, and is <b>not decided</b> otherwise. So a claim "
+        "<p>A claim is checked in every setting that it speaks of: 100 robots on a fixed network, or 25 that move, "
+        "unless it says otherwise. The value is that of the setting that bears it out least, with a "
+        f"{statistics.LEVEL:.0%} interval: percentiles of {statistics.RESAMPLES:,} bootstrap resamples of whole "
+        "trials, for the robots of a trial are not independent. A claim <b>holds</b> where the intervals of all "
+        "settings lie on the right side, <b>does not hold</b> where at least one lies wholly on the wrong side, and "
+        "is <b>not decided</b> otherwise. So a claim "
         "over many settings is harder to uphold and easier to refute: if all of m settings sat right on the "
         "threshold, about m / 40 would be called wrong by chance. That is why the settings are counted. Under a "
         "claim, a drawing holds all of its settings in the order of the list below it: value and interval, and "
@@ -175,8 +180,9 @@ def _provenance(done: Reproduction) -> str:
         facts["Studies"] = f"<table class=studies>{head}{studies}</table>"
     return (
         f"<dl>{''.join(f'<dt>{key}<dd>{value}' for key, value in facts.items())}</dl>"
-        "<p>Every random number is addressed by seed, setting, trial, robot and round: the same command gives the "
-        "same numbers again, with any number of threads.</p>"
+        "<p>Every random number is addressed by seed, setting, trial, robot and round or tick: the same command gives "
+        "the same numbers again, with any number of threads. Settings of robots that move share their walks where the "
+        "density is the same: they are compared walk by walk.</p>"
     )
 
 

@@ -10,6 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
+from swarmcensus.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # accuracy -> convergence, error
 Shares = dict[str, tuple[NDArray[np.float64], NDArray[np.bool_]]]  # accuracy -> right, whether all are
@@ -82,6 +83,18 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
         if name not in data.variables:
             hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
             raise InputError(f"this dataset has no variable {name!r}{hint}")
+
+
+def unit_of(results: xr.Dataset, local: bool = False) -> str:
+    """What convergence and checkpoints count: ticks where robots move, else communication rounds.
+
+    Of local estimates, observations. Raises InputError if `results` does not say whether robots move.
+    """
+    if local:
+        return "observations"
+    require(results, "topology")
+    moving = results["topology"].values == MOVING
+    return "ticks" if moving.all() else "rounds or ticks" if moving.any() else "communication rounds"
 
 
 def cloud_of(results: xr.Dataset, local: bool) -> Cloud:

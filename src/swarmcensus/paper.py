@@ -1,7 +1,7 @@
 """The paper's evaluation from one call: its studies run, its figures drawn, its claims checked, a page of it all.
 
 Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect Sensors", Sec. IV. To add a part of
-the evaluation, add study files to studies/paper, figures to FIGURES and claims to `claims.CLAIMS`.
+the evaluation, add study files to studies/paper, figures to `paper_figures.FIGURES` and claims to `claims.CLAIMS`.
 """
 
 import contextlib
@@ -12,45 +12,17 @@ from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
 import xarray as xr
 
 from swarmcensus import claims, page, report, results
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.evidence import Outcome
 from swarmcensus.files import check_writable, whole
+from swarmcensus.paper_figures import FIGURES, PaperFigure
 from swarmcensus.running import Progress, plan, run
 from swarmcensus.studies import Study
 
 Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]
-
-
-@dataclass(frozen=True)
-class View:
-    """One panel of a figure: the settings of `study` that have the coordinates `where`."""
-
-    caption: str
-    study: str
-    where: Mapping[str, object]
-    local: bool = False
-
-    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool]:
-        """The panel as the drawing functions take it."""
-        data = datasets[self.study]
-        mask = np.logical_and.reduce([data[name].values == value for name, value in self.where.items()])
-        return self.caption, data.isel(setting=np.flatnonzero(mask)), self.local
-
-
-@dataclass(frozen=True)
-class PaperFigure:
-    """A figure of the paper: its panels, what is to be seen in it, and the claims that speak of it."""
-
-    name: str
-    title: str
-    kind: str  # "scatter" or "decisions"
-    views: tuple[View, ...]
-    text: str
-    claims: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -77,66 +49,6 @@ class Reproduction:
         return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
 
 
-def _view(caption: str, topology: str, fill: float, study: str = "topologies") -> View:
-    return View(caption, study, {"topology": topology, "robots": 100, "fill_ratio": fill})
-
-
-_DOTS = (
-    "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong it "
-    "then was. The solid, outlined dots are medians, a colour for each sensor accuracy, black for the heterogeneous "
-    "swarm. Best is bottom left. "
-)
-
-FIGURES: tuple[PaperFigure, ...] = (
-    PaperFigure(
-        name="fig2",
-        title="Fig. 2: alone and together, 100 robots, f = 0.55",
-        kind="scatter",
-        views=(
-            View("local estimates, no communication", "local", {"robots": 100, "fill_ratio": 0.55}, local=True),
-            _view("fully connected", "full", 0.55),
-            _view("ring", "ring", 0.55),
-            _view("scale-free", "scale-free", 0.55),
-        ),
-        text=_DOTS + "Panel (a) counts single observations, 10,000 in all; (b) to (d) count communication rounds of 10 "
-        "observations each. Look for three things: medians move down and left as sensors get better; those of poor "
-        "sensors lie much higher in (a) than in the other panels; and fully connected robots settle many times sooner "
-        "than those on the ring and on the scale-free tree, which look alike. The paper shows the same four panels.",
-        claims=(
-            *("low-error-055", "full-agrees", "full-first", "ring-like-line", "informed-first", "helps-poor"),
-            *("grows", "mixed-055"),
-        ),
-    ),
-    PaperFigure(
-        name="fig3",
-        title="Fig. 3: a blacker floor, and talking too early; 100 robots, scale-free",
-        kind="scatter",
-        views=(
-            _view("f = 0.95, R = 10", "scale-free", 0.95),
-            _view("f = 0.55, R = 1", "scale-free", 0.55, "same-rounds"),
-        ),
-        text=_DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: the good sensors lie further left, "
-        "and a streak at errors of 0.04 to 0.05 holds poor sensors whose estimates are cut off at 1. In panel (b) "
-        "robots talk after every observation, and so have made a tenth of the observations by the last round: all "
-        "lie further right, and errors reach higher. The paper shows the same two panels.",
-        claims=(
-            *("low-error-095", "mixed-095", "blacker-first-sparse", "blacker-first-full"),
-            *("same-observations", "same-rounds"),
-        ),
-    ),
-    PaperFigure(
-        name="fig4",
-        title="Fig. 4: how many robots decide rightly; 100 robots, scale-free",
-        kind="decisions",
-        views=(_view("f = 0.55", "scale-free", 0.55), _view("f = 0.95", "scale-free", 0.95)),
-        text="If the swarm were asked after so many communication rounds: the share of robots, over all trials, that "
-        "pick the right one of ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond "
-        "says that not one robot of any trial was wrong. All accuracies climb to the top but the two poorest. The "
-        "heterogeneous swarm gets close to it: the few robots that stay wrong have a poor sensor, and a single "
-        "neighbour that has one too. The paper's panels (a) and (b); its (c) and (d) show moving robots.",
-        claims=("consensus", "sooner-right"),
-    ),
-)
 PARTS = (*(figure.name for figure in FIGURES), "claims")
 
 
@@ -259,8 +171,10 @@ def _simulate(
 def _draw(figure: PaperFigure, datasets: Mapping[str, xr.Dataset], stem: Path) -> list[Path]:
     from swarmcensus import figures  # matplotlib: half a second, and not every part needs it
 
-    grid = figures.scatter_grid if figure.kind == "scatter" else figures.decisions_grid
-    return figures.save(grid([view.panel(datasets) for view in figure.views]), stem, ("png", "svg"))
+    panels = [view.panel(datasets) for view in figure.views]
+    scatter = figure.kind == "scatter"
+    drawn = figures.scatter_grid(panels, scale=figure.scale) if scatter else figures.decisions_grid(panels)
+    return figures.save(drawn, stem, ("png", "svg"))
 
 
 def _write(path: Path, text: str) -> None:

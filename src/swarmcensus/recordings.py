@@ -8,7 +8,7 @@ import xarray as xr
 
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
-from swarmcensus.networks import read_edges
+from swarmcensus.networks import is_header, read_edges
 
 CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}
 
@@ -24,7 +24,7 @@ def read_observations(path: str | Path) -> np.ndarray:
         with path.open(newline="", encoding="utf-8-sig") as file:
             for number, row in enumerate(csv.reader(file), start=1):
                 cells = [CELLS.get(cell.strip().lower()) for cell in row]
-                if number == 1 and None in cells:
+                if number == 1 and row and is_header(row) and None in cells:
                     continue
                 if not row:
                     cells = [np.nan]  # a lone robot that saw nothing leaves an empty line
@@ -44,7 +44,10 @@ def read_observations(path: str | Path) -> np.ndarray:
 def read_links(path: str | Path) -> np.ndarray:
     """Edges (edge, 2) or messages (message, 3) of step, sender, receiver from a CSV. Raises InputError."""
     rows = np.array(read_edges(Path(path)), np.int64)
-    if rows.size and rows.shape[1] not in (2, 3):
+    if not rows.size:  # no links: of which kind, the header says
+        with Path(path).open(encoding="utf-8-sig") as file:
+            return np.zeros((0, 3 if file.readline().count(",") == 2 else 2), np.int64)
+    if rows.shape[1] not in (2, 3):
         raise InputError(f"{path}: {rows.shape[1]} columns: should be two (robots) or three (step, sender, receiver)")
     return rows
 
@@ -81,7 +84,7 @@ def _numbers(row: list[str]) -> bool:
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
     """Write whole numbers as CSV, NaN as an empty cell, whole or not at all. Raises InputError."""
     with whole(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
+        writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(["" if np.isnan(v) else int(v) for v in row] for row in rows)
 
@@ -93,7 +96,11 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     if Path(path).suffix == ".nc":
         save(trace, path)
     elif Path(path).suffix == ".csv":
+        flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
+        if "position" in trace:
+            for axis in ("x", "y"):
+                flat[axis] = trace["position"].sel(axis=axis, drop=True)
         with whole(path) as beside:
-            trace.to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
+            flat.drop_vars("axis", errors="ignore").to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
     else:
         raise InputError(f"{path}: a trace is written as .csv or .nc")

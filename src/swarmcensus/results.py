@@ -3,6 +3,7 @@
 import importlib.metadata
 import json
 import platform
+import types
 from pathlib import Path
 from typing import Any
 
@@ -51,7 +52,8 @@ def empty(study: Study, settings: list[Setting]) -> xr.Dataset:
     for name, (dims, kind, units, meaning) in (VARIABLES | (LOCAL if study.measure.local else {})).items():
         shape = [sizes[d] for d in dims]
         blank = np.full(shape, MISSING, kind) if np.issubdtype(kind, np.integer) else np.full(shape, np.nan)
-        data[name] = (dims, blank, {"units": units, "long_name": meaning})
+        comment = {"comment": f"{MISSING}: no such robot, or not run"} if blank.dtype.kind == "i" else {}
+        data[name] = (dims, blank, {"units": units, "long_name": meaning, **comment})
     for topology in study.world.topology:
         if topology.source:
             data = data.assign({f"edges_{topology.name}": (
@@ -124,7 +126,8 @@ def load(path: str | Path) -> xr.Dataset:
 def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
     """The study that a dataset holds, as it was run.
 
-    A brain that is not shipped is given as a file, and must have the source that the results were made with.
+    A brain that is not shipped is given as a file, and must have the source that the results were made with; a
+    file named in results is not run unasked. Others of the study's brains stay unread: see `must_be_read`.
     Raises InputError.
     """
     from swarmcensus import brains
@@ -137,13 +140,25 @@ def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
         if not names:
             raise InputError(f"brain {brain}: not the source that these results were made with ({', '.join(sources)})")
         known = {n: replace_name(given, n) for n in names}
+    for name, source in sources.items():
+        if name not in known and name not in brains.shipped():
+            known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
-    context = {"edges": edges, "brains": known, "shipped_only": True}
+    context = {"edges": edges, "brains": known}
     study = Study.parse(data.attrs["study"], where="the study in these results", context=context)
     for used in study.swarm.brain:
         if used.sha256 != sources[used.name]["sha256"]:
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return study
+
+
+def must_be_read(brain: Any) -> None:
+    """Raise InputError for a brain file that results name and that nobody gave."""
+    if not brain.message:
+        raise InputError(
+            f"the brain {brain.name!r} is a file, and a file named in results is not run unasked: "
+            "give it yourself (--brain FILE, or brain=...)"
+        )
 
 
 def replace_name(brain: Any, name: str) -> Any:

@@ -86,7 +86,10 @@ def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         if node.id not in known:
             raise ValueError(f"no coordinate {node.id!r}; known are {', '.join(sorted(known))}")
         return known[node.id]
-    value = ast.literal_eval(node)
+    try:
+        value = ast.literal_eval(node)
+    except ValueError:
+        raise ValueError(f"{ast.unparse(node)!r} is neither a coordinate nor a value") from None
     if not isinstance(value, str | int | float):
         raise ValueError(f"{value!r} is no number and no text")
     return value

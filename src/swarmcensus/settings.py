@@ -66,8 +66,12 @@ class Setting:
             accuracy=str(self.accuracy),
             fill_ratio=self.fill_ratio,
             observations_per_round=self.observations_per_round,
-            density=self.density,
+            **self._where,
         )
+
+    @property
+    def _where(self) -> dict[str, object]:
+        return {} if self.density is None else {"density": self.density}
 
     @property
     def walk_content(self) -> dict[str, object]:
@@ -100,8 +104,8 @@ class Setting:
             "losses",
             topology=self.topology.content,
             robots=self.robots,
-            density=self.density,
             success=self.link_success,
+            **self._where,
         )
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:

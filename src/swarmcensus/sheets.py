@@ -24,7 +24,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 
-Scale = Literal["log", "linear"]
+Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
 
 SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
 MOST_PANELS = 24
@@ -162,7 +162,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale) -> None:
     """Give `axes` an x axis for counts from `low` to `high`: "log" is linear up to 1, logarithmic above."""
-    if scale == "linear":
+    if scale != "log":
         axes.set_xlim(-0.01 * high, 1.02 * high)
         axes.xaxis.set_major_locator(MaxNLocator(5))
     else:
@@ -178,8 +178,8 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale) -> None:
 
 
 def error_axis(axes: Axes, top: float, scale: Scale) -> None:
-    """Give `axes` a y axis for errors from 0 to `top`: "log" is linear up to 0.01, logarithmic above."""
-    if scale == "log":
+    """Give `axes` a y axis for errors from 0 to `top`: unless "linear", linear up to 0.01, logarithmic above."""
+    if scale != "linear":
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())
     if scale == "linear" or top < 0.02:
@@ -187,7 +187,7 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     else:
         axes.yaxis.set_major_locator(FixedLocator([0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_ylim(-min(0.0005, 0.01 * top) if scale == "log" else -0.01 * top, top)  # cuts no dot in half
+    axes.set_ylim(-min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
 
 
 def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> None:

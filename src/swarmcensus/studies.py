@@ -51,11 +51,6 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     known = _context(info, "brains", {})
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
-    if _context(info, "shipped_only", False) and str(value) not in brains.shipped():
-        raise ValueError(
-            f"the brain {str(value)!r} is a file, and a file named in results is not run unasked: "
-            "give it yourself (--brain FILE, or brain=...)"
-        )
     return brains.load(value, _context(info, "base", None))
 
 
@@ -117,7 +112,7 @@ class Measure(_Table):
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
-    checkpoints: list[Whole] | None = None
+    checkpoints: _grid(Whole) | None = None  # type: ignore[valid-type]
     local: Annotated[bool, Field(strict=True)] = False
 
 
@@ -187,8 +182,8 @@ class Study:
     ) -> None:
         """Build a study from the study file's tables as keywords.
 
-        `context` may hold `base` (the folder of brain files and edge lists), `brains` and `edges` (known by
-        name, so that no file is read) and `shipped_only`. Raises InputError, naming file, key and value.
+        `context` may hold `base` (the folder of brain files and edge lists), and `brains` and `edges` (known by
+        name, so that no file is read). Raises InputError, naming file, key and value.
         """
         try:
             checked = Tables.model_validate(tables, context=dict(context))
@@ -199,6 +194,10 @@ class Study:
         self.schedule, self.measure = checked.schedule, checked.measure
         self.faults = checked.faults
         self.text = text if text is not None else to_toml(tables)
+        settings = self.settings()
+        if len(set(settings)) < len(settings):
+            twice = next(s for k, s in enumerate(settings) if s in settings[:k])
+            raise InputError(f"{where}: a value stands twice in a list, and so does the setting {twice}")
         for accuracy in self.swarm.accuracy:
             if accuracy.is_blind:
                 warnings.warn(
@@ -242,7 +241,7 @@ class Study:
         return sorted({s for s in steps if s < max(lengths)} | lengths)
 
     def settings(self) -> list[Setting]:
-        """Every combination of the study's values, in the order of the file's tables."""
+        """Every combination of the study's values: brain, topology, robots and accuracy vary slowest."""
         swarm, world, schedule = self.swarm, self.world, self.schedule
         fixed = [(c, r, None, None, self.faults) for c in schedule.rounds for r in schedule.observations_per_round]
         moving = [(t, 1, d, world.body, self.faults) for d in world.density or () for t in schedule.ticks]

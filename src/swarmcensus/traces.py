@@ -1,6 +1,7 @@
 """Traces: every robot's mind after every round, of a simulated trial or of recorded data."""
 
 import itertools
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from swarmcensus.engine import compiler, oracle
 from swarmcensus.engine.rides import record_ride
 from swarmcensus.engine.trials import record_readings, record_trial
 from swarmcensus.errors import InputError
-from swarmcensus.results import load, study_of
+from swarmcensus.results import load, must_be_read, study_of
 from swarmcensus.settings import Setting
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
@@ -87,6 +88,8 @@ def recording(
     (message, 3) of step, sender, receiver. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
+    if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
+        raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
     if found.body is not None:
         ride = record_ride(found, study.seed, trial)
         tick, i, j = ride.links.T
@@ -108,7 +111,9 @@ def _find(results: xr.Dataset | str | Path, setting: int, trial: int, brain: str
         if value not in known:
             raise InputError(f"{name} {value}: these results hold {name} {known.min()} to {known.max()}")
     study = study_of(data, brain)
-    return study, study.settings()[setting]
+    found = study.settings()[setting]
+    must_be_read(found.brain)
+    return study, found
 
 
 def _trace(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains.Brain) -> xr.Dataset:
@@ -142,6 +147,10 @@ def infer(
     readings = _readings(observations)
     robots = readings.shape[1]
     b, w = _accuracies(accuracy, robots)
+    if (np.abs(b + w - 1.0) < 1e-12).any():
+        warnings.warn(
+            "a sensor with b + w = 1 carries no information: it says the same of black and white", stacklevel=2
+        )
     rows = np.zeros((0, 2), np.int64) if links is None else _whole_rows(links)
     periodic = rows.shape[1] == 2
     pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)

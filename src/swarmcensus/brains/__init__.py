@@ -2,6 +2,8 @@
 
 import ast
 import hashlib
+import keyword
+import math
 import types
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -11,6 +13,9 @@ from swarmcensus.errors import InputError
 
 HERE = Path(__file__).parent
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
+TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
+          "link", "axis")  # fmt: skip
+CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod")
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 BYTES_A_NUMBER = 4  # on the robot
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
@@ -105,6 +110,7 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
     def bad(node: ast.stmt | ast.expr, what: str) -> InputError:
         return InputError(f"brain file {path}, line {node.lineno}: {what}")
 
+    own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
             raise bad(node, "a brain file holds constants and small functions, nothing else")
@@ -124,6 +130,24 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
                 if isinstance(inner, ALLOCATES):
                     kind = type(inner).__name__
                     raise bad(inner, f"{kind} in {node.name}: a brain allocates and defines nothing")  # type: ignore[arg-type]
+                if isinstance(inner, ast.Call) and not _may_call(inner.func, own):
+                    raise bad(
+                        inner,
+                        f"{node.name} calls {ast.unparse(inner.func)}: a brain may call its own functions, math's, "
+                        f"and {', '.join(CALLS)}",
+                    )
+
+
+def _may_call(function: ast.expr, own: set[str]) -> bool:
+    if isinstance(function, ast.Attribute):
+        return isinstance(function.value, ast.Name) and function.value.id == "math"
+    if isinstance(function, ast.Lambda):
+        return True  # refused as such
+    return isinstance(function, ast.Name) and (function.id in own or function.id in CALLS or hasattr(math, function.id))
+
+
+def _is_name(value: object) -> bool:
+    return isinstance(value, str) and value.isidentifier() and not keyword.iskeyword(value)
 
 
 def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, float], tuple[str, ...], tuple[str, ...]]:
@@ -132,14 +156,14 @@ def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, flo
             raise InputError(f"brain file {path}: {what}")
 
     def names(value: object) -> bool:
-        return isinstance(value, tuple) and all(isinstance(v, str) and v.isidentifier() for v in value)
+        return isinstance(value, tuple) and all(_is_name(v) for v in value)
 
     memory = getattr(module, "MEMORY", None)
     need(isinstance(memory, dict) and bool(memory), 'MEMORY is missing: a dict such as {"t": 0.0, "x": 0.5}')
     assert isinstance(memory, dict)
     for key, value in memory.items():
-        need(isinstance(key, str) and key.isidentifier(), f"MEMORY key {key!r} is not a name")
-        need(key not in (*BELIEFS, "estimate"), f"MEMORY key {key!r} is taken by the engine")
+        need(_is_name(key), f"MEMORY key {key!r} is not a name")
+        need(key not in (*BELIEFS, *TRACED), f"MEMORY key {key!r} is taken by the engine")
         need(
             isinstance(value, int | float) and not isinstance(value, bool), f"MEMORY[{key!r}] = {value!r}: not a number"
         )

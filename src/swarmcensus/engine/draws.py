@@ -53,10 +53,11 @@ def alias_row(weights, row):
 def binomial_row(looks, p, row):
     """The alias row of Binomial(looks, p), looks <= PART."""
     weights = np.zeros(row.size)
-    choose = 1.0
-    for k in range(looks + 1):
-        weights[k] = choose * p**k * (1.0 - p) ** (looks - k)
-        choose = choose * (looks - k) / (k + 1)
+    weights[0] = 1.0
+    for _ in range(looks):  # Pascal's triangle: sums and products alone give the same bits on any machine
+        for k in range(looks, 0, -1):
+            weights[k] = (1.0 - p) * weights[k] + p * weights[k - 1]
+        weights[0] *= 1.0 - p
     alias_row(weights / weights.sum(), row)
 
 

@@ -1,0 +1,140 @@
+"""The paper's Figs. 2 to 5: which settings of which study each panel shows, and what is to be seen in it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+import xarray as xr
+
+if TYPE_CHECKING:
+    from swarmcensus.sheets import Scale
+
+
+@dataclass(frozen=True)
+class View:
+    """One panel of a figure: the settings of `study` that have the coordinates `where`."""
+
+    caption: str
+    study: str
+    where: Mapping[str, object]
+    local: bool = False
+
+    def panel(self, datasets: Mapping[str, xr.Dataset]) -> tuple[str, xr.Dataset, bool]:
+        """The panel as the drawing functions take it."""
+        data = datasets[self.study]
+        mask = np.logical_and.reduce([data[name].values == value for name, value in self.where.items()])
+        return self.caption, data.isel(setting=np.flatnonzero(mask)), self.local
+
+
+@dataclass(frozen=True)
+class PaperFigure:
+    """A figure of the paper: its panels, what is to be seen in it, and the claims that speak of it."""
+
+    name: str
+    title: str
+    kind: str  # "scatter" or "decisions"
+    views: tuple[View, ...]
+    text: str
+    claims: tuple[str, ...]
+    scale: Scale = "log"  # of a scatter
+
+
+def _view(caption: str, topology: str, fill: float, study: str = "topologies") -> View:
+    return View(caption, study, {"topology": topology, "robots": 100, "fill_ratio": fill})
+
+
+def _moving(caption: str, density: float, fill: float) -> View:
+    return View(caption, "moving", {"density": density, "robots": 25, "fill_ratio": fill})
+
+
+_DOTS = (
+    "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong it "
+    "then was. The solid, outlined dots are medians, a colour for each sensor accuracy, black for the heterogeneous "
+    "swarm. Best is bottom left. "
+)
+
+FIGURES: tuple[PaperFigure, ...] = (
+    PaperFigure(
+        name="fig2",
+        title="Fig. 2: alone and together, 100 robots, f = 0.55",
+        kind="scatter",
+        views=(
+            View("local estimates, no communication", "local", {"robots": 100, "fill_ratio": 0.55}, local=True),
+            _view("fully connected", "full", 0.55),
+            _view("ring", "ring", 0.55),
+            _view("scale-free", "scale-free", 0.55),
+        ),
+        text=_DOTS + "Panel (a) counts single observations, 10,000 in all; (b) to (d) count communication rounds of 10 "
+        "observations each. Look for three things: medians move down and left as sensors get better; those of poor "
+        "sensors lie much higher in (a) than in the other panels; and fully connected robots settle many times sooner "
+        "than those on the ring and on the scale-free tree, which look alike. The paper shows the same four panels.",
+        claims=(
+            *("low-error-055", "full-agrees", "full-first", "ring-like-line", "informed-first", "helps-poor"),
+            *("grows", "mixed-055"),
+        ),
+    ),
+    PaperFigure(
+        name="fig3",
+        title="Fig. 3: a blacker floor, and talking too early; 100 robots, scale-free",
+        kind="scatter",
+        views=(
+            _view("f = 0.95, R = 10", "scale-free", 0.95),
+            _view("f = 0.55, R = 1", "scale-free", 0.55, "same-rounds"),
+        ),
+        text=_DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: the good sensors lie further left, "
+        "and a streak at errors of 0.04 to 0.05 holds poor sensors whose estimates are cut off at 1. In panel (b) "
+        "robots talk after every observation, and so have made a tenth of the observations by the last round: all "
+        "lie further right, and errors reach higher. The paper shows the same two panels.",
+        claims=(
+            *("low-error-095", "mixed-095", "blacker-first-sparse", "blacker-first-full"),
+            *("same-observations", "same-rounds"),
+        ),
+    ),
+    PaperFigure(
+        name="fig4",
+        title="Fig. 4: how many robots decide rightly; 100 on a scale-free network, 25 that move",
+        kind="decisions",
+        views=(
+            _view("scale-free, f = 0.55", "scale-free", 0.55),
+            _view("scale-free, f = 0.95", "scale-free", 0.95),
+            _moving("moving, D = 1, f = 0.55", 1.0, 0.55),
+            _moving("moving, D = 1, f = 0.95", 1.0, 0.95),
+        ),
+        text="If the swarm were asked after so long: the share of robots, over all trials, that pick the right one of "
+        "ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond says that not one "
+        "robot of any trial was wrong. Columns of (a) and (b), in communication rounds of 10 observations, stand "
+        "above those of (c) and (d), in ticks of one observation, after as many observations. In all four panels "
+        "swarms climb to the top but for the two poorest sensors. The heterogeneous swarm comes close early, and takes "
+        "long for the rest: the few robots that stay wrong have a poor sensor, and nobody else to hear but one that "
+        "has a poor sensor too. The paper shows the same four panels.",
+        claims=(
+            *("consensus", "sooner-right", "consensus-moving", "mixed-consensus-moving", "mixed-sooner-moving"),
+            "like-tree-moving",
+        ),
+    ),
+    PaperFigure(
+        name="fig5",
+        title="Fig. 5: robots that move; 25 Khepera IV",
+        kind="scatter",
+        views=(
+            _moving("D = 1, f = 0.55", 1.0, 0.55),
+            _moving("D = 10, f = 0.55", 10.0, 0.55),
+            _moving("D = 1, f = 0.95", 1.0, 0.95),
+            _moving("D = 10, f = 0.95", 10.0, 0.95),
+        ),
+        text=_DOTS + "Time is in ticks of a tenth of a second, on a linear axis, for most estimates settle late. "
+        "Neighbours come and go: whenever they do, an estimate jumps towards what the new ones have seen, and settles "
+        "only as robots come to differ little. Look for three things: medians move left, and down, as sensors get "
+        "better; in the lower row, on the blacker floor, good sensors lie further left; and from left to right, as "
+        "the swarm gets denser, good sensors move left, and poor ones down. The poorest stand against the right edge "
+        "of all panels: they have not settled when the run ends. The paper shows the same four panels.",
+        claims=(
+            *("denser-first", "denser-alike", "blacker-first-moving", "blacker-closer-moving", "grows-moving"),
+            "impaired-moving",
+        ),
+        scale="log-y",
+    ),
+)

@@ -1,0 +1,205 @@
+"""What README and docs/ show is so: examples run, commands parse, links lead somewhere, tables are complete."""
+
+import re
+import shlex
+import shutil
+import tomllib
+from pathlib import Path
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import conformance, results
+from swarmcensus.bodies import Body
+from swarmcensus.cli import main, parser
+from swarmcensus.studies import Measure, Schedule, Study, Swarm, Tables, World
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+RUN = {"python", "toml", "console", "sh"}
+SHOWN = {"text", "csv", "r", "matlab"}
+OTHER_PROGRAMS = {"pip", "python", "pytest", "ruff", "mypy", "pre-commit", "source", ".ci/run"}
+EXAMPLE = ROOT / "studies" / "example"
+
+
+def blocks(page, *languages):
+    return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
+
+
+def with_blocks(*languages):
+    pages = [page for page in PAGES if blocks(page, *languages)]
+    return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
+
+
+def examples(*languages):
+    return pytest.mark.parametrize(
+        "text",
+        [pytest.param(t, id=f"{page.name}-{k}") for page in PAGES for k, t in enumerate(blocks(page, *languages))],
+    )
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_every_block_has_a_language_that_says_whether_it_runs(page):
+    text = page.read_text(encoding="utf-8")
+    assert text.count("```") == 2 * len(BLOCK.findall(text))
+    assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
+
+
+@with_blocks("python")
+def test_python_runs(page, tmp_path, monkeypatch):
+    """The blocks of a page one after the other, in a folder with the example's files."""
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    for file in EXAMPLE.iterdir():
+        shutil.copy(file, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.syspath_prepend(tmp_path)
+    names = {"__name__": "example"}
+    for text in blocks(page, "python"):
+        exec(compile(text, page.name, "exec"), names)
+
+
+@examples("toml")
+def test_toml_is_a_study_or_a_change_to_one(text):
+    """A block that is no whole study must turn a plain one into another that is right."""
+    tables = {
+        "trials": 1,
+        "swarm": {"robots": 10, "accuracy": 0.7},
+        "world": {"topology": "ring", "fill_ratio": 0.55},
+    }
+    found = tomllib.loads(text)
+    if "trials" not in found:
+        for key, value in found.items():
+            tables[key] = tables[key] | value if key in tables else value
+        found = tables
+    assert Study(context={"base": EXAMPLE}, **found).settings()
+
+
+def commands(text):
+    """The commands of a block, each a list of words; in a console they follow a $."""
+    lines = text.replace("\\\n", " ").splitlines()
+    if any(line.startswith("$ ") for line in lines):
+        lines = [line[2:] for line in lines if line.startswith("$ ")]
+    for line in lines:
+        words = shlex.split(line, comments=True)
+        while words:
+            end = words.index("&&") if "&&" in words else len(words)
+            yield words[:end]
+            words = words[end + 1 :]
+
+
+@examples("console", "sh")
+def test_commands_parse(text):
+    assert list(commands(text))
+    for program, *arguments in commands(text):
+        if program == "swarmcensus":
+            parser().parse_args(arguments)
+        else:
+            assert program in OTHER_PROGRAMS
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_lead_to_files_and_headings(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", BLOCK.sub("", page.read_text(encoding="utf-8"))):
+        if target.startswith("http"):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / path).resolve() if path else page
+        assert file.is_relative_to(ROOT), target
+        assert file.exists(), target
+        if anchor:
+            headings = re.findall(r"^#+ (.*)$", BLOCK.sub("", file.read_text(encoding="utf-8")), re.MULTILINE)
+            slugs = {re.sub(r"[^\w\- ]", "", h.lower()).strip().replace(" ", "-") for h in headings}
+            assert anchor in slugs, target
+
+
+def test_the_study_page_lists_every_key():
+    text = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+    fields = {k for table in (Tables, Swarm, World, Schedule, Measure, Body) for k in table.model_fields}
+    tables = {"swarm", "world", "schedule", "measure"}
+    assert fields - tables <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
+    assert all(f"`[{table}]`" in text for table in tables)
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong"),
+    [
+        ("[schedule]", "[schedule]\nround = 3"),
+        ("accuracy = 0.7", ""),
+        ("fill_ratio = 0.5", "fill_ratio = 1.5"),
+        ("[schedule]", "[schedule]\n[measure]\ncheckpoints = [5, 2000]"),
+        ("[swarm]", "[swarm"),
+    ],
+)
+def test_the_study_page_shows_errors_as_they_are(right, wrong, tmp_path, monkeypatch, capsys):
+    page = (ROOT / "docs" / "study-file.md").read_text(encoding="utf-8")
+    plain = "trials = 1\n[swarm]\nrobots = 5\naccuracy = 0.7\n[world]\ntopology = 'ring'\nfill_ratio = 0.5"
+    plain += "\n[schedule]\n"
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(plain.replace(right, wrong), encoding="utf-8")
+    assert main(["run", "s.toml"]) == 2
+    assert capsys.readouterr().err in page
+
+
+def test_the_data_page_lists_all_that_a_dataset_holds():
+    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    listed = set(re.findall(r"`(\w+)`", "".join(line for line in text.splitlines() if line.startswith("|"))))
+    mentioned = set(re.findall(r"`(\w+)`", text))
+    swarm = {"robots": 2, "accuracy": 0.7}
+    fixed = {"world": {"topology": "ring", "fill_ratio": 0.5}, "measure": {"local": True}, "schedule": {"rounds": 2}}
+    moving = {"world": {"topology": "moving", "fill_ratio": 0.5, "density": 1}, "schedule": {"ticks": 2}}
+    for tables in (fixed, moving):
+        study = Study(trials=1, swarm=swarm, **tables)
+        data = sc.run(study)
+        trace = sc.replay(data, 0, 0, links=tables is moving)
+        in_memory = set(study.swarm.brain[0].memory)
+        for names in (data.dims, data.coords, data.data_vars, data.attrs, set(trace.data_vars) - in_memory):
+            assert set(map(str, names)) <= listed
+        assert set(trace.attrs) | set(map(str, trace.dims)) <= mentioned
+    assert set(sc.infer([[1]], None, 0.7).attrs) <= mentioned
+    assert results.FORMAT in text
+
+
+def test_the_brain_page_shows_the_shipped_example_and_every_check():
+    page = ROOT / "docs" / "brain-contract.md"
+    assert (EXAMPLE / "my_brain.py").read_text(encoding="utf-8") in blocks(page, "python")
+    [study] = (t for t in blocks(page, "toml") if "my_brain.py" in t)
+    assert study in (EXAMPLE / "compare.toml").read_text(encoding="utf-8")
+    for name in ("keeps the contract", *conformance.CHECKS):
+        assert f"| {name} |" in page.read_text(encoding="utf-8")
+
+
+def test_the_example_brain_conforms():
+    assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
+
+
+@pytest.mark.parametrize("page", [ROOT / "README.md"], ids=lambda page: page.name)
+def test_the_brains_of_a_page_keep_the_contract(page, tmp_path, monkeypatch):
+    """All checks but those that compile, which the example brain goes through."""
+    quick = {n: t for n, t in conformance.CHECKS.items() if t.__name__ not in ("_compiles", "_agree")}
+    monkeypatch.setattr(conformance, "CHECKS", quick)
+    for text in blocks(page, "python"):
+        if "MEMORY" in text:
+            (tmp_path / "mine.py").write_text(text, encoding="utf-8")
+            assert all(check.fault is None for check in conformance.check(tmp_path / "mine.py"))
+
+
+def test_the_recorded_example_is_what_its_study_makes(tmp_path, monkeypatch, capsys):
+    """The commands of docs/data-format.md give the files of studies/example, and the numbers that it shows.
+
+    Where a change was meant to alter numbers, make both anew, and the table in docs/brain-contract.md.
+    """
+    page = ROOT / "docs" / "data-format.md"
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    monkeypatch.chdir(tmp_path)
+    example = tmp_path / "studies" / "example"
+    (example / "observations.csv").unlink()
+    (example / "links.csv").unlink()
+    assert main(["run", "studies/example/recorded.toml"]) == 0
+    [shown] = (t for t in blocks(page, "console") if "--recording" in t)
+    capsys.readouterr()
+    for _, *arguments in commands(shown):
+        assert main(arguments) == 0
+    assert (example / "observations.csv").read_bytes() == (EXAMPLE / "observations.csv").read_bytes()
+    assert (example / "links.csv").read_bytes() == (EXAMPLE / "links.csv").read_bytes()
+    assert capsys.readouterr().out.endswith(shown[shown.index("minimalistic on") :])
