@@ -35,7 +35,14 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
 
         def show(progress: Progress) -> None:
             rate, left = _pace(progress, time.monotonic() - begun)
-            bar.update(task, total=progress.total, completed=progress.done, rate=rate, left=left)
+            bar.update(
+                task,
+                description=progress.note or label,
+                total=progress.total,
+                completed=progress.done,
+                rate=rate,
+                left=left,
+            )
 
         yield show
 
@@ -46,9 +53,9 @@ def _lines(label: str) -> Callable[[Progress], None]:
     def show(progress: Progress) -> None:
         nonlocal last
         now = time.monotonic()
-        if now - last >= LINE_SECONDS:
+        if now - last >= LINE_SECONDS or progress.note:
             last = now
-            pace = ", ".join(_pace(progress, now - begun)) if progress.work_done else "starting"
+            pace = ", ".join(_pace(progress, now - begun)) if progress.work_done else progress.note or "starting"
             print(f"{label}: {progress.done} of {progress.total} trials, {pace}", file=sys.stderr, flush=True)
 
     return show

@@ -1,5 +1,6 @@
 """Runs a study: settings become tasks of a fair size, threads run them, Ctrl-C keeps what is done."""
 
+import contextlib
 import itertools
 import os
 import time
@@ -16,6 +17,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.rides import run_ride
 from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.errors import InputError, Interrupted
+from swarmcensus.networks import Topology
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
 
@@ -47,6 +49,7 @@ class Progress:
     total: int
     work_done: float
     work_total: float
+    note: str = ""  # what is going on where it is not trials
 
 
 def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
@@ -60,13 +63,17 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
         raise InputError(f"jobs = {jobs}: at least one thread is needed")
     settings = study.settings()
     tasks = list(plan(study, settings))
+    report = progress or (lambda _: None)
+    total = study.trials * len(settings)
+    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
+    for setting in _smallest(settings):  # here, so that threads do not wait for one another
+        if not compiler.is_compiled(setting.brain):
+            report(Progress(0, total, 0.0, 1.0, f"compiling {setting.brain.name}, once on this machine"))
+        with contextlib.suppress(InputError):  # a brain that fails is named by the real run
+            _run_once(setting, metrics)
     begun, cpu = time.monotonic(), time.process_time()
     data = results.empty(study, settings)
-    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
-    for brain in study.swarm.brain:  # here, so that threads do not wait for one another
-        compiler.compile_brain(brain)
-    done, interrupted = _work(study, settings, tasks, metrics, jobs, data, progress or (lambda _: None))
-    total = study.trials * len(settings)
+    done, interrupted = _work(study, settings, tasks, metrics, jobs, data, report)
     data.attrs |= {
         "trials_done": done,
         "trials_total": total,
@@ -76,6 +83,25 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
     if interrupted:
         raise Interrupted(data, done, total)
     return data
+
+
+def _smallest(settings: list[Setting]) -> list[Setting]:
+    """One tiny setting for each brain and kind of world: to run it compiles all that the others need."""
+    found = {}
+    for setting in settings:
+        tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
+        if setting.body is not None:
+            tiny = replace(tiny, topology=setting.topology, density=1.0)
+        found[setting.brain.name, setting.body is None] = tiny
+    return list(found.values())
+
+
+def _run_once(setting: Setting, metrics: Metrics) -> None:
+    go = np.zeros(1, np.uint8)
+    if setting.body is None:
+        run_batch(setting, 0, 0, 1, metrics, go)
+    else:
+        run_ride([setting], 0, 0, metrics, go)
 
 
 def plan(study: Study, settings: list[Setting]) -> Iterator[Task]:
