@@ -36,7 +36,7 @@ def best(function, repeats):
 
 def walked(robots, density, ticks):
     body = Body()
-    return [c for c in walk(robots, arena.side(robots, density, body), body, KEY, 0, ticks, GO)]
+    return list(walk(robots, arena.side(robots, density, body), body, KEY, 0, ticks, GO))
 
 
 def walk_cost(robots, density, ticks, repeats=5):
@@ -68,11 +68,17 @@ def main():
     parser.add_argument("--quick", action="store_true", help="no swarm above 1,000 robots, no paper")
     options = parser.parse_args()
     console = Console(width=100)
-    table = Table("density", "bodies, radio, senses", "a mind", "physics simulation", "times as fast", title="25 robots, ns")
+    table = Table(
+        "density", "bodies, radio, senses", "a mind", "physics simulation", "times as fast", title="25 robots, ns"
+    )
     for density in (1, 10):
         body, mind = walk_cost(25, density, 10_000), mind_cost(density, 10_000)
         table.add_row(
-            str(density), f"{body:.0f}", f"{mind:.0f}", f"{PHYSICS[density]:,}", f"{PHYSICS[density] / (body + mind):,.0f}"
+            str(density),
+            f"{body:.0f}",
+            f"{mind:.0f}",
+            f"{PHYSICS[density]:,}",
+            f"{PHYSICS[density] / (body + mind):,.0f}",
         )
     console.print(table)
     small = walk_cost(1000, 1, 1000, 2)
@@ -84,7 +90,9 @@ def main():
     begun = time.perf_counter()
     results = run(Study.load(studies_folder() / "moving.toml"), jobs=2)
     trials = results.attrs["trials_done"]
-    console.print(f"the paper's {trials:,} moving trials, all metrics, two threads: {time.perf_counter() - begun:.1f} s")
+    console.print(
+        f"the paper's {trials:,} moving trials, all metrics, two threads: {time.perf_counter() - begun:.1f} s"
+    )
 
 
 if __name__ == "__main__":

@@ -75,6 +75,7 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
         "radio_range": found.body.radio_range,
         "radius": found.body.radius,
         "tile_side": found.body.tile,
+        "tick_seconds": found.body.tick,
     }
     return trace
 

@@ -21,12 +21,17 @@ BITS = np.uint64(4)
 def alias_row(weights, row):
     """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
     columns = weights.size
-    share = weights * columns
-    alias = np.arange(columns)
+    total = 0.0
+    for c in range(columns):
+        total += weights[c]
+    share = np.empty(columns)
+    alias = np.empty(columns, np.int64)
     small = np.empty(columns, np.int64)
     large = np.empty(columns, np.int64)
     smalls = larges = 0
-    for c in range(columns):
+    for c in range(columns):  # loops, not array expressions: those take seconds to compile
+        share[c] = weights[c] / total * columns
+        alias[c] = c
         if share[c] < 1.0:
             small[smalls] = c
             smalls += 1
@@ -58,7 +63,7 @@ def binomial_row(looks, p, row):
         for k in range(looks, 0, -1):
             weights[k] = (1.0 - p) * weights[k] + p * weights[k - 1]
         weights[0] *= 1.0 - p
-    alias_row(weights / weights.sum(), row)
+    alias_row(weights, row)
 
 
 @njit(nogil=True)

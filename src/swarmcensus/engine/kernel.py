@@ -45,8 +45,14 @@ def begin(memory, blank, b, w):
 @njit(nogil=True, error_model="python")
 def blocks(receivers, robots):
     """Where each block's links begin, and where the last one's end; links are sorted by receiver."""
-    firsts = np.arange(0, robots + 256, 256).astype(receivers.dtype)
-    return np.searchsorted(receivers, firsts).astype(np.uint64)
+    count = (robots + 255) // 256
+    out = np.empty(count + 1, np.uint64)
+    link = 0
+    for place in range(count + 1):
+        while link < receivers.size and receivers[link] < place * 256:
+            link += 1
+        out[place] = link
+    return out
 
 
 @compiled
@@ -243,16 +249,19 @@ def simulate(
         start = np.empty((1, robots))
         for i in range(robots):
             start[0, i] = estimate(memory[i])
-        low[:] = np.inf
-        high[:] = -np.inf
+        for i in range(robots):
+            low[i] = np.inf
+            high[i] = -np.inf
         undecided = True
         for step in range(2 * segments - 1):  # forward through all segments, then back where needed
             forward = step < segments
             s = step if forward else 2 * segments - 2 - step
             if forward and segments > 1:
-                snapshots[s, :] = memory
+                for i in range(robots):
+                    snapshots[s, i] = memory[i]
             elif not forward and undecided:
-                memory[:] = snapshots[s, :]
+                for i in range(robots):
+                    memory[i] = snapshots[s, i]
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
@@ -277,9 +286,9 @@ def simulate(
                                 right += bin_low <= x < bin_high
                             correct[c, trial] = right / robots
                 if s == segments - 1:
-                    final[trial, :] = rows[last - 1 - first]
-                    where[trial, :] = rounds
-                    value[trial, :] = final[trial, :]
+                    for i in range(robots):
+                        final[trial, i] = value[trial, i] = rows[last - 1 - first, i]
+                        where[trial, i] = rounds
                 if not forward or s == segments - 1:
                     undecided = settle(rows[: last - first], first, delta, low, high, where[trial], value[trial])
         if undecided:
@@ -427,9 +436,12 @@ def ride(
 def conclude(rows, start, delta, where, value):
     """The convergence of whole curves `rows`, index 1 on, after `start`, index 0."""
     robots = rows.shape[1]
-    low = np.full(robots, np.inf)
-    high = np.full(robots, -np.inf)
-    where[:] = rows.shape[0]
-    value[:] = rows[rows.shape[0] - 1]
+    low = np.empty(robots)
+    high = np.empty(robots)
+    for i in range(robots):
+        low[i] = np.inf
+        high[i] = -np.inf
+        where[i] = rows.shape[0]
+        value[i] = rows[rows.shape[0] - 1, i]
     if settle(rows, 1, delta, low, high, where, value):
         settle(start, 0, delta, low, high, where, value)
