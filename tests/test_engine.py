@@ -84,7 +84,7 @@ def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, comp
 def test_the_local_estimate_is_that_of_a_robot_that_hears_nobody(mixed):
     study, results = mixed
     for k, setting in some(study, 11):
-        readings, _ = recording(results, k, 0)
+        readings = engine.record_readings(setting, study.seed, 0)
         b, w, _, _ = setting.accuracies(study.seed, 0, 1)
         curves = sc.infer(readings, None, (b[0], w[0]), 1, setting.brain)["estimate"].values
         index = metrics.convergence(curves)
@@ -97,7 +97,7 @@ def test_the_local_estimate_is_that_of_a_robot_that_hears_nobody(mixed):
 def test_rounds_are_made_of_their_single_readings(mixed):
     study, results = mixed
     for k, setting in some(study, 17):
-        readings, _ = recording(results, k, 1)
+        readings = engine.record_readings(setting, study.seed, 1)
         rounds = readings.reshape(setting.rounds, setting.observations_per_round, -1).sum(axis=1)
         assert (sc.replay(results, k, 1)["blacks"].values[1:] == rounds).all()
 
