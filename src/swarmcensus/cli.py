@@ -60,7 +60,7 @@ def parser() -> argparse.ArgumentParser:
 
     sub = command("reproduce", reproduce, "Run the paper's evaluation; draw its figures; check its claims.")
     sub.add_argument("--out", type=Path, default=Path("reproduction"), help="folder to write (default: %(default)s)")
-    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4 or claims")
+    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4, fig5 or claims")
     _add_run_options(sub)
 
     sub = command("run", run, "Run a study file; write its results as netCDF.")
