@@ -61,13 +61,24 @@ def works(stops, part, i, tick):
     return stops.shape[1] == 0 or tick < stops[part, i]
 
 
+@njit(nogil=True, error_model="python")
+def observe_where_able(memory, outbox, said, blacks, looks, tick, first, last, stops):
+    """The same of robots of which some fail: apart, so that the loop of sound robots stays bare."""
+    for i in range(first, last):
+        if works(stops, SENSING, i, tick):
+            observe(memory[i], float(blacks[i - first]), float(looks))
+        pack(outbox, said + i, broadcast(memory[i]))
+
+
 @compiled
 def observe_some(memory, outbox, said, blacks, bits, tables, looks, key, trial, tick, first, last, stops):
     """Robots first ... last - 1 make their round's observations and say what they hold then."""
     count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last)
+    if stops.shape[1] > 0:
+        observe_where_able(memory, outbox, said, blacks, looks, tick, first, last, stops)
+        return
     for i in range(first, last):
-        if works(stops, SENSING, i, tick):
-            observe(memory[i], float(blacks[i - first]), float(looks))
+        observe(memory[i], float(blacks[i - first]), float(looks))
         pack(outbox, said + i, broadcast(memory[i]))
 
 
@@ -106,14 +117,26 @@ def hear_all(memory, outbox, said, scratch, rows, r):
         rows[r, i] = estimate(memory[i])
 
 
-@compiled
-def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
-    """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
+@njit(nogil=True, error_model="python")
+def hear_what_arrives(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
+    """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
     for link in range(first, last):
         if works(stops, TALKING, senders[link], tick) and (
             threshold == 0 or heard_by(key, trial, tick, receivers[link], senders[link], threshold)
         ):
             receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
+
+
+@compiled
+def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
+    """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
+    if threshold > 0 or stops.shape[1] > 0:
+        hear_what_arrives(
+            memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops
+        )  # fmt: skip
+        return
+    for link in range(first, last):
+        receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
 
 
 @njit(nogil=True, error_model="python")
