@@ -12,7 +12,7 @@ import swarmcensus as sc
 from swarmcensus import conformance, results
 from swarmcensus.bodies import Body
 from swarmcensus.cli import main, parser
-from swarmcensus.studies import Measure, Schedule, Study, Swarm, Tables, World
+from swarmcensus.studies import Measure, Schedule, Study, Swarm, Tables, World, to_toml
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -72,7 +72,7 @@ def test_toml_is_a_study_or_a_change_to_one(text):
         for key, value in found.items():
             tables[key] = tables[key] | value if key in tables else value
         found = tables
-    assert Study(context={"base": EXAMPLE}, **found).settings()
+    assert Study.parse(to_toml(found), context={"base": EXAMPLE}).settings()
 
 
 def commands(text):

@@ -185,7 +185,22 @@ class TestDeterminism:
                 "fill_ratio": 0.55, "link_success": [1.0, 0.5]}, schedule={"rounds": 5,
                 "observations_per_round": [1, 31]}, measure={"local": True})
             results = sc.run(study, jobs=2)
-            results["estimate"] = (("k", "i"), sc.replay(results, 5, 1)["estimate"].values)
+            results["curves"] = (("k", "i"), sc.replay(results, 5, 1)["estimate"].values)
+            moving = sc.Study(seed=5, trials=1, swarm={"brain": ["minimalistic", "legacy"], "robots": 6,
+                "accuracy": [0.6, "N(0.7, 0.1)"]}, world={"topology": "moving", "density": 12, "fill_ratio": 0.55,
+                "link_success": [1.0, 0.5]}, schedule={"ticks": 40}, faults=[{"at": 30, "robots": 2, "stop":
+                ["moving", "sensing", "talking"]}])
+            walked = sc.run(moving, jobs=1)
+            for name in ("position", "estimate", "reading"):
+                results[name] = (("tick", "r", "a")[: 3 if name == "position" else 2],
+                                 sc.replay(walked, 0, 0)[name].values)
+            results["walked"] = (("s", "r"), walked["final_estimate"].values[:, 0])
+            lost = sc.Study(seed=5, trials=1, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": ["full", "ring"],
+                "fill_ratio": 0.5, "link_success": 0.5}, schedule={"rounds": 6}, faults=[{"at": 3, "robots": 2, "stop":
+                ["sensing", "talking"]}])
+            results["lost"] = (("l", "r5"), sc.run(lost)["final_estimate"].values[:, 0])
+            readings = np.array([[0.0, 1.0], [1.0, 1.0], [0.0, np.nan]])
+            results["told"] = (("k2", "i2"), sc.infer(readings, [[0, 1]], 0.8, 2)["estimate"].values)
             sc.save(results, sys.argv[1])
         """)
         files = {}
@@ -249,7 +264,7 @@ def test_a_brain_that_divides_by_zero_is_named(tmp_path):
     (tmp_path / "bad.py").write_text(source)
     study = sc.Study(
         trials=1, swarm={"brain": str(tmp_path / "bad.py"), "robots": 3, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5}, context={},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5}
     )  # fmt: skip
     with pytest.raises(sc.InputError, match=r"bad.py' fails in trial 0 of ring.*ZeroDivisionError"):
         sc.run(study)

@@ -1,6 +1,7 @@
 """The command line: parses, calls, prints. Imports wait until a command needs them."""
 
 import argparse
+import os
 import sys
 import time
 import warnings
@@ -40,6 +41,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 0
     except MemoryError:
         print("swarmcensus: not enough memory: fewer robots, settings or trials would need less", file=sys.stderr)
+        return 2
+    except Exception as error:
+        if os.environ.get("SWARMCENSUS_DEBUG"):
+            raise
+        what = str(error).strip().splitlines()[0] if str(error).strip() else ""
+        print(
+            f"swarmcensus: {type(error).__name__}: {what} (unforeseen: with SWARMCENSUS_DEBUG=1 it says where)",
+            file=sys.stderr,
+        )
         return 2
 
 
@@ -163,7 +173,7 @@ def run(options: argparse.Namespace) -> int:
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
         raise InputError(f"--out {out}: results are written as .nc")
-    check_writable(out)
+    check_writable(out, options.study)
     study = Study.load(options.study).with_(trials=options.trials, seed=options.seed)
     begun = time.monotonic()
     try:
@@ -250,9 +260,11 @@ def _check_suffix(out: Path) -> str:
 def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus import results
+    from swarmcensus.files import check_writable
     from swarmcensus.selecting import where
 
     out = options.out or Path(f"{options.results.stem}.{options.to}")
+    check_writable(out, options.results)
     rows = results.export(where(results.load(options.results), options.where), out, options.to)
     print(f"{out}: {rows:,} rows")
     return 0
@@ -261,10 +273,13 @@ def export(options: argparse.Namespace) -> int:
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
     from swarmcensus import figures, recordings, results, traces
+    from swarmcensus.files import check_writable
     from swarmcensus.tables import rounds
 
     if options.plot:
         _check_suffix(options.plot)
+    if options.out:
+        check_writable(options.out, options.results)
     data = results.load(options.results)
     trace = traces.replay(data, options.setting, options.trial, options.brain)
     if options.out:
@@ -291,7 +306,7 @@ def infer(options: argparse.Namespace) -> int:
     out = options.out or Path(f"{options.observations.stem}-trace.csv")
     if out.suffix not in (".csv", ".nc"):
         raise InputError(f"--out {out}: a trace is written as .csv or .nc")
-    check_writable(out)
+    check_writable(out, options.observations, *([options.links] if options.links else []))
     if options.plot:
         _check_suffix(options.plot)
     files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}

@@ -33,9 +33,11 @@ def whole(path: str | Path) -> Iterator[Path]:
         beside.unlink(missing_ok=True)
 
 
-def check_writable(path: str | Path) -> None:
-    """Raise InputError now where `path` could not be written at the end of a long run."""
+def check_writable(path: str | Path, *inputs: Path) -> None:
+    """Raise InputError now where `path` could not be written at the end of a long run, or is one of the inputs."""
     path = Path(path)
+    if any(path.absolute().resolve() == source.absolute().resolve() for source in inputs):
+        raise InputError(f"cannot write {path}: it is what is read")
     folder = next(p for p in path.absolute().parents if p.exists())
     if path.is_dir():
         raise InputError(f"cannot write {path}: it is a folder")

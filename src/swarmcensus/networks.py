@@ -148,6 +148,8 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
             arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
             if "seed" in arguments:
                 raise ValueError("seed is the study's: each trial's graph has an address of its own")
+            if any(not isinstance(v, str | int | float | list) for v in arguments.values()):
+                raise ValueError("a generator's arguments are numbers, texts and lists")
             text = ",".join(f"{k}={v}" for k, v in arguments.items())
             return Topology(f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments)))
         if set(value) == {"name", "edges"}:

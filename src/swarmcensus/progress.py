@@ -20,6 +20,7 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
     if not console.is_terminal:
         yield _lines(label)
         return
+    from rich.markup import escape
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
     from rich.progress import Progress as Bar
 
@@ -30,14 +31,14 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
         TextColumn("trials  {task.fields[rate]}  {task.fields[left]}"),
     )
     with Bar(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(label, total=None, rate="", left="")
+        task = bar.add_task(escape(label), total=None, rate="", left="")
         begun = time.monotonic()
 
         def show(progress: Progress) -> None:
             rate, left = _pace(progress, time.monotonic() - begun)
             bar.update(
                 task,
-                description=progress.note or label,
+                description=escape(progress.note or label),
                 total=progress.total,
                 completed=progress.done,
                 rate=rate,

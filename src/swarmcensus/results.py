@@ -132,7 +132,15 @@ def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
     """
     from swarmcensus import brains
 
-    sources = json.loads(data.attrs["brains"])
+    try:
+        sources = {
+            str(n): {"sha256": s["sha256"], "source": s["source"]} for n, s in json.loads(data.attrs["brains"]).items()
+        }
+        text = str(data.attrs["study"])
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise InputError(
+            f"these results do not say how they were made (attributes study and brains): {error!r}"
+        ) from None
     known = {}
     if brain is not None:
         given = brains.load(brain)
@@ -145,9 +153,9 @@ def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
             known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     context = {"edges": edges, "brains": known}
-    study = Study.parse(data.attrs["study"], where="the study in these results", context=context)
+    study = Study.parse(text, where="the study in these results", context=context)
     for used in study.swarm.brain:
-        if used.sha256 != sources[used.name]["sha256"]:
+        if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return study
 

@@ -64,7 +64,7 @@ class Accuracy:
             return b, b
         w = self.white.draw(key("white"), first_trial, trials, robots)
         width = max(b.shape[1], w.shape[1])
-        return tuple(np.ascontiguousarray(np.broadcast_to(v, (trials, width))) for v in (b, w))  # type: ignore[return-value]
+        return tuple(np.array(np.broadcast_to(v, (trials, width))) for v in (b, w))  # type: ignore[return-value]
 
     @property
     def is_blind(self) -> bool:

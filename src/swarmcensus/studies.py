@@ -11,6 +11,7 @@ from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import (
+    AfterValidator,
     BaseModel,
     BeforeValidator,
     ConfigDict,
@@ -28,10 +29,15 @@ from swarmcensus.networks import MOVING, Topology, parse_topology
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
 
+MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
 
 
 def _listed(value: object) -> object:
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [v.item() if isinstance(v, np.generic) else v for v in value]
     return value if isinstance(value, list | tuple) else [value]
 
 
@@ -52,6 +58,12 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
     return brains.load(value, _context(info, "base", None))
+
+
+def _plain_text(value: str) -> str:
+    if not value.isprintable() or "$" in value:
+        raise ValueError("a name is printed and drawn: no control characters, and no $")
+    return value
 
 
 def _plain_number(value: object) -> object:
@@ -119,7 +131,7 @@ class Measure(_Table):
 class Tables(_Table):
     """The study file as a whole."""
 
-    name: Annotated[str, Field(min_length=1)] = "study"
+    name: Annotated[str, Field(min_length=1), AfterValidator(_plain_text)] = "study"
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     trials: Whole
     swarm: Swarm
@@ -139,6 +151,11 @@ class Tables(_Table):
         late = [c for c in self.measure.checkpoints or () if c > self.last_round]
         if late:
             raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {self.last_round}")
+        for topology in self.world.topology:
+            _plain_text(topology.name)
+        steps = max(self.schedule.rounds) * max(self.schedule.observations_per_round)
+        if self.measure.local and steps > LARGEST:
+            raise ValueError(f"measure.local = true follows {steps} observations: {LARGEST} at the most")
         self._check_moving()
         for n, fault in enumerate(self.faults):
             most = min(self.swarm.robots)
@@ -177,14 +194,11 @@ class Tables(_Table):
 class Study:
     """A grid of settings, each run for a number of trials."""
 
-    def __init__(
-        self, *, text: str | None = None, where: str = "study", context: Mapping[str, Any] = {}, **tables: Any
-    ) -> None:
-        """Build a study from the study file's tables as keywords.
+    def __init__(self, **tables: Any) -> None:
+        """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
+        self._fill(tables, None, "study", {})
 
-        `context` may hold `base` (the folder of brain files and edge lists), and `brains` and `edges` (known by
-        name, so that no file is read). Raises InputError, naming file, key and value.
-        """
+    def _fill(self, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> None:
         try:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
@@ -195,6 +209,12 @@ class Study:
         self.faults = checked.faults
         self.text = text if text is not None else to_toml(tables)
         settings = self.settings()
+        values = len(settings) * self.trials * max(s.robots for s in settings)
+        if values > MOST_VALUES:
+            raise InputError(
+                f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
+                f"{MOST_VALUES:,} is the most: fewer trials, settings or robots"
+            )
         if len(set(settings)) < len(settings):
             twice = next(s for k, s in enumerate(settings) if s in settings[:k])
             raise InputError(f"{where}: a value stands twice in a list, and so does the setting {twice}")
@@ -210,15 +230,21 @@ class Study:
     def load(cls, path: str | Path) -> Self:
         """Read a study file. Brain files and edge lists are looked for beside it."""
         try:
-            text = Path(path).read_text(encoding="utf-8")
+            text = Path(path).read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError, ValueError) as error:
             raise InputError(f"study file {path}: cannot be read as text: {error}") from error
         return cls.parse(text, where=f"study file {path}", context={"base": Path(path).parent})
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
-        """Read a study from TOML text; `context` as in the constructor."""
-        return cls(text=text, where=where, context=context, **read_toml(text, where))
+        """Read a study from TOML text.
+
+        `context` may hold `base` (the folder of brain files and edge lists), and `brains` and `edges` (known by
+        name, so that no file is read). Raises InputError, naming file, key and value.
+        """
+        study = cls.__new__(cls)
+        study._fill(read_toml(text, where), text, where, context)
+        return study
 
     def with_(self, **changes: Any) -> Self:
         """The same study with another seed or number of trials; None leaves a value as it is."""
@@ -229,7 +255,9 @@ class Study:
             "brains": {b.name: b for b in self.swarm.brain},
             "edges": {t.source: t.edges for t in self.world.topology if t.source},
         }
-        return type(self)(context=known, **{**read_toml(self.text, "study"), **changes})
+        study = type(self).__new__(type(self))
+        study._fill({**read_toml(self.text, "study"), **changes}, None, "study", known)
+        return study
 
     @property
     def checkpoints(self) -> list[int]:
@@ -264,7 +292,7 @@ def read_toml(text: str, where: str) -> dict[str, Any]:
     """Parse TOML; raises InputError."""
     try:
         return tomllib.loads(text)
-    except (tomllib.TOMLDecodeError, RecursionError) as error:
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
         raise InputError(f"{where}: not TOML: {error}") from None
 
 

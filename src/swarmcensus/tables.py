@@ -5,6 +5,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
 from swarmcensus.conformance import Check
@@ -28,7 +29,6 @@ def summary(data: xr.Dataset) -> None:
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
     shown = [k for k, values in columns.items() if k != "setting" and len(np.unique(values)) > 1]
-    last = int(data["checkpoint"].values[-1])
     table = _table(
         ("setting", True),
         *((k.replace("_", " "), False) for k in shown),
@@ -40,13 +40,15 @@ def summary(data: xr.Dataset) -> None:
         one = data.isel(setting=k)
         done = one["convergence_round"].values >= 0
         rounds = one["rounds"].values
-        correct = one["correct"].sel(checkpoint=min(last, int(rounds)), method="ffill").values
+        reached = np.flatnonzero(data["checkpoint"].values <= rounds)
+        correct = one["correct"].values[reached[-1]] if reached.size else np.full(1, np.nan)
+        right = f"{100 * np.nanmean(correct):.1f} %" if np.isfinite(correct).any() else "-"
         table.add_row(
             str(one["setting"].values),
-            *(str(one[c].values) for c in shown),
+            *(escape(str(one[c].values)) for c in shown),
             f"{np.median(one['convergence_round'].values[done]):.0f}",
             f"{np.median(one['convergence_error'].values[done]):.4f}",
-            f"{100 * np.nanmean(correct):.1f} %",
+            right,
         )
     console.print(table)
     console.print(
@@ -65,7 +67,7 @@ def rounds(trace: xr.Dataset) -> None:
     for k in sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last}):
         row = estimates[k]
         table.add_row(str(k), f"{row.min():.4f}", f"{np.median(row):.4f}", f"{row.max():.4f}")
-    console.print(f"{trace.attrs['title']}: the robots' estimates", highlight=False)
+    console.print(f"{trace.attrs['title']}: the robots' estimates", highlight=False, markup=False)
     console.print(table)
 
 

@@ -39,6 +39,7 @@ def replay(
         history, estimates, blacks = record_trial(found, study.seed, trial)
         trace = _trace({name: history[name] for name in found.brain.memory}, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
     trace.attrs |= {
         "title": f"{study.name}, setting {setting}, trial {trial}: {found}",
         "setting": setting,
@@ -49,6 +50,17 @@ def replay(
         "delta": study.measure.delta,
     }
     return trace
+
+
+def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset) -> None:
+    """Raise InputError where a trial that was run ended otherwise: results put together from several studies."""
+    stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: trace.sizes["robot"]]
+    ran = np.isfinite(stored).all() and len(stored) == trace.sizes["robot"]
+    if ran and not np.allclose(stored, trace["estimate"].values[-1], rtol=0.0, atol=1e-9):
+        raise InputError(
+            f"setting {setting}, trial {trial}: the replay ends elsewhere than the run did: these results are not of "
+            "the study that they name, or of another version"
+        )
 
 
 def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
@@ -112,7 +124,10 @@ def _find(results: xr.Dataset | str | Path, setting: int, trial: int, brain: str
         if value not in known:
             raise InputError(f"{name} {value}: these results hold {name} {known.min()} to {known.max()}")
     study = study_of(data, brain)
-    found = study.settings()[setting]
+    settings = study.settings()
+    if not 0 <= setting < len(settings):
+        raise InputError(f"setting {setting}: the study in these results has settings 0 to {len(settings) - 1}")
+    found = settings[setting]
     must_be_read(found.brain)
     return study, found
 

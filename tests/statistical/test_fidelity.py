@@ -1,7 +1,7 @@
 """The walk against a physics simulation of 25 Khepera IV robots: D = 1, straight motion at 0.10 m/s.
 
 The measured values stand in docs/moving-robots.md. Tolerance: 5 %, 15 % for counts of rare things, 0.01 for a
-correlation near zero. With 40 trials the means' own standard errors are a fifth of that or less.
+correlation near zero. With 20 trials the means' own standard errors are a third of that or less.
 """
 
 import numpy as np
@@ -12,7 +12,7 @@ from swarmcensus.bodies import Body
 from swarmcensus.engine.random import address
 from swarmcensus.engine.walking import walk
 
-TRIALS, ROBOTS, TICKS = 40, 25, 10_000
+TRIALS, ROBOTS, TICKS = 20, 25, 10_000
 MEASURED = {
     "displacement per tick, cm": (0.712, 0.05),
     "mean squared displacement, 10 ticks": (0.0063, 0.05),

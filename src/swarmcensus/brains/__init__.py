@@ -83,7 +83,7 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
                 f"brain {str(name)!r}: neither a shipped brain ({', '.join(shipped())}) nor a file at {path}"
             )
     try:
-        return parse(path.read_text(encoding="utf-8"), str(name), path)
+        return parse(path.read_text(encoding="utf-8-sig"), str(name), path)
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"brain file {path}: cannot be read as text: {error}") from error
 
@@ -123,6 +123,8 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
         )
         if any(m != "math" for m in modules):
             raise bad(node, f"imports {', '.join(map(str, modules))}: a brain may import math alone")
+        if isinstance(node, ast.Assign) and any(isinstance(n, ast.Call) for n in ast.walk(node)):
+            raise bad(node, "a constant is written out, not computed by a call")
         if isinstance(node, ast.FunctionDef):
             if node.decorator_list:
                 raise bad(node, f"{node.name} has a decorator: a brain's functions are plain")
@@ -165,12 +167,14 @@ def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, flo
         need(_is_name(key), f"MEMORY key {key!r} is not a name")
         need(key not in (*BELIEFS, *TRACED), f"MEMORY key {key!r} is taken by the engine")
         need(
-            isinstance(value, int | float) and not isinstance(value, bool), f"MEMORY[{key!r}] = {value!r}: not a number"
+            isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300,
+            f"MEMORY[{key!r}] = {value!r}: not a number",
         )
     message = getattr(module, "MESSAGE", None)
     need(names(message) and bool(message), 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")')
     sums = getattr(module, "SUMS", ())
     need(names(sums), "SUMS is a tuple of MEMORY names")
+    need(len(set(sums)) == len(sums), "SUMS names a field twice")
     for key in sums:
         need(key in memory, f"SUMS names {key!r}, which is not in MEMORY")
     for name, arity in FUNCTIONS.items():

@@ -5,6 +5,7 @@ a folder of its own, named by the hash of all that the code depends on, with a c
 kernel, and of a few lines that fit the brain's fields to the kernel's arrays.
 """
 
+import atexit
 import functools
 import hashlib
 import importlib.util
@@ -14,6 +15,7 @@ import sys
 import tempfile
 import threading
 import types
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -89,9 +91,9 @@ def blank(brain: Brain) -> np.ndarray:
 
 def cache_root() -> Path:
     """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder."""
-    if "SWARMCENSUS_CACHE" in os.environ:
+    if os.environ.get("SWARMCENSUS_CACHE"):
         return Path(os.environ["SWARMCENSUS_CACHE"])
-    base = os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache"
+    base = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
     return Path(base) / "swarmcensus"
 
 
@@ -113,6 +115,7 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
     """Make the folder whole or not at all; a race is won by whoever renames first."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
+    beside.chmod(0o755)
     for name, text in files.items():
         (beside / name).write_text(text, encoding="utf-8")
     try:
@@ -174,17 +177,37 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
     name = f"_swarmcensus_{digest}"
     if f"{name}.{main}" in sys.modules:
         return sys.modules[f"{name}.{main}"]
-    folder = cache_root() / digest
-    if not folder.is_dir():
-        try:
-            _write_once(folder, files)
-        except OSError:  # a machine without a home: compile for this process alone
-            folder = Path(tempfile.mkdtemp(prefix="swarmcensus-")) / digest
-            _write_once(folder, files)
+    folder = _folder(digest, files)
     _execute(name, folder / "__init__.py", package=True)
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
     home = HERE if numba.config.DISABLE_JIT else folder  # type: ignore[attr-defined]
     return _execute(f"{name}.{main}", home / f"{main}.py", package=False)
+
+
+def _folder(digest: str, files: dict[str, str]) -> Path:
+    """The cache folder, whole; or, on a machine without a usable one, a folder for this process alone."""
+    try:
+        folder = cache_root() / digest
+        if folder.is_dir() and any(not (folder / name).is_file() for name in files):
+            shutil.rmtree(folder)  # what cleaners of old files leave
+        if not folder.is_dir():
+            _write_once(folder, files)
+        if os.access(folder, os.R_OK | os.W_OK | os.X_OK):
+            return folder
+    except (OSError, RuntimeError):
+        pass
+    alone = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
+    atexit.register(shutil.rmtree, alone, ignore_errors=True)
+    warnings.warn(f"the cache {cache_root()} cannot be used: brains are compiled for this run alone", stacklevel=2)
+    _write_once(alone / digest, files)
+    return alone / digest
+
+
+def forget(brain: Brain) -> Path:
+    """Remove a brain's machine code from disk, where it turned out to be damaged; returns where it was."""
+    folder = cache_root() / _digest(_brain_files(brain))
+    shutil.rmtree(folder, ignore_errors=True)
+    return folder
 
 
 def _execute(name: str, path: Path, package: bool) -> types.ModuleType:

@@ -7,7 +7,7 @@ import numpy as np
 
 from swarmcensus import arena
 from swarmcensus.engine import compiler
-from swarmcensus.engine.trials import Batch, Metrics
+from swarmcensus.engine.trials import Batch, Metrics, blame
 from swarmcensus.engine.walking import Chunk, walk
 from swarmcensus.metrics import right_bin
 from swarmcensus.settings import Setting
@@ -71,7 +71,10 @@ def run_ride(
             floor = rider.setting.floor_key(seed).tobytes()
             if floor not in floors:
                 floors[floor] = colours_under(rider.setting, seed, trial, chunk)
-            rider.ride(chunk, floors[floor], stop)
+            try:
+                rider.ride(chunk, floors[floor], stop)
+            except Exception as error:
+                raise blame(rider.setting, trial, 1, error) from error
     return None if stop[0] else [rider.measure(metrics) for rider in riders]
 
 

@@ -1,6 +1,7 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
 import math
+import pickle
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,7 +64,10 @@ def run_batch(
     where, value, final = np.zeros(shape, np.int64), np.zeros(shape), np.zeros(shape)
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
-    links = setting.links(seed, first, trials)
+    try:
+        links = setting.links(seed, first, trials)
+    except ValueError as error:
+        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
     segments = -(-rounds // segment)
     kernel = compiler.compile_brain(setting.brain)
@@ -83,11 +87,23 @@ def run_batch(
     )  # fmt: skip
     try:
         finished = kernel.simulate(*arguments)
+    except (EOFError, pickle.UnpicklingError) as error:
+        raise InputError(
+            f"the compiled code in {compiler.forget(setting.brain)} was damaged, and is removed now: run again"
+        ) from error
     except Exception as error:
-        what = f"{type(error).__name__}: {str(error).strip().splitlines()[0] if str(error).strip() else ''}"
-        trial = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
-        raise InputError(f"brain {setting.brain.name!r} fails in {trial} of {setting}: {what}") from error
+        raise blame(setting, first, trials, error) from error
     return Batch(where, np.abs(value - setting.fill_ratio), final, correct) if finished else None
+
+
+def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
+    """What a failing brain is told by."""
+    text = str(error).strip()
+    which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
+    what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
+    if "numba" in type(error).__module__:
+        what = f"it cannot be compiled: swarmcensus brains --check {setting.brain.path} says why"
+    return InputError(f"brain {setting.brain.name!r} fails in {which} of {setting}: {what}")
 
 
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
