@@ -118,7 +118,7 @@ def new_sheet(
         top=1 - top / height, wspace=gap_x / wide, hspace=gap_y / high,
     )  # fmt: skip
     if title:
-        figure.suptitle(title, x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=SMALL + 3)
+        figure.suptitle(title, x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=SMALL + 3, parse_math=False)
     return [figure.add_subplot(grid[divmod(i, columns)]) for i in range(count)]
 
 
@@ -127,7 +127,7 @@ def caption_panels(axes: Sequence[Axes], captions: Sequence[str], above: float =
     for letter, ax, caption in zip(string.ascii_lowercase, axes, captions, strict=False):
         if caption or len(axes) > 1:
             text = caption if len(axes) == 1 else f"({letter}) {caption}"
-            ax.set_title(text, loc="left", fontsize=SMALL + 1.5, pad=6 + 72 * above)
+            ax.set_title(text, loc="left", fontsize=SMALL + 1.5, pad=6 + 72 * above, parse_math=False)
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
