@@ -118,7 +118,9 @@ def new_sheet(
         top=1 - top / height, wspace=gap_x / wide, hspace=gap_y / high,
     )  # fmt: skip
     if title:
-        figure.suptitle(title, x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=SMALL + 3, parse_math=False)
+        figure.suptitle(
+            title, x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=SMALL + 3, parse_math=False
+        )
     return [figure.add_subplot(grid[divmod(i, columns)]) for i in range(count)]
 
 
