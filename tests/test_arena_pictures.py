@@ -18,7 +18,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.figures import save
 from swarmcensus.films import film
 from swarmcensus.floors import floor_of
-from swarmcensus.results import study_of
+from swarmcensus.results import studies_of
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -88,7 +88,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
 
 
 def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
-    study = study_of(results)
+    (study,) = studies_of(results)
     setting = study.settings()[moving(results, 9, 0.95)]
     first, second = (floor_of(setting, study.seed, trial) for trial in (0, 1))
     assert (first != second).any()

@@ -12,10 +12,12 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from swarmcensus.errors import InputError, Interrupted
+    from swarmcensus.merging import merge
     from swarmcensus.results import load, save
     from swarmcensus.running import run
     from swarmcensus.studies import Study
     from swarmcensus.traces import infer, replay
+    from swarmcensus.verifying import verify
 
 _HOME = {
     "InputError": "errors",
@@ -23,11 +25,13 @@ _HOME = {
     "Study": "studies",
     "infer": "traces",
     "load": "results",
+    "merge": "merging",
     "replay": "traces",
     "run": "running",
     "save": "results",
+    "verify": "verifying",
 }
-__all__ = ["InputError", "Interrupted", "Study", "infer", "load", "replay", "run", "save"]
+__all__ = ["InputError", "Interrupted", "Study", "infer", "load", "merge", "replay", "run", "save", "verify"]
 
 
 def __getattr__(name: str) -> Any:

@@ -27,7 +27,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.floors import floor_of, tiles_across
 from swarmcensus.metrics import right_bin
 from swarmcensus.panels import require
-from swarmcensus.results import load, study_of
+from swarmcensus.results import load, setting_of
 from swarmcensus.sheets import SMALL
 from swarmcensus.traces import replay
 
@@ -60,8 +60,7 @@ def scene_of(
         several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
         raise InputError(f"setting {setting} is a fixed network, without an arena; those of moving robots: {several}")
     trace = replay(data, setting, trial, brain, links=True)
-    study = study_of(data, brain)
-    found = study.settings()[setting]
+    study, found = setting_of(data, setting, brain)
     assert found.body is not None
     trace.attrs["tick_seconds"] = found.body.tick
     drawn = tiles_across(trace.attrs["side"], found.body.tile) <= MOST_TILES

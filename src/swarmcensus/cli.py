@@ -12,6 +12,7 @@ from typing import Any
 from swarmcensus import __version__
 from swarmcensus.errors import InputError, Interrupted
 
+DIFFER = 1  # results that do not come out again as stored
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 PICTURES = ("scatter", "decisions", "curves", "heatmap", "arena", "film")
 ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
@@ -77,6 +78,27 @@ def parser() -> argparse.ArgumentParser:
     sub.add_argument("study", type=Path, metavar="STUDY.toml")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study file's name with .nc, here")
     _add_run_options(sub)
+    sub.add_argument("--share", type=_share, metavar="K/N", help="run the K-th of N parts of the trials, to merge")
+    sub.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, as tcp://host:8786")
+    sub.add_argument("--cluster", metavar="WHERE", help="local:4 (processes here), or a TOML file (docs/clusters.md)")
+
+    sub = command("status", status, "Say how far a study is that runs, or was cut off, and when it ends.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+
+    sub = command("merge", merge, "Put results together whose settings or trials differ.")
+    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True)
+
+    sub = command("verify", verify, "Run trials of a results file again and compare them bit for bit.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    which = sub.add_mutually_exclusive_group()
+    which.add_argument(
+        "--sample", type=float, default=0.01, metavar="SHARE", help="of the trials (default: %(default)s)"
+    )
+    which.add_argument("--all", action="store_true", help="every trial")
+    sub.add_argument("--brain", action="append", default=[], metavar="FILE", help="a brain file of one's own, if used")
+    sub.add_argument("--seed", type=_from_zero, help="of the choice, to make the same one again")
+    sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core)")
 
     sub = command("plot", plot, "Draw a results file.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
@@ -129,6 +151,14 @@ def _add_run_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core); the numbers do not depend on it")
     sub.add_argument("--trials", type=_from_one, help="instead of the study's own number")
     sub.add_argument("--seed", type=_from_zero, help="instead of the study's own")
+    sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with what --out holds")
+
+
+def _share(text: str) -> tuple[int, int]:
+    k, slash, n = text.partition("/")
+    if not (slash and k.isdigit() and n.isdigit()):
+        raise argparse.ArgumentTypeError(f"{text!r}: should be such as 1/4")
+    return int(k), int(n)
 
 
 def _from_one(text: str) -> int:
@@ -154,6 +184,7 @@ def reproduce(options: argparse.Namespace) -> int:
         seed=options.seed,
         jobs=options.jobs,
         only=options.only,
+        fresh=options.fresh,
         reporting=reporting,
     )
     report.show(done.claims)
@@ -163,12 +194,11 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
-    from swarmcensus import results
     from swarmcensus.files import check_writable
     from swarmcensus.progress import reporting
     from swarmcensus.running import run as run_study
     from swarmcensus.studies import Study
-    from swarmcensus.tables import summary
+    from swarmcensus.tables import failures, summary
 
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
@@ -176,19 +206,79 @@ def run(options: argparse.Namespace) -> int:
     check_writable(out, options.study)
     study = Study.load(options.study).with_(trials=options.trials, seed=options.seed)
     begun = time.monotonic()
+
+    def say(line: str) -> None:
+        print(line, file=sys.stderr)
+
     try:
         with reporting(study.name) as progress:
-            data = run_study(study, jobs=options.jobs, progress=progress)
+            data = run_study(
+                study,
+                options.jobs,
+                progress,
+                out=out,
+                fresh=options.fresh,
+                cluster=_cluster(options),
+                share=options.share,
+                say=say,
+            )
     except Interrupted as stopped:
-        if stopped.done:
-            results.save(stopped.results, out)  # type: ignore[arg-type]
-            print(f"kept {stopped.done} of {stopped.total} trials in {out}", file=sys.stderr)
+        print(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on", file=sys.stderr)
         raise
-    results.save(data, out)
     summary(data)
-    settings = data.sizes["setting"]
-    print(f"{out}: {settings} settings of {study.trials} trials, {time.monotonic() - begun:.1f} s")
+    trials = f"up to {study.trials}" if study.until else str(study.trials)
+    print(f"{out}: {data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
+    return failures(data)
+
+
+def _cluster(options: argparse.Namespace) -> str | None:
+    if options.scheduler and options.cluster:
+        raise InputError("--scheduler and --cluster: a study runs on one of them")
+    return options.scheduler or options.cluster  # type: ignore[no-any-return]
+
+
+def status(options: argparse.Namespace) -> int:
+    """Say how far a study is."""
+    from swarmcensus.status import status as status_of
+
+    print("\n".join(status_of(options.results).lines))
     return 0
+
+
+def merge(options: argparse.Namespace) -> int:
+    """Put results together."""
+    from swarmcensus import merging, results
+    from swarmcensus.files import check_writable
+
+    if options.out.suffix != ".nc":
+        raise InputError(f"--out {options.out}: results are written as .nc")
+    check_writable(options.out, *options.results)
+    data = merging.merge(options.results)
+    results.save(data, options.out)
+    done, total = data.attrs["trials_done"], data.attrs["trials_total"]
+    print(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
+    return 0
+
+
+def verify(options: argparse.Namespace) -> int:
+    """Run trials again and compare; 1 where they differ."""
+    import secrets
+
+    from swarmcensus import verifying
+    from swarmcensus.progress import reporting
+
+    seed = secrets.randbelow(2**31) if options.seed is None else options.seed
+    sample = 1.0 if options.all else options.sample
+    with reporting("verify") as progress:
+        found = verifying.verify(
+            options.results, sample, brain=options.brain, seed=seed, jobs=options.jobs, progress=progress
+        )
+    for difference in found.differences:
+        print(difference)
+    what = f"{found.checked:,} of {found.stored:,} trials run again" + ("" if options.all else f" (--seed {seed})")
+    differ = len(found.differences)
+    print(f"{options.results}: {what}: " + (f"{differ:,} differ" if differ else "the same to the last bit"))
+    return DIFFER if differ else 0
 
 
 def plot(options: argparse.Namespace) -> int:

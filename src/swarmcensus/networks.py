@@ -5,6 +5,8 @@ generator will do as well.
 """
 
 import csv
+import functools
+import hashlib
 import inspect
 import json
 from collections.abc import Iterable, Mapping
@@ -53,7 +55,12 @@ class Topology:
     @property
     def content(self) -> object:
         """What the random numbers of this topology depend on."""
-        return [self.name, self.edges, self.generator]
+        return [self.name, self._digest, self.generator]
+
+    @functools.cached_property
+    def _digest(self) -> str | None:
+        """The edges in a few letters: lists of millions are addressed for each trial."""
+        return None if self.edges is None else hashlib.sha256(repr(self.edges).encode()).hexdigest()
 
     def check(self, robots: int) -> None:
         """Raise ValueError where the topology does not fit a swarm of this size."""

@@ -14,12 +14,12 @@ from pathlib import Path
 
 import xarray as xr
 
-from swarmcensus import claims, page, report, results
-from swarmcensus.errors import InputError, Interrupted
+from swarmcensus import claims, page, report
+from swarmcensus.errors import InputError
 from swarmcensus.evidence import Outcome
 from swarmcensus.files import check_writable, whole
 from swarmcensus.paper_figures import FIGURES, PaperFigure
-from swarmcensus.running import Progress, plan, run
+from swarmcensus.running import Progress, run, work_of
 from swarmcensus.studies import Study
 
 Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]
@@ -73,6 +73,7 @@ def reproduce(
     seed: int | None = None,
     jobs: int | None = None,
     only: str | Iterable[str] | None = None,
+    fresh: bool = False,
     reporting: Reporting | None = None,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
@@ -83,7 +84,7 @@ def reproduce(
     together; `say` gets a line a stage.
 
     Raises InputError for an unknown part and, before anything is run, for a folder that cannot be written. Ctrl-C
-    raises Interrupted; finished studies are then in `out`, and what was done of the next as NAME.partial.nc.
+    raises Interrupted; what was done is then in `out`, and the same call goes on from there, unless `fresh`.
     """
     parts, out = _parts(only), Path(out)
     figures = [figure for figure in FIGURES if figure.name in parts]
@@ -108,7 +109,7 @@ def reproduce(
         say(f"{name}: {seconds[name]:.1f} s")
 
     with stage("simulate"):
-        datasets = _simulate(out, studies, jobs, reporting)
+        datasets = _simulate(out, studies, jobs, fresh, reporting, say)
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
@@ -139,11 +140,16 @@ def _command(out: Path, trials: int | None, seed: int | None, parts: list[str]) 
 
 
 def _simulate(
-    out: Path, studies: Mapping[str, Study], jobs: int | None, reporting: Reporting | None
+    out: Path,
+    studies: Mapping[str, Study],
+    jobs: int | None,
+    fresh: bool,
+    reporting: Reporting | None,
+    say: Callable[[str], None],
 ) -> dict[str, xr.Dataset]:
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
-    work = {name: sum(task.cost for task in plan(study, settings[name])) for name, study in studies.items()}
+    work = {name: work_of(study, settings[name]) for name, study in studies.items()}
     datasets: dict[str, xr.Dataset] = {}
     with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:
 
@@ -154,17 +160,7 @@ def _simulate(
                 progress(Progress(int(before) + now.done, total, work_before + now.work_done, work_total))
 
         for name, study in studies.items():
-            path = data_path(out, name)
-            partial = path.with_suffix(".partial.nc")
-            try:
-                data = run(study, jobs=jobs, progress=show)
-            except Interrupted as stopped:
-                if stopped.done and isinstance(stopped.results, xr.Dataset):
-                    results.save(stopped.results, partial)
-                raise
-            results.save(data, path)
-            partial.unlink(missing_ok=True)
-            datasets[name] = data
+            datasets[name] = run(study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say)
     return datasets
 
 

@@ -1,66 +1,56 @@
 """The dataset's schema: how results are laid out, stored, opened and exported."""
 
+import dataclasses
 import importlib.metadata
 import json
 import platform
 import types
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from swarmcensus import __version__
-from swarmcensus.engine.trials import Batch
+from swarmcensus import __version__, brains
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
+from swarmcensus.values import LOCAL, MISSING, PER_ROBOT, VARIABLES, Values
 
-PER_ROBOT = ("setting", "trial", "robot")
-VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
-    "convergence_round": (PER_ROBOT, np.int32, "rounds", "K, the convergence of the informed estimate"),
-    "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
-    "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
-    "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
-}
-LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
-    "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
-    "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
-}
-MISSING = -1  # for whole numbers; NaN for the others
+Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 FORMAT = "swarmcensus results 1"
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 
 
-def empty(study: Study, settings: list[Setting]) -> xr.Dataset:
-    """A study's dataset before the first trial, all values missing."""
+def dataset(study: Study, settings: list[Setting], values: Values) -> xr.Dataset:
+    """A study's dataset: its numbers as far as they are there, with what they are of and how they came to be."""
     checkpoints = study.checkpoints
-    sizes = {
-        "setting": len(settings),
-        "trial": study.trials,
-        "robot": max(s.robots for s in settings),
-        "checkpoint": len(checkpoints),
-    }
-    data = xr.Dataset(coords={k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints})
-    data["checkpoint"].attrs["units"] = "rounds"
+    robots = values.arrays["final_estimate"].shape[2]
+    sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
+    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
     columns = [s.coordinates for s in settings]
     for key in columns[0]:
-        values = [c[key] for c in columns]
-        text = isinstance(values[0], str)
-        data = data.assign_coords({key: ("setting", np.array(values, dtype=object if text else None))})
-    for name, (dims, kind, units, meaning) in (VARIABLES | (LOCAL if study.measure.local else {})).items():
-        shape = [sizes[d] for d in dims]
-        blank = np.full(shape, MISSING, kind) if np.issubdtype(kind, np.integer) else np.full(shape, np.nan)
-        comment = {"comment": f"{MISSING}: no such robot, or not run"} if blank.dtype.kind == "i" else {}
-        data[name] = (dims, blank, {"units": units, "long_name": meaning, **comment})
+        column = [c[key] for c in columns]
+        coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
+    variables: dict[str, Any] = {}
+    for name, (dims, _, units, meaning) in (VARIABLES | (LOCAL if study.measure.local else {})).items():
+        array = values.arrays[name]
+        comment = {"comment": f"{MISSING}: no such robot, or not run"} if array.dtype.kind == "i" else {}
+        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
+    variables["fingerprint"] = (
+        "setting", np.array([s.fingerprint(study.seed) for s in settings], dtype=object),
+        {"long_name": "the address of all that a setting's numbers depend on"},
+    )  # fmt: skip
     for topology in study.world.topology:
         if topology.source:
-            data = data.assign({f"edges_{topology.name}": (
+            variables[f"edges_{topology.name}"] = (
                 (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
                 {"long_name": "undirected edges", "source": topology.source},
-            )})  # fmt: skip
-    data.attrs = provenance(study)
+            )  # fmt: skip
+    data = xr.Dataset(variables, coordinates, provenance(study))
+    data["checkpoint"].attrs["units"] = "rounds"
     return data
 
 
@@ -79,22 +69,17 @@ def provenance(study: Study) -> dict[str, Any]:
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
         "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),
     }
 
 
-def store(data: xr.Dataset, number: int, first: int, batch: Batch, local: bool) -> None:
-    """Put a batch in its place: setting `number`, trials from `first`."""
-    trials, robots = batch.final.shape
-    place = (number, slice(first, first + trials), slice(robots))
-    if local:
-        data["local_convergence_step"].values[place] = batch.convergence
-        data["local_convergence_error"].values[place] = batch.error
-        return
-    data["convergence_round"].values[place] = batch.convergence
-    data["convergence_error"].values[place] = batch.error
-    data["final_estimate"].values[place] = batch.final
-    data["correct"].values[number, :, place[1]] = batch.correct
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or "unknown"
 
 
 def save(data: xr.Dataset, path: str | Path) -> None:
@@ -118,46 +103,62 @@ def load(path: str | Path) -> xr.Dataset:
             f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
             f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
         ) from error
-    if data.attrs.get("format") != FORMAT or not set(VARIABLES) <= set(data.data_vars):
+    if data.attrs.get("format") != FORMAT or not {*VARIABLES, "fingerprint"} <= set(data.data_vars):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
     return data
 
 
-def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
-    """The study that a dataset holds, as it was run.
+def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study, Setting]:
+    """The setting of this number in a dataset, and the study that it is of: see `studies_of`. Raises InputError."""
+    if number not in data["setting"].values:
+        known = data["setting"].values
+        raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
+    mark = str(data["fingerprint"].sel(setting=number).values)
+    for study in studies_of(data, brain):
+        settings = study.settings()
+        # its place in the grid, but for merged studies
+        order = [settings[number], *settings] if 0 <= number < len(settings) else settings
+        for setting in order:
+            if setting.fingerprint(study.seed) == mark:
+                must_be_read(setting.brain)
+                return study, setting
+    raise InputError(f"setting {number}: it is not of the study that these results name")
 
-    A brain that is not shipped is given as a file, and must have the source that the results were made with; a
-    file named in results is not run unasked. Others of the study's brains stay unread: see `must_be_read`.
+
+def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
+    """The studies that a dataset holds, as they were run: one, but for merged results.
+
+    Brains that are not shipped are given as files, and must have the sources that the results were made with; a
+    file named in results is not run unasked. Others of the studies' brains stay unread: see `must_be_read`.
     Raises InputError.
     """
-    from swarmcensus import brains
-
     try:
         sources = {
             str(n): {"sha256": s["sha256"], "source": s["source"]} for n, s in json.loads(data.attrs["brains"]).items()
         }
-        text = str(data.attrs["study"])
+        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
+        texts = texts or [str(data.attrs["study"])]
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise InputError(
             f"these results do not say how they were made (attributes study and brains): {error!r}"
         ) from None
-    known = {}
-    if brain is not None:
-        given = brains.load(brain)
+    known: dict[str, brains.Brain] = {}
+    for path in [brain] if isinstance(brain, str | Path) else brain or ():
+        given = brains.load(path)
         names = [n for n, s in sources.items() if s["sha256"] == given.sha256]
         if not names:
-            raise InputError(f"brain {brain}: not the source that these results were made with ({', '.join(sources)})")
-        known = {n: replace_name(given, n) for n in names}
+            raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
+        known |= {n: dataclasses.replace(given, name=n) for n in names}
     for name, source in sources.items():
         if name not in known and name not in brains.shipped():
             known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     context = {"edges": edges, "brains": known}
-    study = Study.parse(text, where="the study in these results", context=context)
-    for used in study.swarm.brain:
+    studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
+    for used in (brain for study in studies for brain in study.swarm.brain):
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
-    return study
+    return studies
 
 
 def must_be_read(brain: Any) -> None:
@@ -167,13 +168,6 @@ def must_be_read(brain: Any) -> None:
             f"the brain {brain.name!r} is a file, and a file named in results is not run unasked: "
             "give it yourself (--brain FILE, or brain=...)"
         )
-
-
-def replace_name(brain: Any, name: str) -> Any:
-    """The same brain under the name that a study knows it by."""
-    import dataclasses
-
-    return dataclasses.replace(brain, name=name)
 
 
 def to_frame(data: xr.Dataset) -> Any:

@@ -1,44 +1,33 @@
-"""Runs a study: settings become tasks of a fair size, threads run them, Ctrl-C keeps what is done."""
+"""Runs a study: its work goes out in bundles to threads or to a cluster, and what is finished is never lost."""
 
 import contextlib
-import itertools
+import json
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from swarmcensus import results
 from swarmcensus.engine import compiler
-from swarmcensus.engine.rides import run_ride
-from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds, walk_seconds
+from swarmcensus.engine.trials import seconds
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.networks import Topology
+from swarmcensus.resuming import Holding, hold
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
+from swarmcensus.tasks import Bundle, Failure, Outcome, Task, bundled, metrics_of, plan, run_bundle
+from swarmcensus.values import Values, columns
 
-TASK_SECONDS = 0.1  # long against the cost of starting a task, short against a person's patience
+BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
 WAIT_SECONDS = 0.1
-RIDERS_BYTES = 256_000_000  # of curves that the minds on one walk may fill
-
-
-@dataclass(frozen=True)
-class Task:
-    """Some trials of one setting, or of several at once.
-
-    A local task serves every setting whose robots see the same; a ride is one trial of settings that share
-    its walk.
-    """
-
-    kind: Literal["batch", "local", "ride"]
-    settings: tuple[int, ...]
-    first: int
-    trials: int
-    cost: float
 
 
 @dataclass(frozen=True)
@@ -52,147 +41,321 @@ class Progress:
     note: str = ""  # what is going on where it is not trials
 
 
-def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], None] | None = None) -> xr.Dataset:
+class Pool(Protocol):
+    """Where bundles are run: threads here, or the workers of a cluster."""
+
+    @property
+    def width(self) -> int:
+        """How many bundles it should have at hand."""
+
+    def bundle_seconds(self, work: float) -> float:
+        """How long a bundle should be, of so many seconds of work."""
+
+    def submit(self, bundle: Bundle) -> Future[Outcome]:
+        """Have a bundle run."""
+
+    def halt(self) -> None:
+        """Have what runs end soon, with what it has."""
+
+    def explain(self, error: BaseException) -> str | None:
+        """Why a bundle was lost though the study goes on; None where it cannot."""
+
+
+class Threads:
+    """Threads of this process: the engine holds no lock while it computes."""
+
+    def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
+        """Take the executor's threads."""
+        self.executor, self.width = executor, 4 * jobs
+        self.stop = np.zeros(1, np.uint8)
+        self.common = settings, study.seed
+        self.metrics = metrics_of(study)
+
+    def submit(self, bundle: Bundle) -> Future[Outcome]:
+        """Have a bundle run by the next thread that is free."""
+        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop)
+
+    def halt(self) -> None:
+        """Tell the engine to stop within a round."""
+        self.stop[0] = 1
+
+    def bundle_seconds(self, work: float) -> float:
+        """How long a bundle should be."""
+        return BUNDLE_SECONDS
+
+    def explain(self, error: BaseException) -> str | None:
+        """Nothing is lost here but by a fault of swarmcensus."""
+        return None
+
+
+@dataclass
+class State:
+    """What a run has so far."""
+
+    study: Study
+    settings: list[Setting]
+    values: Values
+    report: Callable[[Progress], None]
+    holding: Holding | None
+    widths: NDArray[np.float64]  # half the interval that a rule looks at, of each setting
+    share: slice  # which trials are to be run
+    failures: list[Failure] = field(default_factory=list)
+    done: int = 0
+    total: int = 0
+    work_done: float = 0.0
+    work_total: float = 0.0
+
+    def show(self, note: str = "") -> None:
+        """Report how far the run is."""
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note))
+
+
+def run(
+    study: Study,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    *,
+    out: str | Path | None = None,
+    fresh: bool = False,
+    cluster: str | None = None,
+    share: tuple[int, int] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
     `jobs` threads, by default one a core; the numbers do not depend on it. `progress` is called from this
-    thread about ten times a second. Ctrl-C raises Interrupted, which carries the dataset of what was done.
+    thread about ten times a second. With `out`, the dataset is written there, finished work is kept beside it as
+    the run goes on, and what is there already is not run again, unless `fresh`; `say` gets a line on it.
+    `cluster` is a Dask scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only
+    the k-th of n parts of the trials is run, k from 1: for machines that share nothing, and `merge` afterwards.
+
+    A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
+    which carries the dataset of what was done. Raises InputError where nothing could be run.
     """
     jobs = jobs or os.cpu_count() or 1
     if jobs < 1:
         raise InputError(f"jobs = {jobs}: at least one thread is needed")
+    if share is not None and (not 1 <= share[0] <= share[1] <= study.trials or study.until):
+        raise InputError(
+            f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
+            f"({study.trials}), which a rule does not know beforehand"
+        )
     settings = study.settings()
-    tasks = list(plan(study, settings))
-    report = progress or (lambda _: None)
-    total = study.trials * len(settings)
-    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
-    for setting in _smallest(settings):  # here, so that threads do not wait for one another
-        if not compiler.is_compiled(setting.brain):
-            report(Progress(0, total, 0.0, 1.0, f"compiling {setting.brain.name}, once on this machine"))
-        with contextlib.suppress(InputError):  # a brain that fails is named by the real run
-            _run_once(setting, metrics)
-    begun, cpu = time.monotonic(), time.process_time()
-    data = results.empty(study, settings)
-    done, interrupted = _work(study, settings, tasks, metrics, jobs, data, report)
-    data.attrs |= {
-        "trials_done": done,
-        "trials_total": total,
-        "wall_seconds": round(time.monotonic() - begun, 3),
-        "cpu_seconds": round(time.process_time() - cpu, 3),
-    }
+    first = next(study.stages())
+    state = State(
+        study, settings, Values(settings, first, len(study.checkpoints), study.measure.local),
+        progress or (lambda _: None), None, np.full(len(settings), np.nan),
+        slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
+    )  # fmt: skip
+    with contextlib.ExitStack() as stack:
+        if out is not None:
+            state.holding = stack.enter_context(hold(Path(out), study, settings, fresh, say or (lambda _: None)))
+            state.holding.fill(state.values)
+        begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
+        pool = stack.enter_context(_pool(state, jobs, cluster))
+        interrupted = _run_stages(state, pool)
+        data = results.dataset(study, settings, state.values)
+        before = state.holding.seconds if state.holding else (0.0, 0.0)
+        data.attrs |= {
+            "trials_done": int(state.values.done().sum()),
+            "trials_total": study.trials * len(settings),
+            "started": started,
+            "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+            "wall_seconds": round(before[0] + time.monotonic() - begun, 3),
+            "cpu_seconds": round(before[1] + time.process_time() - cpu, 3),
+        }
+        if study.until is not None:
+            data["half_width"] = (
+                "setting",
+                state.widths,
+                {"long_name": f"what the rule looks at: {study.until.until}"},
+            )
+        if state.failures:
+            _tell(state, data)
+        if state.holding is not None:
+            state.holding.finish(data)
     if interrupted:
-        raise Interrupted(data, done, total)
+        raise Interrupted(data, data.attrs["trials_done"], data.attrs["trials_total"])
     return data
 
 
-def _smallest(settings: list[Setting]) -> list[Setting]:
+def recompute(
+    study: Study,
+    settings: list[Setting],
+    wanted: NDArray[np.bool_],
+    local: bool,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Values:
+    """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
+    jobs = jobs or os.cpu_count() or 1
+    values = Values(settings, wanted.shape[1], len(study.checkpoints), local)
+    state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
+    tasks = list(plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS))
+    state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
+    with _pool(state, jobs, None) as pool:
+        if _work(state, bundled(tasks, BUNDLE_SECONDS), pool):
+            raise KeyboardInterrupt
+    return values
+
+
+def _tell(state: State, data: xr.Dataset) -> None:
+    """Say which trials failed; raise InputError where all did."""
+    state.failures.sort(key=lambda f: (f.setting, f.trial))
+    data.attrs["failed"] = json.dumps([vars(f) for f in state.failures])
+    first = state.failures[0].why
+    if not data.attrs["trials_done"]:
+        raise InputError(first)
+    numbers = {f.setting for f in state.failures}
+    warnings.warn(
+        f"{len(state.failures)} trials of {len(numbers)} settings failed; the others are kept. The first: "
+        f"setting {state.failures[0].setting}: {first}",
+        stacklevel=3,
+    )
+
+
+@contextlib.contextmanager
+def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[Pool]:
+    if cluster is not None:
+        from swarmcensus.clusters import workers
+
+        if cluster.startswith("local:"):
+            _compile(state)
+        with workers(cluster, state.study, state.show) as pool:
+            yield pool
+        return
+    if not _everything_found(state):
+        _compile(state)
+    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
+        threads = Threads(executor, jobs, state.study, state.settings)
+        try:
+            yield threads
+        finally:
+            threads.halt()
+
+
+def work_of(study: Study, settings: list[Setting]) -> float:
+    """The predicted seconds of a study on one core."""
+    every = np.ones((len(settings), study.trials), np.bool_)
+    return sum(task.cost for task in plan(settings, every, every if study.measure.local else None, BUNDLE_SECONDS))
+
+
+def _everything_found(state: State) -> bool:
+    return state.study.until is None and bool(state.values.done().all())
+
+
+def _compile(state: State) -> None:
+    """Compile what all need here, so that threads do not wait for one another."""
+    for setting in smallest(state.settings):
+        if not compiler.is_compiled(setting.brain):
+            state.show(f"compiling {setting.brain.name}, once on this machine")
+        task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
+        # a brain that fails is named by the real run
+        run_bundle([setting], 0, (task,), metrics_of(state.study), np.zeros(1, np.uint8))
+
+
+def smallest(settings: list[Setting]) -> list[Setting]:
     """One tiny setting for each brain and kind of world: to run it compiles all that the others need."""
     found = {}
     for setting in settings:
-        tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
-        if setting.body is not None:
-            tiny = replace(tiny, topology=setting.topology, density=1.0)
-        found[setting.brain.name, setting.body is None] = tiny
+        key = setting.brain.name, setting.body is None
+        if key not in found:
+            tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
+            if setting.body is not None:
+                tiny = replace(tiny, topology=setting.topology, density=1.0)
+            found[key] = tiny
     return list(found.values())
 
 
-def _run_once(setting: Setting, metrics: Metrics) -> None:
-    go = np.zeros(1, np.uint8)
-    if setting.body is None:
-        run_batch(setting, 0, 0, 1, metrics, go)
+def _run_stages(state: State, pool: Pool) -> bool:
+    """Run all trials, of a rule in stages; whether Ctrl-C ended it."""
+    open_ = np.ones(len(state.settings), np.bool_)
+    for trials in state.study.stages():
+        state.values.grow(trials)
+        mine = open_[:, np.newaxis] & np.isin(np.arange(trials), np.arange(trials)[state.share])
+        lacking = mine & ~state.values.done()[:, :trials]
+        local = None
+        if state.study.measure.local:
+            local = mine & ~state.values.done(local=True)[:, :trials]
+        some = pool.bundle_seconds(
+            sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
+        )
+        tasks = list(plan(state.settings, lacking, local, some))
+        state.done, state.total = int((mine & ~lacking).sum()), int(mine.sum())
+        state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
+        if state.holding:
+            state.holding.announce(state.done, state.total, state.work_total)
+        if tasks and _work(state, bundled(tasks, some), pool):
+            return True
+        if state.study.until is not None:
+            open_[[f.setting for f in state.failures]] = False
+            for number in np.flatnonzero(open_):
+                state.widths[number] = half_width(state.study, state.values, int(number), trials)
+                open_[number] = not state.study.until.holds(state.widths[number])
+        if not open_.any():
+            break
+    return False
+
+
+def half_width(study: Study, values: Values, number: int, trials: int) -> float:
+    """Half the interval that a study's rule looks at, of the first so many trials of a setting."""
+    assert study.until is not None
+    array = values.arrays[study.until.variable][number]
+    if study.until.checkpoint is not None:
+        array = array[study.checkpoints.index(study.until.checkpoint), :, np.newaxis]
     else:
-        run_ride([setting], 0, 0, metrics, go)
+        array = array[:, : values.robots[number]]
+    return study.until.half_width(array[:trials].astype(np.float64))
 
 
-def plan(study: Study, settings: list[Setting]) -> Iterator[Task]:
-    """The tasks of a study, in the order of its settings."""
-    for number, setting in enumerate(settings):
-        if setting.body is None:
-            yield from _split("batch", (number,), setting, study.trials)
-    if study.measure.local:
-        for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0)):
-            yield from _split("local", numbers, settings[numbers[0]], study.trials)
-    for numbers in _alike(settings, lambda s: s.walk_group if s.body else None):
-        if settings[numbers[0]].body is not None:
-            yield from _rides(numbers, settings, study.trials)
+def _work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
+    """Run bundles to their end; whether Ctrl-C came before."""
+    waiting: dict[Future[Outcome], Bundle] = {}
+    try:
+        while True:
+            while len(waiting) < pool.width and (bundle := next(rest, None)) is not None:
+                waiting[pool.submit(bundle)] = bundle
+            if not waiting:
+                break
+            state.show()
+            finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
+            for future in finished:
+                _keep(state, pool, future, waiting.pop(future))
+    except KeyboardInterrupt:
+        pool.halt()
+        for future in waiting:
+            future.cancel()
+        for future, bundle in waiting.items():
+            if not future.cancelled():
+                _keep(state, pool, future, bundle)
+        return True
+    finally:
+        for future in waiting:
+            future.cancel()
+    state.show()
+    return False
 
 
-def _rides(numbers: tuple[int, ...], settings: list[Setting], trials: int) -> Iterator[Task]:
-    first = settings[numbers[0]]
-    some = max(1, RIDERS_BYTES // (8 * first.robots * first.rounds))
-    for trial, k in itertools.product(range(trials), range(0, len(numbers), some)):
-        riders = numbers[k : k + some]
-        yield Task("ride", riders, trial, 1, walk_seconds(first) + len(riders) * seconds(first))
-
-
-def _alike(settings: list[Setting], content: Callable[[Setting], object]) -> list[tuple[int, ...]]:
-    groups: dict[object, list[int]] = {}
-    for number, setting in enumerate(settings):
-        groups.setdefault(content(setting), []).append(number)
-    return [tuple(numbers) for numbers in groups.values()]
-
-
-def _split(kind: Literal["batch", "local"], numbers: tuple[int, ...], setting: Setting, trials: int) -> Iterator[Task]:
-    cost = seconds(setting, kind == "local")
-    size = max(1, min(trials, int(TASK_SECONDS / cost)))
-    for first in range(0, trials, size):
-        count = min(size, trials - first)
-        yield Task(kind, numbers, first, count, cost * count)
-
-
-def _work(
-    study: Study,
-    settings: list[Setting],
-    tasks: list[Task],
-    metrics: Metrics,
-    jobs: int,
-    data: xr.Dataset,
-    progress: Callable[[Progress], None],
-) -> tuple[int, bool]:
-    stop = np.zeros(1, np.uint8)
-    total, work_total = study.trials * len(settings), sum(t.cost for t in tasks)
-    done, work_done, interrupted = 0, 0.0, False
-
-    def job(task: Task) -> list[Batch] | None:
-        chosen = [settings[n] for n in task.settings]
-        if task.kind == "ride":
-            return run_ride(chosen, study.seed, task.first, metrics, stop)
-        batch = run_batch(chosen[0], study.seed, task.first, task.trials, metrics, stop, task.kind == "local")
-        return None if batch is None else [batch] * len(chosen)
-
-    waiting: dict[Future[list[Batch] | None], Task] = {}
-    rest = iter(tasks)
-    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as pool:
-        try:
-            while True:
-                while len(waiting) < 4 * jobs and (task := next(rest, None)) is not None:
-                    waiting[pool.submit(job, task)] = task
-                if not waiting:
-                    break
-                progress(Progress(done, total, work_done, work_total))
-                finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
-                for future in finished:
-                    task = waiting.pop(future)
-                    done += _keep(data, task, future)
-                    work_done += task.cost
-        except KeyboardInterrupt:
-            interrupted = True
-        finally:
-            stop[0] = 1
-            for future in waiting:
-                future.cancel()
-        if interrupted:
-            for future, task in waiting.items():
-                if not future.cancelled():
-                    done += _keep(data, task, future)
-    progress(Progress(done, total, work_done, work_total))
-    return done, interrupted
-
-
-def _keep(data: xr.Dataset, task: Task, future: Future[list[Batch] | None]) -> int:
-    batches = future.result()
-    if batches is None:
-        return 0
-    for number, batch in zip(task.settings, batches, strict=True):
-        results.store(data, number, task.first, batch, task.kind == "local")
-    return 0 if task.kind == "local" else task.trials * len(batches)
+def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
+    try:
+        outcome = future.result()
+    except Exception as error:
+        why = pool.explain(error)
+        if why is None:
+            raise
+        outcome = [
+            Failure(number, task.first + k, why)
+            for task in bundle
+            for number in task.settings
+            for k in range(task.trials)
+        ]
+    pieces = [one for one in outcome if not isinstance(one, Failure)]
+    failures = [one for one in outcome if isinstance(one, Failure)]
+    for piece in pieces:
+        state.values.put(piece.setting, piece.first, columns(piece))
+        state.done += 0 if piece.local else len(piece.batch.final)
+    state.failures += failures
+    cost = sum(task.cost for task in bundle)
+    state.work_done += cost
+    if state.holding:
+        state.holding.parts.add(pieces, cost)

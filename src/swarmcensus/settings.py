@@ -57,6 +57,24 @@ class Setting:
             "observations_per_round": self.observations_per_round,
         }
 
+    def fingerprint(self, seed: int) -> str:
+        """The address of all that a trial's numbers depend on: alike in two studies where their results are."""
+        content = {
+            "brain": self.brain.sha256,
+            "topology": self.topology.content,
+            "robots": self.robots,
+            "accuracy": str(self.accuracy),
+            "assumed": None if self.assumed_accuracy is None else str(self.assumed_accuracy),
+            "fill_ratio": self.fill_ratio,
+            "link_success": self.link_success,
+            "rounds": self.rounds,
+            "observations_per_round": self.observations_per_round,
+            "density": self.density,
+            "body": None if self.body is None else self.body.model_dump(),
+            "faults": [fault.model_dump() for fault in self.faults],
+        }
+        return address(seed, "setting", **content).tobytes().hex()
+
     def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
         """The address of what the robots' sensors say."""
         return address(

@@ -5,7 +5,7 @@ import itertools
 import re
 import tomllib
 import warnings
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Self
 
@@ -15,7 +15,9 @@ from pydantic import (
     BaseModel,
     BeforeValidator,
     ConfigDict,
+    Discriminator,
     Field,
+    Tag,
     ValidationError,
     ValidationInfo,
     model_validator,
@@ -26,6 +28,7 @@ from swarmcensus.bodies import Body, Positive
 from swarmcensus.errors import InputError
 from swarmcensus.faults import Fault
 from swarmcensus.networks import MOVING, Topology, parse_topology
+from swarmcensus.precision import Until
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
 
@@ -81,6 +84,13 @@ AccuracyField = Annotated[Accuracy, BeforeValidator(parse_accuracy)]
 AssumedField = Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]
 
 
+NUMBER, RULE = "(number)", "(rule)"  # how pydantic tells the two forms of `trials` apart
+Trials = Annotated[
+    Annotated[Whole, Tag(NUMBER)] | Annotated[Until, Tag(RULE)],
+    Discriminator(lambda value: RULE if isinstance(value, Mapping | Until) else NUMBER),
+]
+
+
 def _grid(item: Any) -> Any:
     return Annotated[list[item], BeforeValidator(_listed), Field(min_length=1)]
 
@@ -133,7 +143,7 @@ class Tables(_Table):
 
     name: Annotated[str, Field(min_length=1), AfterValidator(_plain_text)] = "study"
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
-    trials: Whole
+    trials: Trials
     swarm: Swarm
     world: World
     schedule: Schedule = Schedule()
@@ -148,6 +158,12 @@ class Tables(_Table):
             names = [v.name for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {key} have one name: {', '.join(names)}")
+        if isinstance(self.trials, Until) and self.trials.checkpoint is not None:
+            known = self.measure.checkpoints
+            if known is not None and self.trials.checkpoint not in known:
+                raise ValueError(f"trials.until = {self.trials.until!r}: {self.trials.checkpoint} is no checkpoint")
+            if self.trials.checkpoint > self.last_round:
+                raise ValueError(f"trials.until = {self.trials.until!r}: that comes after the last round")
         late = [c for c in self.measure.checkpoints or () if c > self.last_round]
         if late:
             raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {self.last_round}")
@@ -203,20 +219,23 @@ class Study:
             checked = Tables.model_validate(tables, context=dict(context))
         except ValidationError as error:
             raise InputError(explain(error, where)) from None
-        self.name, self.seed, self.trials = checked.name, checked.seed, checked.trials
+        self.name, self.seed = checked.name, checked.seed
+        self.until = checked.trials if isinstance(checked.trials, Until) else None
+        self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
         self.swarm, self.world = checked.swarm, checked.world
         self.schedule, self.measure = checked.schedule, checked.measure
         self.faults = checked.faults
         self.text = text if text is not None else to_toml(tables)
         settings = self.settings()
-        values = len(settings) * self.trials * max(s.robots for s in settings)
+        values = len(settings) * self.trials * max(self.swarm.robots)
         if values > MOST_VALUES:
             raise InputError(
                 f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
                 f"{MOST_VALUES:,} is the most: fewer trials, settings or robots"
             )
         if len(set(settings)) < len(settings):
-            twice = next(s for k, s in enumerate(settings) if s in settings[:k])
+            seen: set[Setting] = set()
+            twice = next(s for s in settings if s in seen or seen.add(s))  # type: ignore[func-returns-value]
             raise InputError(f"{where}: a value stands twice in a list, and so does the setting {twice}")
         for accuracy in self.swarm.accuracy:
             if accuracy.is_blind:
@@ -251,22 +270,37 @@ class Study:
         changes = {k: v for k, v in changes.items() if v is not None}
         if not changes:
             return self
-        known = {
+        study = type(self).__new__(type(self))
+        study._fill({**read_toml(self.text, "study"), **changes}, None, "study", self.context)
+        return study
+
+    @property
+    def context(self) -> dict[str, Any]:
+        """What `parse` must know to read the study's text again without its files."""
+        return {
             "brains": {b.name: b for b in self.swarm.brain},
             "edges": {t.source: t.edges for t in self.world.topology if t.source},
         }
-        study = type(self).__new__(type(self))
-        study._fill({**read_toml(self.text, "study"), **changes}, None, "study", known)
-        return study
+
+    def stages(self) -> Iterator[int]:
+        """After how many trials of a setting it is looked at whether there are enough: once, but for a rule."""
+        return self.until.stages() if self.until else iter([self.trials])
 
     @property
     def checkpoints(self) -> list[int]:
         """The rounds at which decisions are recorded: by default 1, 2, 5, 10, 20, 50 ... and the last."""
         if self.measure.checkpoints is not None:
             return sorted(set(self.measure.checkpoints))
-        lengths = {s.rounds for s in self.settings()}
+        lengths = self._lengths
         steps = {m * 10**k for k in range(10) for m in (1, 2, 5)}
-        return sorted({s for s in steps if s < max(lengths)} | lengths)
+        asked = {self.until.checkpoint} if self.until and self.until.checkpoint else set()
+        return sorted({s for s in steps if s < max(lengths)} | lengths | asked)
+
+    @property
+    def _lengths(self) -> set[int]:
+        """How many rounds, or ticks, settings have."""
+        moving = {t.name == MOVING for t in self.world.topology}
+        return {*(self.schedule.rounds if False in moving else ()), *(self.schedule.ticks if True in moving else ())}
 
     def settings(self) -> list[Setting]:
         """Every combination of the study's values: brain, topology, robots and accuracy vary slowest."""
@@ -299,10 +333,11 @@ def read_toml(text: str, where: str) -> dict[str, Any]:
 def explain(error: ValidationError, name: str) -> str:
     """The first thing that is wrong, as a sentence: file, key, value, and what would be right."""
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in first["loc"]).lstrip(".")
+    place = tuple(p for p in first["loc"] if p not in (NUMBER, RULE))
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
-        known = _known_keys(Tables, first["loc"][:-1])
+        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(Tables, place[:-1])
         close = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"

@@ -1,5 +1,7 @@
 """What the terminal shows: results, traces and brains as short tables."""
 
+import json
+import sys
 from typing import Any
 
 import numpy as np
@@ -56,6 +58,18 @@ def summary(data: xr.Dataset) -> None:
         "right: robots in the correct bin after the last round",
         style="dim",
     )
+
+
+def failures(data: xr.Dataset) -> int:
+    """What failed, a line a setting; the exit code: 2 if anything did."""
+    failed = json.loads(data.attrs.get("failed", "[]"))
+    by_setting: dict[int, list[dict[str, Any]]] = {}
+    for one in failed:
+        by_setting.setdefault(one["setting"], []).append(one)
+    for number, several in list(by_setting.items())[:MOST_SETTINGS]:
+        trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
+        print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
+    return 2 if failed else 0
 
 
 def rounds(trace: xr.Dataset) -> None:

@@ -13,8 +13,9 @@ from swarmcensus.engine import compiler, oracle
 from swarmcensus.engine.rides import record_ride
 from swarmcensus.engine.trials import record_readings, record_trial
 from swarmcensus.errors import InputError
-from swarmcensus.results import load, must_be_read, study_of
+from swarmcensus.results import load, setting_of
 from swarmcensus.settings import Setting
+from swarmcensus.studies import Study
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
@@ -117,19 +118,14 @@ def recording(
     return record_readings(found, study.seed, trial), edges
 
 
-def _find(results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None) -> tuple[Any, Setting]:
+def _find(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None
+) -> tuple[Study, Setting]:
     data = results if isinstance(results, xr.Dataset) else load(results)
-    for name, value in (("setting", setting), ("trial", trial)):
-        known = data[name].values
-        if value not in known:
-            raise InputError(f"{name} {value}: these results hold {name} {known.min()} to {known.max()}")
-    study = study_of(data, brain)
-    settings = study.settings()
-    if not 0 <= setting < len(settings):
-        raise InputError(f"setting {setting}: the study in these results has settings 0 to {len(settings) - 1}")
-    found = settings[setting]
-    must_be_read(found.brain)
-    return study, found
+    known = data["trial"].values
+    if trial not in known:
+        raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
+    return setting_of(data, setting, brain)
 
 
 def _trace(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains.Brain) -> xr.Dataset:

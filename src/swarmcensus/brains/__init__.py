@@ -1,6 +1,7 @@
 """The brains that are shipped, and the contract that any brain file keeps."""
 
 import ast
+import functools
 import hashlib
 import keyword
 import math
@@ -40,7 +41,7 @@ class Brain:
     )  # the fields to which `receive` only adds what depends on the message alone
     functions: types.ModuleType = field(compare=False)  # the file itself, run by CPython
 
-    @property
+    @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
         return hashlib.sha256(self.source.encode()).hexdigest()

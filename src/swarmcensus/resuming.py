@@ -1,0 +1,171 @@
+"""What an output holds already: its finished trials are taken over, and none of them is ever lost by a run."""
+
+import contextlib
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus import __version__, results
+from swarmcensus.errors import InputError
+from swarmcensus.files import check_writable
+from swarmcensus.settings import Setting
+from swarmcensus.shards import Identity, Parts, listed
+from swarmcensus.studies import Study
+from swarmcensus.values import LOCAL, VARIABLES, Columns, Values
+
+HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
+
+
+def identity_of(study: Study) -> Identity:
+    """What work of a study must have in common with its other work."""
+    return Identity(study.name, study.seed, __version__, study.measure.delta, study.measure.bins)
+
+
+@dataclass
+class Holding:
+    """An output that is held against other runs, and what is to be taken over from it."""
+
+    out: Path
+    study: Study
+    settings: Sequence[Setting]
+    parts: Parts
+    say: Callable[[str], None]
+    old: xr.Dataset | None  # the output as it was, if it was there
+    seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor, of what is taken over
+    _numbers: dict[str, int] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Know settings by what they are."""
+        self._numbers = {print_: number for number, print_ in enumerate(self.parts.fingerprints)}
+
+    def fill(self, values: Values) -> None:
+        """Put what is there into `values`, and say how much it is. Raises InputError where it does not belong here."""
+        if self.old is not None:
+            self._take_file(values, self.old)
+        before = int(values.done().sum())
+        shards = 0
+        for path, shard in self.parts.found():
+            if shard is None:
+                warnings.warn(f"{path} is damaged: what it held is run again", stacklevel=2)
+                path.unlink()
+                continue
+            shards += 1
+            self.seconds = (
+                self.seconds[0] + shard.about["wall_seconds"],
+                self.seconds[1] + shard.about["cpu_seconds"],
+            )
+            for one in shard.found:
+                place = self._place(one.setting, path)
+                values.grow(_end(one.first, one.columns))
+                values.put(place, one.first, self._at_our_checkpoints(one.columns, shard.about["checkpoints"], path))
+        done = int(values.done().sum())
+        self._check_trials(values.trials)
+        if done:
+            total = "" if self.study.until else f" of {self.study.trials * len(self.settings):,}"
+            where = f"; {done - before:,} of them in {shards} shards of a run that was cut off" if shards else ""
+            self.say(f"{self.out}: found {done:,}{total} trials{where}")
+
+    def announce(self, found: int, total: int, work: float) -> None:
+        """Say for `status` what is going to be run."""
+        self.parts.announce(
+            settings=len(self.settings), found=found, total=total, work=work,
+            rule=self.study.until.until if self.study.until else "",
+            shards=[path.name for path in listed(self.parts.folder)],
+        )  # fmt: skip
+
+    def finish(self, data: xr.Dataset) -> None:
+        """Write the output whole; then the shards are no longer needed."""
+        self.parts.flush()
+        results.save(data, self.out)
+        self.parts.clear()
+
+    def _place(self, fingerprint: str, path: Path) -> int:
+        if fingerprint not in self._numbers:
+            raise InputError(
+                f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
+                f"a brain been changed? {HINT}"
+            )
+        return self._numbers[fingerprint]
+
+    def _check_trials(self, trials: int) -> None:
+        if trials > self.study.trials:
+            raise InputError(
+                f"{self.out} holds {trials} trials a setting, this study asks for {self.study.trials}. {HINT}"
+            )
+
+    def _take_file(self, values: Values, old: xr.Dataset) -> None:
+        about = {
+            "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
+            "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
+        }  # fmt: skip
+        about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
+        self.parts.identity.check(about, str(self.out), HINT)
+        self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
+        rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values], np.intp)
+        trials = old["trial"].values
+        if trials.size == 0:
+            return
+        self._check_trials(int(trials.max()) + 1)
+        values.grow(int(trials.max()) + 1)
+        robots = old.sizes["robot"]
+        for name in (*VARIABLES, *LOCAL):
+            if name in old and name not in values.arrays:
+                raise InputError(f"{self.out} holds {name}, which this study does not ask for. {HINT}")
+            if name not in old or name == "correct":
+                continue
+            if robots > values.arrays[name].shape[2]:
+                raise InputError(f"{self.out} holds swarms of {robots} robots, which are not in this study. {HINT}")
+            values.arrays[name][np.ix_(rows, trials, np.arange(robots))] = old[name].values
+        known = old["checkpoint"].values.tolist()
+        taken = self._at_our_checkpoints({"correct": old["correct"].values.swapaxes(0, 1)}, known, self.out)
+        ours = np.arange(len(taken["correct"]))
+        values.arrays["correct"][np.ix_(rows, ours, trials)] = taken["correct"].swapaxes(0, 1)
+
+    def _at_our_checkpoints(self, taken: Columns, known: Sequence[int], path: Path) -> Columns:
+        """The same with `correct` at this study's checkpoints. Raises InputError where one was not looked at."""
+        ours = self.study.checkpoints
+        if "correct" not in taken or list(known) == ours:
+            return taken
+        longest = max(s.rounds for s in self.settings)
+        lacking = [c for c in ours if c not in known and c <= longest]
+        if lacking:
+            raise InputError(
+                f"{path} has no decisions at round {lacking[0]}, which is a checkpoint of this study. {HINT}"
+            )
+        return taken | {"correct": taken["correct"][[list(known).index(c) for c in ours]]}
+
+
+def _end(first: int, taken: Columns) -> int:
+    name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
+    return first + len(taken[name])
+
+
+@contextlib.contextmanager
+def hold(
+    out: Path, study: Study, settings: Sequence[Setting], fresh: bool, say: Callable[[str], None]
+) -> Iterator[Holding]:
+    """Hold an output as long as the block lasts; where that fails, what was finished stays in its shards.
+
+    Raises InputError where another run holds it, or where it is damaged or of another study; with `fresh`, what is
+    there is left aside.
+    """
+    check_writable(out)
+    with Parts(out, identity_of(study), study.checkpoints, [s.fingerprint(study.seed) for s in settings]) as parts:
+        if fresh:
+            parts.clear()
+        old: xr.Dataset | None = None
+        if out.exists() and not fresh:
+            try:
+                old = results.load(out)
+            except InputError as error:
+                raise InputError(f"{error}. {HINT}") from None
+        try:
+            yield Holding(out, study, settings, parts, say, old)
+        except BaseException:
+            with contextlib.suppress(InputError):
+                parts.flush()
+            raise

@@ -1,0 +1,89 @@
+"""A study's numbers as they come in: which variables there are, and arrays that fill up piece by piece."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.settings import Setting
+from swarmcensus.tasks import Piece
+
+PER_ROBOT = ("setting", "trial", "robot")
+VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+    "convergence_round": (PER_ROBOT, np.int32, "rounds", "K, the convergence of the informed estimate"),
+    "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
+    "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
+    "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
+}
+LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+    "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
+    "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
+}
+MISSING = -1  # for whole numbers; NaN for the others
+
+Columns = dict[str, NDArray[Any]]
+
+
+def columns(piece: Piece) -> Columns:
+    """What came of some trials, by the variables' names; without the dimension `setting`."""
+    batch = piece.batch
+    if piece.local:
+        return {
+            "local_convergence_step": batch.convergence.astype(np.int32),
+            "local_convergence_error": batch.error,
+        }
+    return {
+        "convergence_round": batch.convergence.astype(np.int32),
+        "convergence_error": batch.error,
+        "final_estimate": batch.final,
+        "correct": batch.correct,
+    }
+
+
+def shapes(trials: int, robots: int, checkpoints: int, local: bool) -> dict[str, tuple[int, ...]]:
+    """The shapes of those."""
+    sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
+    return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in (LOCAL if local else VARIABLES).items()}
+
+
+class Values:
+    """Arrays of the dataset's shapes, missing values where nothing has run yet."""
+
+    def __init__(self, settings: Sequence[Setting], trials: int, checkpoints: int, local: bool) -> None:
+        """Make room for so many trials."""
+        self.robots = [s.robots for s in settings]
+        sizes = {"setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": checkpoints}
+        self.arrays: Columns = {}
+        for name, (dims, kind, *_) in (VARIABLES | (LOCAL if local else {})).items():
+            shape = [sizes[d] for d in dims]
+            self.arrays[name] = np.full(shape, MISSING if np.issubdtype(kind, np.integer) else np.nan, kind)
+
+    @property
+    def trials(self) -> int:
+        """For how many trials there is room."""
+        return int(self.arrays["convergence_round"].shape[1])
+
+    def grow(self, trials: int) -> None:
+        """Make room for so many trials, if there is less."""
+        more = trials - self.trials
+        if more <= 0:
+            return
+        for name, array in self.arrays.items():
+            axis = (VARIABLES | LOCAL)[name][0].index("trial")
+            blank = MISSING if array.dtype.kind == "i" else np.nan
+            self.arrays[name] = np.pad(array, [(0, more * (k == axis)) for k in range(3)], constant_values=blank)
+
+    def put(self, setting: int, first: int, taken: Columns) -> None:
+        """Store the numbers of some trials of a setting."""
+        for name, values in taken.items():
+            if name == "correct":
+                self.arrays[name][setting, :, first : first + values.shape[1]] = values
+            else:
+                trials, robots = values.shape
+                self.arrays[name][setting, first : first + trials, :robots] = values
+
+    def done(self, local: bool = False) -> NDArray[np.bool_]:
+        """Which trials have run, (setting, trial)."""
+        name = "local_convergence_step" if local else "convergence_round"
+        return np.asarray(self.arrays[name][:, :, 0] != MISSING)
