@@ -23,6 +23,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
     "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
     "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
+    "true_fill_ratio": (("setting", "trial"), np.float64, "1", "black share of the floor that robots can reach"),
 }
 LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
@@ -60,6 +61,11 @@ def empty(study: Study, settings: list[Setting]) -> xr.Dataset:
                 (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
                 {"long_name": "undirected edges", "source": topology.source},
             )})  # fmt: skip
+    for picture in study.pictures:
+        data = data.assign({f"floor_{picture.name}": (
+            (f"row_{picture.name}", f"column_{picture.name}"), picture.grey,
+            {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source},
+        )})  # fmt: skip
     data.attrs = provenance(study)
     return data
 
@@ -73,6 +79,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "seed": study.seed,
         "delta": study.measure.delta,
         "bins": study.measure.bins,
+        "truth": study.measure.truth,
         "brains": json.dumps(
             {b.name: {"sha256": b.sha256, "source": b.source} for b in study.swarm.brain}, sort_keys=True
         ),
@@ -95,12 +102,14 @@ def store(data: xr.Dataset, number: int, first: int, batch: Batch, local: bool) 
     data["convergence_error"].values[place] = batch.error
     data["final_estimate"].values[place] = batch.final
     data["correct"].values[number, :, place[1]] = batch.correct
+    if batch.true_fill_ratio is not None:
+        data["true_fill_ratio"].values[place[:2]] = batch.true_fill_ratio
 
 
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
-    integers = [n for n, v in data.data_vars.items() if v.dtype.kind == "i" and v.size > 1000]
+    integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
     with whole(path) as beside:
         data.to_netcdf(beside, engine="h5netcdf", encoding=dict.fromkeys(integers, packed))
 
@@ -152,7 +161,8 @@ def study_of(data: xr.Dataset, brain: str | Path | None = None) -> Study:
         if name not in known and name not in brains.shipped():
             known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
-    context = {"edges": edges, "brains": known}
+    images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
+    context = {"edges": edges, "brains": known, "images": images}
     study = Study.parse(text, where="the study in these results", context=context)
     for used in study.swarm.brain:
         if used.sha256 != sources.get(used.name, {}).get("sha256"):

@@ -65,7 +65,7 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
     tasks = list(plan(study, settings))
     report = progress or (lambda _: None)
     total = study.trials * len(settings)
-    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
+    metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints), study.measure.truth == "floor")
     for setting in _smallest(settings):  # here, so that threads do not wait for one another
         if not compiler.is_compiled(setting.brain):
             report(Progress(0, total, 0.0, 1.0, f"compiling {setting.brain.name}, once on this machine"))
@@ -86,13 +86,13 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
 
 
 def _smallest(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each brain and kind of world: to run it compiles all that the others need."""
+    """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
     found = {}
     for setting in settings:
         tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
         if setting.body is not None:
             tiny = replace(tiny, topology=setting.topology, density=1.0)
-        found[setting.brain.name, setting.body is None] = tiny
+        found[setting.brain.name, setting.body is None, setting.floor and setting.floor.kind] = tiny
     return list(found.values())
 
 
