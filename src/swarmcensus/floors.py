@@ -7,6 +7,7 @@ sensor stands, and nothing is stored of them.
 import functools
 import math
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,8 @@ KERNEL = 3.0  # standard deviations, where the smoothing kernel is cut off
 SHADES = 512  # a dithered tile is black, and white, with odds of no less than one to so many at its mean
 
 Tiles = NDArray[np.int32]  # (tick, robot, 2): column and row, counted from the arena's centre
-Score = Callable[[Tiles], NDArray[np.float64]]
+Scores = NDArray[np.floating[Any]]
+Score = Callable[[Tiles], Scores]
 
 
 class Ground:
@@ -66,13 +68,12 @@ def side_of(setting: Setting) -> float:
 def reachable(half: float, radius: float, arm: float, tile: float, most: int = MOST_COUNTED) -> Tiles:
     """Return the tiles (1, tile, 2) whose centre a ground sensor can stand over; lengths in metres.
 
-    A robot's centre keeps `radius` from the walls at +-`half`, and its sensor is `arm` from the centre. Where these
-    are more than `most` tiles, every k-th of every k-th row, with the least k that will do.
+    A robot's centre keeps `radius` from the walls at +-`half`, and its sensor is `arm` from the centre. Where the
+    arena has more than `most` tiles, every k-th of every k-th row, with the least k that will do.
     """
     inner = half - radius
-    reach = min(inner + arm, half)
-    step = max(1, math.ceil(2.0 * reach / tile / math.sqrt(most)))
     last = math.ceil(half / tile)
+    step = math.ceil(2 * last / math.isqrt(most))
     place = np.arange(-last + step // 2, last, step, dtype=np.int32)
     centre = np.abs(place + 0.5) * tile
     beyond = np.maximum(centre - inner, 0.0)
@@ -82,8 +83,8 @@ def reachable(half: float, radius: float, arm: float, tile: float, most: int = M
     return np.stack([place[column], place[row]], axis=1)[np.newaxis]
 
 
-def quantile(scores: NDArray[np.float64], share: float) -> float:
-    """Return what a `share` of the scores is below, to one of them."""
+def quantile(scores: Scores, share: float) -> float:
+    """Return what a `share` of the scores lies below, to the nearest one."""
     below = round(share * scores.size)
     if below in (0, scores.size):
         return math.inf if below else -math.inf
@@ -109,7 +110,7 @@ def kernel(length: float, tile: float) -> NDArray[np.float64]:
 
     Independent N(0, 1) smoothed by a Gaussian of standard deviation s are correlated by exp(-d^2 / (4 s^2)) at a
     distance d, so s is half the correlation length, where that is 1/e. Nodes are at most s apart, a whole number of
-    tiles: then the field is the same everywhere to 10^-4. A tile lies `offset` tiles after the node of the tap in
+    tiles: then the field is the same everywhere to 10^-4. The kernel's cut-off takes up to 0.007 off that. A tile lies `offset` tiles after the node of the tap in
     the middle.
     """
     sd = length / 2.0 / tile
@@ -129,7 +130,7 @@ def _clusters(floor: Floor, tile: float, side: float, key: np.ndarray, trial: in
     nodes = np.empty((size, size))
     module.fill_nodes(key, trial, first, nodes)
 
-    def score(tiles: Tiles) -> NDArray[np.float64]:
+    def score(tiles: Tiles) -> Scores:
         out = np.empty(tiles.shape[:2])
         module.field(tiles, key, trial, first, nodes, weights, out)
         return out
@@ -141,10 +142,10 @@ def _stripes(floor: Floor, tile: float, side: float, key: np.ndarray, trial: int
     which, phase = lots(key, trial)
     axis = int(which < 0.5)
 
-    def score(tiles: Tiles) -> NDArray[np.float64]:
+    def score(tiles: Tiles) -> Scores:
         # somewhere in the tile: where a stripe ends within it, it is black with the share that is covered
         place = (tiles[..., axis] + noise(tiles, key, trial)) * (tile / floor.length) + phase
-        within: NDArray[np.float64] = np.minimum(place - np.floor(place), 1.0 - 2.0**-53)
+        within: Scores = np.minimum(place - np.floor(place), 1.0 - 2.0**-53)
         return within
 
     return score
@@ -154,9 +155,9 @@ def _half(floor: Floor, tile: float, side: float, key: np.ndarray, trial: int) -
     which = int(4.0 * lots(key, trial)[0])
     axis, sign = which % 2, 1.0 if which < 2 else -1.0
 
-    def score(tiles: Tiles) -> NDArray[np.float64]:
+    def score(tiles: Tiles) -> Scores:
         # line by line, so that the cut may fall anywhere
-        order: NDArray[np.float64] = sign * 2.0**31 * tiles[..., axis] + tiles[..., 1 - axis]
+        order: Scores = sign * 2.0**31 * tiles[..., axis] + tiles[..., 1 - axis]
         return order
 
     return score
@@ -169,13 +170,13 @@ def _image(floor: Floor, tile: float, side: float, key: np.ndarray, trial: int) 
     darkness = np.clip(1.0 - np.arange(65536) / 65535.0, 1.0 / (SHADES + 1), SHADES / (SHADES + 1))
     against = (1.0 - darkness) / darkness
 
-    def score(tiles: Tiles) -> NDArray[np.float64]:
+    def score(tiles: Tiles) -> Scores:
         across, up = (((tiles[..., axis] + 0.5) * (tile / side) + 0.5) for axis in (0, 1))
         column = np.clip(np.floor(across * columns).astype(np.int64), 0, columns - 1)
         row = np.clip(np.floor((1.0 - up) * rows).astype(np.int64), 0, rows - 1)
         level, u = grey[row, column], noise(tiles, key, trial)
         # dithered: below the cut with odds of cut * darkness / (1 - darkness)
-        rank: NDArray[np.float64] = level + u if floor.mode == "threshold" else against[level] * u / (1.0 - u)
+        rank: Scores = level + u if floor.mode == "threshold" else against[level] * u / (1.0 - u)
         return rank
 
     return score

@@ -67,7 +67,7 @@ def run(study: Study, jobs: int | None = None, progress: Callable[[Progress], No
     total = study.trials * len(settings)
     metrics = Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints), study.measure.truth == "floor")
     for setting in _smallest(settings):  # here, so that threads do not wait for one another
-        if not compiler.is_compiled(setting.brain):
+        if not compiler.is_compiled(setting.brain, "ride" if setting.body else "simulate"):
             report(Progress(0, total, 0.0, 1.0, f"compiling {setting.brain.name}, once on this machine"))
         with contextlib.suppress(InputError):  # a brain that fails is named by the real run
             _run_once(setting, metrics)
