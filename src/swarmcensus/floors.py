@@ -20,7 +20,7 @@ from swarmcensus.settings import Setting
 MOST_COUNTED = 10_000_000  # tiles; of more, a regular grid of as many stands for all
 MOST_NODES = 1 << 22  # of a lattice that are kept: 32 MB
 BLOCK = 1 << 20  # tiles that are scored at a time
-KERNEL = 3.0  # standard deviations, where the smoothing kernel is cut off
+KERNEL = 3.5  # standard deviations, where the smoothing kernel is cut off
 SHADES = 512  # a dithered tile is black, and white, with odds of no less than one to so many at its mean
 
 Tiles = NDArray[np.int32]  # (tick, robot, 2): column and row, counted from the arena's centre
@@ -110,8 +110,8 @@ def kernel(length: float, tile: float) -> NDArray[np.float64]:
 
     Independent N(0, 1) smoothed by a Gaussian of standard deviation s are correlated by exp(-d^2 / (4 s^2)) at a
     distance d, so s is half the correlation length, where that is 1/e. Nodes are at most s apart, a whole number of
-    tiles: then the field is the same everywhere to 10^-4. The kernel's cut-off takes up to 0.007 off that. A tile lies `offset` tiles after the node of the tap in
-    the middle.
+    tiles: then the correlation is this, from every tile, to 0.001. A tile lies `offset` tiles after the node of the
+    last tap but half of them.
     """
     sd = length / 2.0 / tile
     apart = max(1, math.floor(sd + 1e-9))
