@@ -67,18 +67,18 @@ def run_ride(
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
     riders = [Rider(setting, seed, trial) for setting in settings]
-    floor_of = [setting.floor_key(seed).tobytes() for setting in settings]
-    grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(floor_of, settings, strict=True)).items()}
+    keys = [setting.floor_key(seed).tobytes() for setting in settings]
+    grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
     for chunk in walk_of(settings[0], seed, trial, stop):
         black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
-        for rider, key in zip(riders, floor_of, strict=True):
+        for rider, key in zip(riders, keys, strict=True):
             try:
                 rider.ride(chunk, black[key], stop)
             except Exception as error:
                 raise blame(rider.setting, trial, 1, error) from error
     if stop[0]:
         return None
-    return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, floor_of, strict=True)]
+    return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
 
 
 def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bool = False) -> Iterator[Chunk]:
