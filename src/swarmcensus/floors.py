@@ -18,7 +18,8 @@ from swarmcensus.patterns import Floor
 from swarmcensus.settings import Setting
 
 MOST_COUNTED = 10_000_000  # tiles; of more, a regular grid of as many stands for all
-MOST_NODES = 1 << 22  # of a lattice that are kept: 32 MB
+SOME_COUNTED = 1_000_000  # the same of clusters whose lattice is too large to be kept: each tile is costly
+MOST_NODES = 1 << 24  # of a lattice that are kept: 128 MB
 BLOCK = 1 << 20  # tiles that are scored at a time
 KERNEL = 3.5  # standard deviations, where the smoothing kernel is cut off
 SHADES = 512  # a dithered tile is black, and white, with odds of no less than one to so many at its mean
@@ -35,11 +36,13 @@ class Ground:
         """Take a setting of robots that move; see where the floor's cut lies, and count."""
         assert setting.body is not None
         self.key, self.trial, self.fill_ratio = setting.floor_key(seed), trial, setting.fill_ratio
-        floor, side = setting.floor or Floor(), side_of(setting)
-        reached = reachable(side / 2.0, setting.body.radius, math.hypot(*setting.body.sensor), setting.body.tile)
+        floor, side, tile = setting.floor or Floor(), side_of(setting), setting.body.tile
+        costly = floor.kind == "clusters" and not lattice(floor.length, tile, side)[1]
+        most = SOME_COUNTED if costly else MOST_COUNTED
+        reached = reachable(side / 2.0, setting.body.radius, math.hypot(*setting.body.sensor), tile, most)
         self.score: Score | None = None
         if floor.kind != "tiles":
-            self.score = SCORES[floor.kind](floor, setting.body.tile, side, self.key, trial)
+            self.score = SCORES[floor.kind](floor, tile, side, self.key, trial)
             blocks = np.array_split(reached, -(-reached.shape[1] // BLOCK), axis=1)
             scores = np.concatenate([self.score(block)[0] for block in blocks])
             self.cut = self.fill_ratio if floor.kind == "stripes" else quantile(scores, self.fill_ratio)
@@ -122,11 +125,16 @@ def kernel(length: float, tile: float) -> NDArray[np.float64]:
     return normal
 
 
+def lattice(length: float, tile: float, side: float) -> tuple[int, int]:
+    """Return the first node, in both directions, that tiles of the arena need, and how many in a row; 0: too many."""
+    apart, taps = kernel(length, tile).shape
+    first = -tiles_across(side, tile) // 2 // apart - taps
+    return first, -2 * first if 4 * first**2 <= MOST_NODES else 0
+
+
 def _clusters(floor: Floor, tile: float, side: float, key: np.ndarray, trial: int) -> Score:
     module, weights = compile_world("scores"), kernel(floor.length, tile)
-    apart, taps = weights.shape
-    first = -tiles_across(side, tile) // 2 // apart - taps
-    size = 2 * -first if 4 * first**2 <= MOST_NODES else 0
+    first, size = lattice(floor.length, tile, side)
     nodes = np.empty((size, size))
     module.fill_nodes(key, trial, first, nodes)
 
