@@ -15,8 +15,9 @@ from rich.table import Table
 from swarmcensus import Study, arena, run
 from swarmcensus.bodies import Body
 from swarmcensus.engine.random import address
-from swarmcensus.engine.rides import Rider, colours_under
+from swarmcensus.engine.rides import Rider
 from swarmcensus.engine.walking import walk
+from swarmcensus.floors import Ground
 from swarmcensus.paper import studies_folder
 
 PHYSICS = {1: 394_000, 10: 630_000}  # ns per robot and tick
@@ -52,7 +53,8 @@ def mind_cost(density, ticks, repeats=5):
         schedule={"ticks": ticks},
     )
     (setting,) = study.settings()
-    chunks = [(c, colours_under(setting, 0, 0, c)) for c in walked(25, density, ticks)]
+    ground = Ground(setting, 0, 0)
+    chunks = [(c, ground.colours(c.tiles)) for c in walked(25, density, ticks)]
 
     def ride():
         rider = Rider(setting, 0, 0)

@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 from swarmcensus.errors import InputError
 from swarmcensus.floors import floor_of, tiles_across
 from swarmcensus.metrics import right_bin
-from swarmcensus.panels import require
+from swarmcensus.panels import require, truth_of
 from swarmcensus.results import load, setting_of
 from swarmcensus.sheets import SMALL
 from swarmcensus.traces import replay
@@ -135,7 +135,7 @@ class Arena:
         self.half = float(trace.attrs["side"]) / 2.0
         self.radius = float(trace.attrs["radius"])
         self.reach, self.tile = float(trace.attrs["radio_range"]), float(trace.attrs["tile_side"])
-        self.truth = float(trace.attrs["fill_ratio"])
+        self.truth = truth_of(trace)
         self.bins = int(trace.attrs.get("bins", 10))
         self.seconds: float | None = trace.attrs.get("tick_seconds")
 
@@ -234,7 +234,7 @@ class Arena:
         axes.set_yticks(list(ticks), list(ticks.values()), fontsize=SMALL)
         axes.axhline(truth, color="black", linewidth=1.2)
         axes.annotate(
-            f"true f = {self.truth:g}", (1.0, truth), (5, 0), textcoords="offset points", va="center",
+            f"true f = {self.truth:.4g}", (1.0, truth), (5, 0), textcoords="offset points", va="center",
             fontsize=SMALL, fontweight="bold", annotation_clip=False,
         )  # fmt: skip
         axes.set_title("estimated\nfill ratio", loc="left", fontsize=SMALL)

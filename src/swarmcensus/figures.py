@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
 from swarmcensus.metrics import right_bin
-from swarmcensus.panels import Cloud, Panel, Shares, cloud_of, panels_of, require, shares_of, unit_of, varies
+from swarmcensus.panels import Cloud, Panel, Shares, cloud_of, panels_of, require, shares_of, truth_of, unit_of, varies
 from swarmcensus.sheets import (
     SMALL,
     Look,
@@ -272,7 +272,7 @@ def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log")
     (middle,) = ax.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
     entries["median robot" if robots > 1 else "the robot"] = middle
     if "fill_ratio" in trace.attrs:
-        truth, bins = float(trace.attrs["fill_ratio"]), int(trace.attrs.get("bins", 10))
+        truth, bins = truth_of(trace), int(trace.attrs.get("bins", 10))
         bottom, top = np.clip(right_bin(truth, bins), 0, 1)
         right = ax.axhspan(bottom, top, fc="0.92", ec="0.5", lw=0.6, ls=":", zorder=0, label="bin")
         dashed = ax.axhline(truth, color="#d55e00", ls=(0, (4, 2)), lw=1.2, zorder=3, label="truth")

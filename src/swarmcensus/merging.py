@@ -12,7 +12,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.results import load
 from swarmcensus.values import LOCAL, MISSING, VARIABLES
 
-ALIKE = ("seed", "delta", "bins", "swarmcensus_version")  # attributes in which results must agree
+ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 
 
 def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
@@ -112,9 +112,9 @@ def _describe(merged: xr.Dataset, datasets: Sequence[xr.Dataset], names: Sequenc
             if brains.setdefault(brain, source)["sha256"] != source["sha256"]:
                 raise InputError(f"{name} and another of the results name two different brains {brain!r}")
         for key, array in data.data_vars.items():
-            if str(key).startswith("edges_"):
+            if str(key).startswith(("edges_", "floor_")):
                 if key in merged and not array.equals(merged[key]):
-                    raise InputError(f"{name} and another of the results name two different topologies {key!r}")
+                    raise InputError(f"{name} and another of the results have two different {key}")
                 merged[key] = array
         texts += json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
         marks = dict(zip(data["setting"].values.tolist(), data["fingerprint"].values.tolist(), strict=True))

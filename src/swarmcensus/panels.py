@@ -21,6 +21,7 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "robots": "N = {:,.0f}",
     "density": "D = {:g}",
     "fill_ratio": "f = {:g}",
+    "floor": "floor {}",
     "rounds": "C = {:,.0f}",
     "observations_per_round": "R = {:,.0f}",
     "link_success": "link success {:g}",
@@ -40,12 +41,15 @@ class Panel(NamedTuple):
 def panels_of(results: xr.Dataset) -> list[Panel]:
     """Split a study's results into panels, one for each combination of the coordinates but the accuracy.
 
-    Panels come in the order of the settings. Captions name only what varies, as in "ring, N = 100, f = 0.55".
+    Panels come in the order of the settings. Captions name only what varies, as in "ring, N = 100, f = 0.55", and
+    a floor that is not of independent tiles.
 
     Raises InputError if `results` has no settings.
     """
     require(results, "accuracy")
     varying = varies(results, apart_from={"accuracy"})
+    if "floor" not in varying and "floor" in results.coords and set(results["floor"].values) - {"tiles", ""}:
+        varying["floor"] = results["floor"].values.tolist()
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
     panels = []
     for combination in dict.fromkeys(combinations):
@@ -68,10 +72,17 @@ def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
             # Robots that know their sensors assume the true accuracy: that tells no settings apart.
             pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
             values = [None if assumed == true else assumed for assumed, true in pairs]
-        values = [None if value != value else value for value in values]  # NaN, the density of a fixed network
+        # NaN and "", the density and floor of a fixed network
+        values = [None if value != value or value == "" else value for value in values]
         if name not in apart_from and len(set(values)) > 1:
             varying[name] = values
     return varying
+
+
+def truth_of(trace: xr.Dataset) -> float:
+    """Return the fill ratio that a trace's estimates are held against: see `truth` in docs/study-file.md."""
+    on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
+    return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:

@@ -49,6 +49,11 @@ def dataset(study: Study, settings: list[Setting], values: Values) -> xr.Dataset
                 (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
                 {"long_name": "undirected edges", "source": topology.source},
             )  # fmt: skip
+    for picture in study.pictures:
+        variables[f"floor_{picture.name}"] = (
+            (f"row_{picture.name}", f"column_{picture.name}"), picture.grey,
+            {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source},
+        )  # fmt: skip
     data = xr.Dataset(variables, coordinates, provenance(study))
     data["checkpoint"].attrs["units"] = "rounds"
     return data
@@ -63,6 +68,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "seed": study.seed,
         "delta": study.measure.delta,
         "bins": study.measure.bins,
+        "truth": study.measure.truth,
         "brains": json.dumps(
             {b.name: {"sha256": b.sha256, "source": b.source} for b in study.swarm.brain}, sort_keys=True
         ),
@@ -85,7 +91,7 @@ def _processor() -> str:
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
-    integers = [n for n, v in data.data_vars.items() if v.dtype.kind == "i" and v.size > 1000]
+    integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
     with whole(path) as beside:
         data.to_netcdf(beside, engine="h5netcdf", encoding=dict.fromkeys(integers, packed))
 
@@ -153,7 +159,8 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
         if name not in known and name not in brains.shipped():
             known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
-    context = {"edges": edges, "brains": known}
+    images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
+    context = {"edges": edges, "brains": known, "images": images}
     studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     for used in (brain for study in studies for brain in study.swarm.brain):
         if used.sha256 != sources.get(used.name, {}).get("sha256"):

@@ -22,7 +22,8 @@ HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
 
 def identity_of(study: Study) -> Identity:
     """What work of a study must have in common with its other work."""
-    return Identity(study.name, study.seed, __version__, study.measure.delta, study.measure.bins)
+    measure = study.measure
+    return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth)
 
 
 @dataclass
@@ -101,6 +102,7 @@ class Holding:
         about = {
             "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
             "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
+            "truth": old.attrs.get("truth"),
         }  # fmt: skip
         about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
         self.parts.identity.check(about, str(self.out), HINT)
@@ -111,15 +113,14 @@ class Holding:
             return
         self._check_trials(int(trials.max()) + 1)
         values.grow(int(trials.max()) + 1)
-        robots = old.sizes["robot"]
+        if old.sizes["robot"] > max(values.robots):
+            raise InputError(f"{self.out} holds larger swarms than this study. {HINT}")
         for name in (*VARIABLES, *LOCAL):
             if name in old and name not in values.arrays:
                 raise InputError(f"{self.out} holds {name}, which this study does not ask for. {HINT}")
-            if name not in old or name == "correct":
-                continue
-            if robots > values.arrays[name].shape[2]:
-                raise InputError(f"{self.out} holds swarms of {robots} robots, which are not in this study. {HINT}")
-            values.arrays[name][np.ix_(rows, trials, np.arange(robots))] = old[name].values
+            if name in old and name != "correct":
+                robots = [np.arange(n) for n in old[name].shape[2:]]
+                values.arrays[name][np.ix_(rows, trials, *robots)] = old[name].values
         known = old["checkpoint"].values.tolist()
         taken = self._at_our_checkpoints({"correct": old["correct"].values.swapaxes(0, 1)}, known, self.out)
         ours = np.arange(len(taken["correct"]))

@@ -247,7 +247,7 @@ def _everything_found(state: State) -> bool:
 def _compile(state: State) -> None:
     """Compile what all need here, so that threads do not wait for one another."""
     for setting in smallest(state.settings):
-        if not compiler.is_compiled(setting.brain):
+        if not compiler.is_compiled(setting.brain, "ride" if setting.body else "simulate"):
             state.show(f"compiling {setting.brain.name}, once on this machine")
         task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
         # a brain that fails is named by the real run
@@ -255,10 +255,10 @@ def _compile(state: State) -> None:
 
 
 def smallest(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each brain and kind of world: to run it compiles all that the others need."""
+    """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
     found = {}
     for setting in settings:
-        key = setting.brain.name, setting.body is None
+        key = setting.brain.name, setting.body is None, setting.floor and setting.floor.kind
         if key not in found:
             tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
             if setting.body is not None:

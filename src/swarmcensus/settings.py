@@ -13,6 +13,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.engine.random import address
 from swarmcensus.faults import Fault, stops
 from swarmcensus.networks import Links, Topology
+from swarmcensus.patterns import Floor
 from swarmcensus.sensors import Accuracy, Misjudgement
 
 
@@ -32,13 +33,15 @@ class Setting:
     density: float | None = None  # of robots that move
     body: Body | None = None
     faults: tuple[Fault, ...] = ()
+    floor: Floor | None = None  # of robots that move; None: independent tiles
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
         where = f"{self.topology}, N = {self.robots}"
         what = f"accuracy {self.accuracy}, f = {self.fill_ratio}"
         if self.body is not None:
-            return f"{where}, D = {self.density}, {what}, {self.rounds} ticks"
+            floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
+            return f"{where}, D = {self.density}, {what}{floor}, {self.rounds} ticks"
         return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
 
     @property
@@ -52,6 +55,7 @@ class Setting:
             "accuracy": str(self.accuracy),
             "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
             "fill_ratio": self.fill_ratio,
+            "floor": "" if self.body is None else str(self.floor or Floor()),
             "link_success": self.link_success,
             "rounds": self.rounds,
             "observations_per_round": self.observations_per_round,
@@ -72,6 +76,7 @@ class Setting:
             "density": self.density,
             "body": None if self.body is None else self.body.model_dump(),
             "faults": [fault.model_dump() for fault in self.faults],
+            "floor": None if self.floor is None else self.floor.content,
         }
         return address(seed, "setting", **content).tobytes().hex()
 
@@ -112,7 +117,13 @@ class Setting:
         """The address of the floor's tiles."""
         assert self.body is not None
         return address(
-            seed, "floor", robots=self.robots, density=self.density, tile=self.body.tile, fill_ratio=self.fill_ratio
+            seed,
+            "floor",
+            robots=self.robots,
+            density=self.density,
+            tile=self.body.tile,
+            fill_ratio=self.fill_ratio,
+            **({} if self.floor in (None, Floor()) else {"floor": self.floor.content}),
         )
 
     def losses_key(self, seed: int) -> np.ndarray:

@@ -42,6 +42,7 @@ class Identity:
     version: str
     delta: float
     bins: int
+    truth: str
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
         """Raise InputError, saying how they differ, where `other` is of something else."""

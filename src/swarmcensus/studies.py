@@ -7,7 +7,7 @@ import tomllib
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
@@ -28,6 +28,7 @@ from swarmcensus.bodies import Body, Positive
 from swarmcensus.errors import InputError
 from swarmcensus.faults import Fault
 from swarmcensus.networks import MOVING, Topology, parse_topology
+from swarmcensus.patterns import Floor, Picture, parse_floor
 from swarmcensus.precision import Until
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
@@ -50,6 +51,10 @@ def _context(info: ValidationInfo, key: str, default: Any) -> Any:
 
 def _topology(value: object, info: ValidationInfo) -> Topology:
     return parse_topology(value, _context(info, "base", Path()), _context(info, "edges", {}))
+
+
+def _floor(value: object, info: ValidationInfo) -> Floor:
+    return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
 
 
 def _brain(value: object, info: ValidationInfo) -> brains.Brain:
@@ -80,6 +85,7 @@ Number = Annotated[float, BeforeValidator(_plain_number)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 BrainField = Annotated[brains.Brain, BeforeValidator(_brain)]
 TopologyField = Annotated[Topology, BeforeValidator(_topology)]
+FloorField = Annotated[Floor, BeforeValidator(_floor)]
 AccuracyField = Annotated[Accuracy, BeforeValidator(parse_accuracy)]
 AssumedField = Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]
 
@@ -111,13 +117,14 @@ class Swarm(_Table):
 class World(_Table):
     """What the robots live in: who hears whom, how much is black, how often a message gets through.
 
-    `density` and `body` are those of robots that move (topology "moving").
+    `density`, `floor` and `body` are those of robots that move (topology "moving").
     """
 
     topology: _grid(TopologyField)  # type: ignore[valid-type]
     fill_ratio: _grid(Share)  # type: ignore[valid-type]
     link_success: _grid(Share) = [1.0]  # type: ignore[valid-type]
     density: _grid(Positive) | None = None  # type: ignore[valid-type]
+    floor: _grid(FloorField) | None = None  # type: ignore[valid-type]
     body: Body = Body()
 
 
@@ -136,6 +143,7 @@ class Measure(_Table):
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
     checkpoints: _grid(Whole) | None = None  # type: ignore[valid-type]
     local: Annotated[bool, Field(strict=True)] = False
+    truth: Literal["nominal", "floor"] = "nominal"
 
 
 class Tables(_Table):
@@ -193,11 +201,19 @@ class Tables(_Table):
         if not any(t.name == MOVING for t in self.world.topology):
             if self.world.density is not None:
                 raise ValueError('world.density is of robots that move: it goes with topology = "moving"')
+            if self.world.floor is not None:
+                raise ValueError('world.floor is under robots that move: it goes with topology = "moving"')
             return
         if self.world.density is None:
             raise ValueError("world.density is missing: robots that move need a swarm density, such as 1")
         if self.measure.local:
             raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")
+        sources: dict[str, str] = {}
+        for floor in self.world.floor or ():
+            floor.check(self.world.body.tile)
+            picture = floor.picture
+            if picture and sources.setdefault(picture.name, picture.source) != picture.source:
+                raise ValueError(f"two images of world.floor have one name: {picture.name}")
         for robots, density in itertools.product(self.swarm.robots, self.world.density):
             largest = arena.largest_density(robots, self.world.body)
             if density > largest:
@@ -247,7 +263,7 @@ class Study:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a study file. Brain files and edge lists are looked for beside it."""
+        """Read a study file. Brain files, edge lists and images are looked for beside it."""
         try:
             text = Path(path).read_text(encoding="utf-8-sig")
         except (OSError, UnicodeDecodeError, ValueError) as error:
@@ -258,8 +274,8 @@ class Study:
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
         """Read a study from TOML text.
 
-        `context` may hold `base` (the folder of brain files and edge lists), and `brains` and `edges` (known by
-        name, so that no file is read). Raises InputError, naming file, key and value.
+        `context` may hold `base` (the folder of brain files, edge lists and images), and `brains`, `edges` and
+        `images` (known by name, so that no file is read). Raises InputError, naming file, key and value.
         """
         study = cls.__new__(cls)
         study._fill(read_toml(text, where), text, where, context)
@@ -280,11 +296,17 @@ class Study:
         return {
             "brains": {b.name: b for b in self.swarm.brain},
             "edges": {t.source: t.edges for t in self.world.topology if t.source},
+            "images": {p.source: p.grey for p in self.pictures},
         }
 
     def stages(self) -> Iterator[int]:
         """After how many trials of a setting it is looked at whether there are enough: once, but for a rule."""
         return self.until.stages() if self.until else iter([self.trials])
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """The images of floors, each file once."""
+        return list({f.picture.source: f.picture for f in self.world.floor or () if f.picture}.values())
 
     @property
     def checkpoints(self) -> list[int]:
@@ -306,7 +328,12 @@ class Study:
         """Every combination of the study's values: brain, topology, robots and accuracy vary slowest."""
         swarm, world, schedule = self.swarm, self.world, self.schedule
         fixed = [(c, r, None, None, self.faults) for c in schedule.rounds for r in schedule.observations_per_round]
-        moving = [(t, 1, d, world.body, self.faults) for d in world.density or () for t in schedule.ticks]
+        moving = [
+            (ticks, 1, density, world.body, self.faults, floor)
+            for density in world.density or ()
+            for floor in world.floor or [Floor()]
+            for ticks in schedule.ticks
+        ]
         return [
             Setting(*values, *length)
             for values in itertools.product(
@@ -383,6 +410,8 @@ def to_toml_value(value: Any) -> str:
         return "[" + ", ".join(map(to_toml_value, value)) + "]"
     if isinstance(value, brains.Brain):
         return to_toml_value(value.name)
+    if isinstance(value, Floor):
+        return to_toml_value(value.form)
     if hasattr(value, "edges") and hasattr(value, "nodes"):
         value = parse_topology(value, Path(), {})
     if isinstance(value, Topology) and value.edges is not None:

@@ -57,7 +57,8 @@ Wanted = NDArray[np.bool_]  # (setting, trial)
 
 def metrics_of(study: Study) -> Metrics:
     """What a study measures."""
-    return Metrics(study.measure.delta, study.measure.bins, tuple(study.checkpoints))
+    measure = study.measure
+    return Metrics(measure.delta, measure.bins, tuple(study.checkpoints), measure.truth == "floor")
 
 
 def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:

@@ -49,6 +49,7 @@ def replay(
         "fill_ratio": found.fill_ratio,
         "bins": study.measure.bins,
         "delta": study.measure.delta,
+        "truth": study.measure.truth,
     }
     return trace
 
@@ -84,6 +85,7 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace = trace.assign_coords(axis=["x", "y"])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
+        "true_fill_ratio": ride.true_fill_ratio,
         "side": arena.side(found.robots, found.density, found.body),
         "radio_range": found.body.radio_range,
         "radius": found.body.radius,

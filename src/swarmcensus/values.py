@@ -15,6 +15,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
     "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
     "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
+    "true_fill_ratio": (("setting", "trial"), np.float64, "1", "black share of the floor that robots can reach"),
 }
 LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
@@ -33,11 +34,15 @@ def columns(piece: Piece) -> Columns:
             "local_convergence_step": batch.convergence.astype(np.int32),
             "local_convergence_error": batch.error,
         }
+    filled = batch.true_fill_ratio
     return {
         "convergence_round": batch.convergence.astype(np.int32),
         "convergence_error": batch.error,
         "final_estimate": batch.final,
         "correct": batch.correct,
+        "true_fill_ratio": np.full(len(batch.final), np.nan)
+        if batch.true_fill_ratio is None
+        else batch.true_fill_ratio,
     }
 
 
@@ -72,16 +77,21 @@ class Values:
         for name, array in self.arrays.items():
             axis = (VARIABLES | LOCAL)[name][0].index("trial")
             blank = MISSING if array.dtype.kind == "i" else np.nan
-            self.arrays[name] = np.pad(array, [(0, more * (k == axis)) for k in range(3)], constant_values=blank)
+            self.arrays[name] = np.pad(
+                array, [(0, more * (k == axis)) for k in range(array.ndim)], constant_values=blank
+            )
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the numbers of some trials of a setting."""
         for name, values in taken.items():
+            array = self.arrays[name][setting]
             if name == "correct":
-                self.arrays[name][setting, :, first : first + values.shape[1]] = values
+                array[:, first : first + values.shape[1]] = values
+            elif name == "true_fill_ratio":
+                array[first : first + len(values)] = values
             else:
                 trials, robots = values.shape
-                self.arrays[name][setting, first : first + trials, :robots] = values
+                array[first : first + trials, :robots] = values
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:
         """Which trials have run, (setting, trial)."""

@@ -109,7 +109,7 @@ def _compare(
     for row, trial in np.argwhere(columns).tolist():
         where = {"setting": places[row], "trial": int(np.flatnonzero(trials == trial)[0])}
         for name in (name for name in (*VARIABLES, *LOCAL) if name in data):
-            stored = data[name].isel(where).values
+            stored = np.atleast_1d(data[name].isel(where).values)
             found = _fitted(again, name, row, trial, known, stored.size)
             differ = np.flatnonzero(~((stored == found) | ((stored != stored) & (found != found))))
             if differ.size:
@@ -124,6 +124,8 @@ def _fitted(values: Values, name: str, row: int, trial: int, known: list[int], s
     if name == "correct":
         column = values.arrays[name][row, :, trial]
         return np.array([column[k] if k >= 0 else np.nan for k in known])
+    if name == "true_fill_ratio":
+        return values.arrays[name][row, [trial]]
     array = values.arrays[name][row, trial]
     blank = MISSING if array.dtype.kind == "i" else np.nan
     return np.pad(array, (0, max(0, size - array.size)), constant_values=blank)[:size]

@@ -136,10 +136,10 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return _module({"__init__.py": "", f"{name}.py": _source(f"{name}.py")}, name)
 
 
-def is_compiled(brain: Brain) -> bool:
-    """Whether the machine code of this brain is on disk."""
+def is_compiled(brain: Brain, function: str = "simulate") -> bool:
+    """Whether this function of the kernel around a brain is on disk as machine code."""
     folder = cache_root() / _digest(_brain_files(brain))
-    return any((folder / "__pycache__").glob("kernel.simulate-*.nbc"))
+    return any((folder / "__pycache__").glob(f"kernel.{function}-*.nbc"))
 
 
 def _source(name: str) -> str:

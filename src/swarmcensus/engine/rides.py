@@ -5,10 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus import arena
 from swarmcensus.engine import compiler
 from swarmcensus.engine.trials import Batch, Metrics, blame
 from swarmcensus.engine.walking import Chunk, walk
+from swarmcensus.floors import Ground, side_of
 from swarmcensus.metrics import right_bin
 from swarmcensus.settings import Setting
 
@@ -45,19 +45,21 @@ class Rider:
             self.stops, stop,
         )  # fmt: skip
 
-    def measure(self, metrics: Metrics) -> Batch:
+    def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
         """The trial's metrics, as a batch of one."""
+        truth = true_fill_ratio if metrics.on_floor else self.setting.fill_ratio
         robots = self.setting.robots
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
         self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
-        error = np.abs(value - self.setting.fill_ratio)
-        low, high = right_bin(self.setting.fill_ratio, metrics.bins)
+        error = np.abs(value - truth)
+        low, high = right_bin(truth, metrics.bins)
         right = np.full((len(metrics.checkpoints), 1), np.nan)
         for c, checkpoint in enumerate(metrics.checkpoints):
             if checkpoint <= len(self.rows):
                 row = self.rows[checkpoint - 1]
                 right[c, 0] = np.mean((row >= low) & (row < high))
-        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right)
+        filled = np.array([true_fill_ratio])
+        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled)
 
 
 def run_ride(
@@ -65,34 +67,26 @@ def run_ride(
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
     riders = [Rider(setting, seed, trial) for setting in settings]
+    keys = [setting.floor_key(seed).tobytes() for setting in settings]
+    grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
     for chunk in walk_of(settings[0], seed, trial, stop):
-        floors: dict[bytes, np.ndarray] = {}
-        for rider in riders:
-            floor = rider.setting.floor_key(seed).tobytes()
-            if floor not in floors:
-                floors[floor] = colours_under(rider.setting, seed, trial, chunk)
+        black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
+        for rider, key in zip(riders, keys, strict=True):
             try:
-                rider.ride(chunk, floors[floor], stop)
+                rider.ride(chunk, black[key], stop)
             except Exception as error:
                 raise blame(rider.setting, trial, 1, error) from error
-    return None if stop[0] else [rider.measure(metrics) for rider in riders]
-
-
-def colours_under(setting: Setting, seed: int, trial: int, chunk: Chunk) -> np.ndarray:
-    """Whether the tile under each robot's sensor is black (tick, robot)."""
-    black = np.zeros(chunk.looked.shape, np.bool_)
-    compiler.compile_world().paint_tiles(chunk.tiles, setting.floor_key(seed), trial, setting.fill_ratio, black)
-    return black
+    if stop[0]:
+        return None
+    return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
 
 
 def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bool = False) -> Iterator[Chunk]:
     """The chunks of a setting's walk."""
     assert setting.body is not None
-    assert setting.density is not None
-    side = arena.side(setting.robots, setting.density, setting.body)
     return walk(
         setting.robots,
-        side,
+        side_of(setting),
         setting.body,
         setting.walk_key(seed),
         trial,
@@ -114,12 +108,13 @@ class Ride:
     colours: np.ndarray  # the true tile, 1 black
     readings: np.ndarray  # NaN where none was made
     links: np.ndarray  # (link, 3): tick, robot, robot
+    true_fill_ratio: float
 
 
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
-    rider = Rider(setting, seed, trial)
+    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
     shape = (setting.rounds + 1, setting.robots)
     history = np.empty(shape, rider.memory.dtype)
     history[0] = rider.memory
@@ -131,12 +126,13 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
-        colours[ticks] = colours_under(setting, seed, trial, chunk)
+        colours[ticks] = ground.colours(chunk.tiles)
         rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
-    return Ride(history, estimates, poses, looked, colours, readings, np.concatenate(links))
+    joined = np.concatenate(links)
+    return Ride(history, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
 
 
 def links_of(chunk: Chunk) -> np.ndarray:

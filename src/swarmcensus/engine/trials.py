@@ -24,17 +24,19 @@ class Metrics:
     delta: float
     bins: int
     checkpoints: tuple[int, ...]
+    on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
 
 
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
-    fraction of robots in the right bin (checkpoint, trial)."""
+    fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
     final: np.ndarray
     correct: np.ndarray
+    true_fill_ratio: np.ndarray | None = None
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:

@@ -9,9 +9,8 @@ import numpy as np
 
 from swarmcensus.engine.compiler import compiled, entry
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
+from swarmcensus.engine.modes import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit, words
-
-TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
 
 
 @entry
