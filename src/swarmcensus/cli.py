@@ -13,7 +13,7 @@ from swarmcensus import __version__
 from swarmcensus.errors import InputError, Interrupted
 
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
-PICTURES = ("scatter", "decisions", "curves", "heatmap", "arena", "film")
+PICTURES = ("scatter", "decisions", "curves", "heatmap", "beliefs", "arena", "film")
 ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
     ("first", "last", "every", "fps"), ("film",)
 )  # options of `plot` that mean something to these kinds
@@ -194,6 +194,7 @@ def run(options: argparse.Namespace) -> int:
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
     from swarmcensus import figures, results, traces
+    from swarmcensus.beliefs import beliefs
     from swarmcensus.selecting import where
 
     data = where(results.load(options.results), options.where)
@@ -207,6 +208,8 @@ def plot(options: argparse.Namespace) -> int:
         figure = figures.curves(traces.replay(data, setting, options.trial, options.brain))
     elif options.kind == "heatmap":
         figure = figures.heatmap(data)
+    elif options.kind == "beliefs":
+        figure = beliefs(data)
     elif options.kind == "decisions":
         figure = figures.decisions_grid(figures.panels_of(data))
     else:

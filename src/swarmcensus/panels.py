@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -37,15 +37,15 @@ class Panel(NamedTuple):
     error_limit: float | None = None
 
 
-def panels_of(results: xr.Dataset) -> list[Panel]:
-    """Split a study's results into panels, one for each combination of the coordinates but the accuracy.
+def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",)) -> list[Panel]:
+    """Split a study's results into panels, one for each combination of the coordinates but those of `apart_from`.
 
     Panels come in the order of the settings. Captions name only what varies, as in "ring, N = 100, f = 0.55".
 
     Raises InputError if `results` has no settings.
     """
     require(results, "accuracy")
-    varying = varies(results, apart_from={"accuracy"})
+    varying = varies(results, apart_from=set(apart_from))
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
     panels = []
     for combination in dict.fromkeys(combinations):
