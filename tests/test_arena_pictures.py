@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
@@ -18,6 +19,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.figures import save
 from swarmcensus.films import film
 from swarmcensus.floors import floor_of
+from swarmcensus.recordings import write_trace
 from swarmcensus.results import studies_of
 
 STUDY = """
@@ -233,6 +235,77 @@ def test_what_cannot_be_drawn_is_an_input_error(results, scene):
         snapshot(trace.drop_vars("link"), 1, floor)
     with pytest.raises(InputError, match="do not move"):
         snapshot(sc.replay(results, 0, 0), 1)
+
+
+# ---- robots that fail
+
+FAULTS = """
+faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = ["sensing", "talking"]}]
+"""
+
+
+def faulty_scene(faults):
+    found = sc.Study.parse(faults + STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"'))
+    return found, *scene_of(sc.run(found, jobs=1), 0, 1)
+
+
+def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
+    study, trace, _ = faulty_scene(FAULTS)
+    first = study.settings()[0].stops(study.seed, 1)
+    assert trace["stops"].dims == ("part", "robot")
+    for part, row in (("moving", 0), ("sensing", 1), ("talking", 2)):
+        told = trace["stops"].sel(part=part).values
+        np.testing.assert_array_equal(told, np.where(first[row] < 1000, first[row], -1))
+        assert (told >= 0).sum() == (3 if part == "moving" else 4)
+    blind = trace["stops"].sel(part="sensing").values
+    seen = np.isfinite(trace["reading"].values[1:])
+    assert not seen[19:, blind == 20].any()
+    assert seen[19:, blind == -1].any(axis=0).all()
+    write_trace(trace.drop_vars("link"), tmp_path / "t.csv")
+    assert "stops" not in (tmp_path / "t.csv").read_text().splitlines()[0]
+    write_trace(trace, tmp_path / "t.nc")
+    with xr.open_dataset(tmp_path / "t.nc", engine="h5netcdf") as kept:
+        np.testing.assert_array_equal(kept["stops"], trace["stops"])
+
+
+@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
+def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(tick):
+    _, trace, floor = faulty_scene(FAULTS)
+    arena = Arena(trace, floor)
+    arena.show(tick)
+    place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
+    expected = set()
+    for part, degrees in (("moving", 0), ("sensing", 45), ("talking", 135)):
+        at = trace["stops"].sel(part=part).values
+        expected |= {(i, (degrees + turn) % 360) for i in np.flatnonzero((at > 0) & (at <= tick)) for turn in (0, 180)}
+    found = set()
+    for line in arena.failed.get_segments():
+        middle = line.mean(axis=0)
+        robot = int(np.argmin([abs(np.hypot(*(middle - xy)) - 1.2 * radius) for xy in place]))
+        x, y = middle - place[robot]
+        found.add((robot, round(np.degrees(np.arctan2(y, x))) % 360))
+        assert np.hypot(*(line[0] - place[robot])) == pytest.approx(0.7 * radius)
+    assert found == expected
+    assert len(found) == 6 * (tick >= 10) + 16 * (tick >= 20)
+
+
+def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
+    said = texts(snapshot(scene[0], 30, scene[1]))
+    assert "stopped" not in said
+    assert "stops" not in scene[0]
+    _, trace, floor = faulty_scene(FAULTS)
+    said = texts(snapshot(trace, 1, floor))
+    assert all(f"stopped {part}" in said for part in ("moving", "sensing", "talking"))
+    _, trace, floor = faulty_scene('faults = [{at = 30, robots = 0.5, stop = "talking"}]')
+    said = texts(snapshot(trace, 1, floor))
+    assert "stopped talking" in said
+    assert "stopped moving" not in said
+    dark = []
+    for tick in (29, 30):
+        film(trace, floor, tmp_path / "x.gif", first=tick, last=tick)
+        with Image.open(tmp_path / "x.gif") as gif:
+            dark.append(np.mean(np.asarray(gif.convert("L"))[60:450, 25:425] < 40))
+    assert dark[1] > dark[0] + 0.001  # strokes are drawn in films too
 
 
 # ---- films

@@ -47,8 +47,12 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
 
 
 @with_blocks("python")
-def test_python_runs(page, tmp_path, monkeypatch):
-    """The blocks of a page one after the other, in a folder with the example's files."""
+def test_python_runs(page, tmp_path, monkeypatch, capsys):
+    """The blocks of a page one after the other, in a folder with the example's files.
+
+    A text right below a block is what the block prints: word for word, and in numbers to 0.01, for another
+    processor's walks are other walks.
+    """
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
     for file in EXAMPLE.iterdir():
         shutil.copy(file, tmp_path)
@@ -56,7 +60,15 @@ def test_python_runs(page, tmp_path, monkeypatch):
     monkeypatch.syspath_prepend(tmp_path)
     names = {"__name__": "example"}
     for text in blocks(page, "python"):
+        capsys.readouterr()
         exec(compile(text, page.name, "exec"), names)
+        below = page.read_text(encoding="utf-8").partition(text + "```\n\n```text\n")[2]
+        if below:
+            number = r"\d+\.\d+"
+            printed, shown = capsys.readouterr().out, below.partition("```")[0]
+            assert re.sub(number, "", printed) == re.sub(number, "", shown)
+            found, told = ([float(n) for n in re.findall(number, t)] for t in (printed, shown))
+            assert found == pytest.approx(told, abs=0.01)
 
 
 @examples("toml")
@@ -148,10 +160,11 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
     swarm = {"robots": 2, "accuracy": 0.7}
     fixed = {"world": {"topology": "ring", "fill_ratio": 0.5}, "measure": {"local": True}, "schedule": {"rounds": 2}}
     moving = {"world": {"topology": "moving", "fill_ratio": 0.5, "density": 1}, "schedule": {"ticks": 2}}
-    for tables in (fixed, moving):
+    faulty = moving | {"faults": [{"at": 1, "robots": 1, "stop": "sensing"}]}
+    for tables in (fixed, moving, faulty):
         study = Study(trials=1, swarm=swarm, **tables)
         data = sc.run(study)
-        trace = sc.replay(data, 0, 0, links=tables is moving)
+        trace = sc.replay(data, 0, 0, links=tables is not fixed)
         in_memory = set(study.swarm.brain[0].memory)
         for names in (data.dims, data.coords, data.data_vars, data.attrs, set(trace.data_vars) - in_memory):
             assert set(map(str, names)) <= listed

@@ -1,7 +1,7 @@
 """Pictures of robots that move, after the paper's Fig. 1: `snapshot` of one tick; `films` puts many together.
 
 Robots are discs to scale, coloured by what they estimate, upon a dimmed floor; lines join those that hear each
-other, and a dotted circle is the radio range of one of them.
+other, and a dotted circle is the radio range of one of them. Strokes across a robot say what it no longer does.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import textwrap
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -20,6 +21,7 @@ from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.colors import FuncNorm
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Circle, Patch
 from numpy.typing import NDArray
 
@@ -28,7 +30,7 @@ from swarmcensus.floors import floor_of, tiles_across
 from swarmcensus.metrics import right_bin
 from swarmcensus.panels import require, truth_of
 from swarmcensus.results import load, setting_of
-from swarmcensus.sheets import SMALL
+from swarmcensus.sheets import SMALL, halo
 from swarmcensus.traces import replay
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots an inch both are whole, even numbers of dots
@@ -37,6 +39,8 @@ WHITE_TILE, BLACK_TILE = 0.97, 0.83  # grey levels: the floor is seen, and robot
 ESTIMATES = mpl.colormaps["plasma_r"]  # darker is blacker; its luminance rises evenly, also in grey print
 LINEAR = 0.1  # estimates as near as this to the truth, a bin of ten, are told apart best
 LINK, RANGE = "#009e73", "#d40000"
+STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all of a robot's make a star
+STROKE = 0.7, 1.7  # where a stroke's two ends begin and end, in radii of a robot: they leave its colour to be seen
 LEAST = 0.004  # of the arena's side: smaller robots are drawn with this radius
 MOST_TILES = 4000  # from wall to wall; beyond it a floor is even grey
 FINE = 1500  # tiles from wall to wall of which each is drawn; of more, means of several are
@@ -75,7 +79,7 @@ def snapshot(
     `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `floor_of` does:
     squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred upon the arena. Without it the
     floor is the even grey of the fill ratio. Dotted is the radio range of `robot`. Without a `title` it is
-    `trace.attrs["title"]`.
+    `trace.attrs["title"]`. Robots that by then have failed have a stroke for each thing that they stopped to do.
 
     Raises InputError if the trace lacks what is drawn, or has no such tick or robot, or the floor is too small.
     """
@@ -114,7 +118,15 @@ class Arena:
         self._draw_scale(note)
         self._draw_key(floor is not None)
         self._write_titles(str(trace.attrs.get("title", "")) if title is None else title)
-        self.moving: list[Artist] = [self.links, self.range, self.discs, self.headings, self.when, self.right]
+        self.moving: list[Artist] = [
+            self.links,
+            self.range,
+            self.discs,
+            self.headings,
+            self.failed,
+            self.when,
+            self.right,
+        ]
 
     def _take(self, trace: xr.Dataset, robot: int) -> None:
         if "position" not in trace or "side" not in trace.attrs:
@@ -122,13 +134,17 @@ class Arena:
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True")
         require(trace, "estimate", "heading", dimensions=("round", "robot"))
-        trace = trace.transpose("round", "robot", "axis", "link", "end", missing_dims="ignore")
+        trace = trace.transpose("part", "round", "robot", "axis", "link", "end", missing_dims="ignore")
         self.ticks = trace["round"].values
         self.position, self.heading = trace["position"].values, trace["heading"].values
         self.estimate = trace["estimate"].values
         links = trace["link"].values
         self.link = links[np.argsort(links[:, 0], kind="stable")]
         self.robots = self.position.shape[1]
+        self.stops: dict[str, NDArray[np.int64]] = {}  # of the parts that fail in this trial
+        if "stops" in trace:
+            first = zip(trace["part"].values.tolist(), trace["stops"].values, strict=True)
+            self.stops = {part: ticks for part, ticks in first if (ticks >= 0).any()}
         if not 0 <= robot < self.robots:
             raise InputError(f"robot {robot}: the robots are numbered 0 to {self.robots - 1}")
         self.robot = robot
@@ -160,11 +176,23 @@ class Arena:
         self.headings.set_segments(list(np.stack([xy + 0.1 * ahead, xy + ahead], axis=1)))
         bright = colours[:, :3] @ (0.2126, 0.7152, 0.0722) > 0.45
         self.headings.set_color(np.where(bright, "black", "white").tolist())
+        self.failed.set_segments(self._strokes(xy, tick))
         low, high = right_bin(self.truth, self.bins)
         right = int(((estimate >= low) & (estimate < high)).sum())
         clock = "" if self.seconds is None else f", {tick * self.seconds:,.1f} s"
         self.when.set_text(f"tick {tick:,}{clock}")
         self.right.set_text(f"{right:,} of {self.robots:,}")
+
+    def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
+        """Two lines (end, axis), on opposite sides, for each part of each robot that has stopped by this tick."""
+        lines: list[NDArray[np.float64]] = []
+        for part, ticks in self.stops.items():
+            places = xy[(ticks >= 0) & (ticks <= tick)]
+            angle = np.deg2rad(STROKES[part])
+            for side in (-1.0, 1.0):
+                away = side * self.drawn_radius * np.array([np.cos(angle), np.sin(angle)])
+                lines += list(np.stack([places + reach * away for reach in STROKE], axis=1))
+        return lines
 
     def _draw_floor(self, floor: NDArray[np.uint8] | None) -> None:
         if floor is None:
@@ -202,7 +230,9 @@ class Arena:
             edgecolors=edges, linewidths=widths, zorder=4,
         )  # fmt: skip
         self.headings = LineCollection([], linewidths=2.0 * thin, zorder=5, capstyle="butt")
-        for collection in (self.links, self.discs, self.headings):
+        wide = float(np.clip(0.3 * dots, 1.0, 2.2))
+        self.failed = LineCollection([], colors="black", linewidths=wide, zorder=7, path_effects=halo(2.0 * wide))
+        for collection in (self.links, self.discs, self.headings, self.failed):
             self.axes.add_collection(collection, autolim=False)
         self.axes.add_patch(self.range)
 
@@ -268,11 +298,15 @@ class Arena:
         grey = str(WHITE_TILE), str(BLACK_TILE)
         enlarged = self.drawn_radius > self.radius
         disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
-        entries: dict[str, Artist] = {
+        entries: dict[str, Any] = {
             "robot, heading" + ("\n(not to scale)" if enlarged else ""): disc,
             "radio link": Line2D([], [], color=LINK, linewidth=1.3),
             f"radio range of\nrobot {self.robot}": Line2D([], [], color=RANGE, linestyle=":", linewidth=1.6),
         }
+        for part in self.stops:
+            mark = MarkerStyle("_").rotated(deg=STROKES[part])
+            stroke = Line2D([], [], linestyle="", marker=mark, markersize=13, markeredgewidth=1.6, color="black")
+            entries[f"stopped {part}"] = stroke, disc
         if tiles:
             entries["black tile"] = Patch(facecolor=grey[1], edgecolor="0.5", linewidth=0.5)
             entries["white tile"] = Patch(facecolor=grey[0], edgecolor="0.5", linewidth=0.5)

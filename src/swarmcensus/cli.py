@@ -14,7 +14,7 @@ from swarmcensus.errors import InputError, Interrupted
 
 DIFFER = 1  # results that do not come out again as stored
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
-PICTURES = ("scatter", "decisions", "curves", "heatmap", "arena", "film")
+PICTURES = ("scatter", "decisions", "curves", "heatmap", "beliefs", "arena", "film")
 ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
     ("first", "last", "every", "fps"), ("film",)
 )  # options of `plot` that mean something to these kinds
@@ -284,6 +284,7 @@ def verify(options: argparse.Namespace) -> int:
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
     from swarmcensus import figures, results, traces
+    from swarmcensus.beliefs import beliefs
     from swarmcensus.selecting import where
 
     data = where(results.load(options.results), options.where)
@@ -297,6 +298,8 @@ def plot(options: argparse.Namespace) -> int:
         figure = figures.curves(traces.replay(data, setting, options.trial, options.brain))
     elif options.kind == "heatmap":
         figure = figures.heatmap(data)
+    elif options.kind == "beliefs":
+        figure = beliefs(data)
     elif options.kind == "decisions":
         figure = figures.decisions_grid(figures.panels_of(data))
     else:

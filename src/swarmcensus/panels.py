@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -38,8 +38,8 @@ class Panel(NamedTuple):
     error_limit: float | None = None
 
 
-def panels_of(results: xr.Dataset) -> list[Panel]:
-    """Split a study's results into panels, one for each combination of the coordinates but the accuracy.
+def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",)) -> list[Panel]:
+    """Split a study's results into panels, one for each combination of the coordinates but those of `apart_from`.
 
     Panels come in the order of the settings. Captions name only what varies, as in "ring, N = 100, f = 0.55", and
     a floor that is not of independent tiles.
@@ -47,7 +47,7 @@ def panels_of(results: xr.Dataset) -> list[Panel]:
     Raises InputError if `results` has no settings.
     """
     require(results, "accuracy")
-    varying = varies(results, apart_from={"accuracy"})
+    varying = varies(results, apart_from=set(apart_from))
     if "floor" not in varying and "floor" in results.coords and set(results["floor"].values) - {"tiles", ""}:
         varying["floor"] = results["floor"].values.tolist()
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]

@@ -101,6 +101,6 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
             for axis in ("x", "y"):
                 flat[axis] = trace["position"].sel(axis=axis, drop=True)
         with whole(path) as beside:
-            flat.drop_vars("axis", errors="ignore").to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
+            flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
     else:
         raise InputError(f"{path}: a trace is written as .csv or .nc")

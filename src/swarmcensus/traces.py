@@ -10,9 +10,11 @@ import xarray as xr
 
 from swarmcensus import arena, brains
 from swarmcensus.engine import compiler, oracle
+from swarmcensus.engine.modes import NEVER
 from swarmcensus.engine.rides import record_ride
 from swarmcensus.engine.trials import record_readings, record_trial
 from swarmcensus.errors import InputError
+from swarmcensus.faults import PARTS
 from swarmcensus.results import load, setting_of
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
@@ -27,7 +29,8 @@ def replay(
 
     Of robots that move also `position` (axis; metres, the arena's centre at 0), `heading` (radians), `looked`
     (whether an observation was made), `tile` (the true colour under the sensor, 1 black), `reading` (NaN where
-    none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot.
+    none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot;
+    where robots fail, `stops` (part, robot), the first tick without moving, sensing or talking, -1 for never.
 
     `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not
     shipped with swarmcensus must be given as a file. The curves are those that the run measured, to the last
@@ -82,6 +85,11 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
     if links:
         trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
+    if found.faults:
+        stops = found.stops(seed, trial)
+        says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
+        trace["stops"] = (("part", "robot"), np.where(stops == NEVER, -1, stops), says)
+        trace = trace.assign_coords(part=sorted(PARTS, key=PARTS.__getitem__))
     trace = trace.assign_coords(axis=["x", "y"])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {

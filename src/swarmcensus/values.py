@@ -40,9 +40,7 @@ def columns(piece: Piece) -> Columns:
         "convergence_error": batch.error,
         "final_estimate": batch.final,
         "correct": batch.correct,
-        "true_fill_ratio": np.full(len(batch.final), np.nan)
-        if batch.true_fill_ratio is None
-        else batch.true_fill_ratio,
+        "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
     }
 
 
