@@ -27,42 +27,42 @@ STATE = 13
 
 
 @compiled
-def walls_along(state, i, half, rays):
-    """Set rays[k] to the distance from the centre of robot i to the wall, along ray k."""
-    x = state[X, i]
-    y = state[Y, i]
-    for k in range(RAYS):
-        dx = state[COS, i] * RAY_X[k] - state[SIN, i] * RAY_Y[k]
-        dy = state[SIN, i] * RAY_X[k] + state[COS, i] * RAY_Y[k]
-        wall_x = (half - math.copysign(x, x * dx)) / (abs(dx) + TINY)
-        wall_y = (half - math.copysign(y, y * dy)) / (abs(dy) + TINY)
-        rays[k] = min(wall_x, wall_y)
+def walls_along(k, dx, dy, x, y, half, rays):
+    """Set rays k and k + 4, of direction (dx, dy) and opposite, to their lengths from (x, y) to the walls."""
+    per_x = 1.0 / max(abs(dx), TINY)
+    per_y = 1.0 / max(abs(dy), TINY)
+    along_x = x if dx > 0.0 else -x
+    along_y = y if dy > 0.0 else -y
+    rays[k] = min((half - along_x) * per_x, (half - along_y) * per_y)
+    rays[k + 4] = min((half + along_x) * per_x, (half + along_y) * per_y)
 
 
 @compiled
-def disc_along(ahead, aside, radius, rays):
-    """Shorten the rays that hit a disc, its centre given in the body's frame.
-
-    Ray k and its opposite k + 4 lie on one line: a disc is met by one of the two or by neither.
-    """
-    diagonal = (ahead + aside) * DIAGONAL
-    other = (aside - ahead) * DIAGONAL
-    for k, along, across in ((0, ahead, aside), (1, diagonal, other), (2, aside, -ahead), (3, other, -diagonal)):
-        under = radius * radius - across * across
-        if under >= 0.0:
-            ray = k if along > 0.0 else k + 4
-            rays[ray] = min(rays[ray], abs(along) - math.sqrt(under))
+def disc_along(k, along, across, radius, rays):
+    """Shorten rays k and k + 4, on one line, to a disc that lies so far along it and across."""
+    under = radius * radius - across * across
+    hit = abs(along) - math.sqrt(max(under, 0.0))
+    hit = hit if under >= 0.0 else np.inf
+    rays[k] = min(rays[k], hit if along > 0.0 else np.inf)
+    rays[k + 4] = min(rays[k + 4], np.inf if along > 0.0 else hit)
 
 
 @compiled
-def obstacle(state, i, body, half, first, last, gaps, rays):
+def obstacle(state, i, body, half, first, last, gaps, rays, which):
     """The mean of the proximity ring's readings, as a vector in the body's frame; `rays` is room for the ring."""
     ahead = 0.0
     aside = 0.0
     reach = body.radius + body.proximity_range
-    met = max(abs(state[X, i]), abs(state[Y, i])) > half - reach
+    x = state[X, i]
+    y = state[Y, i]
+    c = state[COS, i]
+    s = state[SIN, i]
+    met = max(abs(x), abs(y)) > half - reach
     if met:
-        walls_along(state, i, half, rays)
+        walls_along(0, c, s, x, y, half, rays)
+        walls_along(1, (c - s) * DIAGONAL, (s + c) * DIAGONAL, x, y, half, rays)
+        walls_along(2, -s, c, x, y, half, rays)
+        walls_along(3, -(s + c) * DIAGONAL, (c - s) * DIAGONAL, x, y, half, rays)
     for e in range(first, last):
         gx = gaps[0, e]
         gy = gaps[1, e]
@@ -71,25 +71,31 @@ def obstacle(state, i, body, half, first, last, gaps, rays):
                 met = True
                 for k in range(RAYS):
                     rays[k] = np.inf
-            c = state[COS, i]
-            s = state[SIN, i]
-            disc_along(c * gx + s * gy, c * gy - s * gx, body.radius, rays)
+            forth = c * gx + s * gy
+            left = c * gy - s * gx
+            disc_along(0, forth, left, body.radius, rays)
+            disc_along(1, (forth + left) * DIAGONAL, (left - forth) * DIAGONAL, body.radius, rays)
+            disc_along(2, left, forth, body.radius, rays)
+            disc_along(3, (left - forth) * DIAGONAL, (forth + left) * DIAGONAL, body.radius, rays)
     if met:
+        hits = 0
         for k in range(RAYS):
+            which[hits] = k
+            hits += rays[k] - body.radius <= body.proximity_range
+        for hit in range(hits):
+            k = which[hit]
             d = rays[k] - body.radius
-            if d <= body.proximity_range:
-                seen = 1.0
-                if d >= body.proximity_near:
-                    seen = min(max(4.14 * math.exp(-33.0 * d) - 0.085, 0.0), 1.0)
-                ahead += seen * RAY_X[k]
-                aside += seen * RAY_Y[k]
+            seen = min(max(4.14 * math.exp(-33.0 * d) - 0.085, 0.0), 1.0)
+            seen = 1.0 if d < body.proximity_near else seen
+            ahead += seen * RAY_X[k]
+            aside += seen * RAY_Y[k]
     return ahead / RAYS, aside / RAYS
 
 
 @compiled
-def decide(state, i, body, half, first, last, gaps, rays, key, trial, tick):
+def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tick):
     """What robot i does in this tick, and whether it avoids an obstacle (and so makes no observation)."""
-    ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays)
+    ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays, which)
     square = ahead * ahead + aside * aside
     if square >= body.avoid_above * body.avoid_above and ahead > body.cos_within * math.sqrt(square):
         state[AVOIDING, i] = state[AVOIDING, i] % 60.0 + 1.0

@@ -95,6 +95,7 @@ def walk(
     touched = 2.0 * body.radius + 4.0 * body.step + SLACK
     blind = body.line_of_sight == 0.0  # to what stands between two robots
     rays = np.empty(RAYS)
+    which = np.empty(RAYS, np.uint8)
     used = np.uint64(0)
     heard[0] = 0
     for k in range(looked.shape[0]):
@@ -112,7 +113,7 @@ def walk(
             move, avoiding = STAND, False
             if stops.shape[1] == 0 or tick + k < stops[MOVING, i]:
                 move, avoiding = decide(
-                    state, i, body, half, room[i], room[i] + around[i], gaps, rays, key, trial, tick + k
+                    state, i, body, half, room[i], room[i] + around[i], gaps, rays, which, key, trial, tick + k
                 )
             looked[k, i] = not avoiding
             # the wheels answer late: at first the last tick's motion goes on
