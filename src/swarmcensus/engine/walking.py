@@ -9,6 +9,7 @@ import numpy as np
 from swarmcensus.bodies import Body
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.motion import COS, SIN, STATE, X, Y
+from swarmcensus.engine.neighbours import ALL_PAIRS
 from swarmcensus.errors import InputError
 
 CHUNK_BYTES = 16_000_000  # of a walk kept at a time
@@ -58,6 +59,8 @@ def walk(
     state = np.zeros((STATE, robots))
     if not module.place(state, numbers, half, key, trial):
         raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
+    if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
+        state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
     listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
