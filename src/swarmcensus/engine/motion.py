@@ -142,22 +142,19 @@ def go(state, i, share, cosine, sine):
 
 
 @compiled
-def keep_inside(state, limit):
-    """Push centres off the walls."""
-    for i in range(state.shape[1]):
-        state[X, i] = min(max(state[X, i], -limit), limit)
-        state[Y, i] = min(max(state[Y, i], -limit), limit)
+def keep_inside(state, i, limit):
+    """Push a robot's centre off the walls."""
+    state[X, i] = min(max(state[X, i], -limit), limit)
+    state[Y, i] = min(max(state[Y, i], -limit), limit)
 
 
 @compiled
-def part(state, body, half, close, pairs):
+def part(state, limit, apart, close, pairs):
     """Push apart what overlaps, robots by halves and off the walls, until nothing does.
 
-    Only the `pairs` of robots in `close` can touch. A sweep's pushes may bring others together, which the next
-    sweep finds.
+    Only the `pairs` of robots in `close` can touch. A sweep's pushes may bring others together, or into a wall,
+    which the next sweep finds.
     """
-    apart = 2.0 * body.radius
-    keep_inside(state, half - body.radius)
     for _ in range(SWEEPS):
         worst = 0.0
         for e in range(pairs):
@@ -174,8 +171,7 @@ def part(state, body, half, close, pairs):
                 state[Y, i] -= push * dy
                 state[X, j] += push * dx
                 state[Y, j] += push * dy
-        if worst == 0.0:
-            break
-        keep_inside(state, half - body.radius)
+                keep_inside(state, i, limit)
+                keep_inside(state, j, limit)
         if worst < CONTACT:
             break

@@ -27,6 +27,7 @@ from .motion import (
     STRAIGHT,
     decide,
     go,
+    keep_inside,
     part,
     set_wheels,
 )
@@ -121,7 +122,8 @@ def walk(
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
             set_wheels(state, i, body, body.step if move == STRAIGHT else 0.0, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
-        part(state, body, half, close, pairs[0])
+            keep_inside(state, i, half - body.radius)
+        part(state, half - body.radius, 2.0 * body.radius, close, pairs[0])
         pairs[0] = measure(state, reach2, touched * touched, first, others, room, around, lower, near, gaps, close)
         hears[:] = 0
         for i in range(robots):
@@ -130,7 +132,6 @@ def walk(
                 senders[used] = ears[e]
                 used += np.uint64(1)
             heard[np.uint64(k) * robots + i + np.uint64(1)] = used
-        for i in range(robots):
             x = state[X, i] + body.sensor_x * state[COS, i] - body.sensor_y * state[SIN, i]
             y = state[Y, i] + body.sensor_x * state[SIN, i] + body.sensor_y * state[COS, i]
             tiles[k, i, 0] = math.floor(x / body.tile)

@@ -65,12 +65,12 @@ def walk(
     listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
         np.zeros((2, robots)),
-        np.zeros(robots + 1, np.uint64),
+        np.zeros(robots + 1, np.uint32),
         np.zeros(listed // 2 + 1, np.uint32),
-        np.zeros(robots + 1, np.uint64),
-        np.zeros(robots, np.uint64),
-        np.zeros(robots, np.uint64),
-        np.zeros(robots, np.uint64),
+        np.zeros(robots + 1, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
         np.zeros(listed, np.uint32),
         np.zeros(listed, np.uint32),
         np.zeros((2, listed)),
