@@ -12,7 +12,7 @@ from swarmcensus.engine.motion import COS, SIN, STATE, X, Y
 from swarmcensus.engine.neighbours import ALL_PAIRS
 from swarmcensus.errors import InputError
 
-CHUNK_BYTES = 16_000_000  # of a walk kept at a time
+CHUNK_BYTES = 4_000_000  # of a walk kept at a time
 SENDERS = 2_000_000
 NO_STOPS = np.zeros((3, 0), np.int64)
 
@@ -87,11 +87,12 @@ def walk(
         tiles = np.zeros((length, robots, 2), np.int32)
         heard = np.zeros(length * robots + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
-        begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1)
+        begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1) if poses else seen[:0, 0]
         done = module.walk(
             state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stops, stop
         )
         if stop[0] != 0:
             return
-        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, seen[:done], begin)
+        said = senders[: heard[done * robots]].copy()
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], said, seen[:done], begin)
         tick += done
