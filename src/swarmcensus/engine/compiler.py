@@ -26,7 +26,7 @@ from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 
 HERE = Path(__file__).parent
 SOURCES = ("draws.py", "random.py", "modes.py", "compiler.py")  # what every kernel depends on
-PARTS = {"walk": ("motion.py", "neighbours.py")}  # what stands beside it in its folder
+PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own folder
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 

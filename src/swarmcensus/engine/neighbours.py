@@ -8,8 +8,9 @@ import numpy as np
 
 from swarmcensus.engine.compiler import compiled
 
+from .motion import X, Y
+
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
-X, Y = 0, 1  # the first rows of robots' states
 
 
 @compiled

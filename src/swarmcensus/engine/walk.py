@@ -25,13 +25,15 @@ from .motion import (
     SLACK,
     STAND,
     STRAIGHT,
+    X,
+    Y,
     decide,
     go,
     keep_inside,
     part,
     set_wheels,
 )
-from .neighbours import X, Y, cell, has_strayed, list_pairs, listen, measure
+from .neighbours import cell, has_strayed, list_pairs, listen, measure
 
 PLACINGS = 10_000  # tries to place one robot
 
