@@ -41,8 +41,15 @@ def walked(robots, density, ticks):
 
 
 def walk_cost(robots, density, ticks, repeats=5):
+    body = Body()
+    side = arena.side(robots, density, body)
+
+    def go():
+        for _ in walk(robots, side, body, KEY, 0, ticks, GO):
+            pass
+
     walked(robots, density, 2)
-    return 1e9 * best(lambda: walked(robots, density, ticks), repeats) / (robots * ticks)
+    return 1e9 * best(go, repeats) / (robots * ticks)
 
 
 def mind_cost(density, ticks, repeats=5):

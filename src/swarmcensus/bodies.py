@@ -39,21 +39,17 @@ class Body(BaseModel):
     @property
     def numbers(self) -> np.ndarray:
         """The body as the engine takes it: one record of float64."""
-        turn = 2.0 * self.turn_speed * self.tick / self.wheel_distance
         values = {
             "radius": self.radius,
             "step": self.speed * self.tick,
+            "turn": 2.0 * self.turn_speed * self.tick / self.wheel_distance,
             "lag": self.wheel_lag,
-            "cos_late": math.cos(turn * self.wheel_lag),
-            "sin_late": math.sin(turn * self.wheel_lag),
-            "cos_then": math.cos(turn * (1.0 - self.wheel_lag)),
-            "sin_then": math.sin(turn * (1.0 - self.wheel_lag)),
             "straight_mean": self.straight_mean,
             "turn_most": float(self.turn_most),
             "proximity_range": self.proximity_range,
             "proximity_near": self.proximity_near,
             "avoid_above": self.avoid_above,
-            "avoid_within": math.radians(self.avoid_within),
+            "cos_within": math.cos(math.radians(self.avoid_within)),
             "sensor_x": self.sensor[0],
             "sensor_y": self.sensor[1],
             "tile": self.tile,

@@ -26,6 +26,7 @@ from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 
 HERE = Path(__file__).parent
 SOURCES = ("draws.py", "random.py", "modes.py", "compiler.py")  # what every kernel depends on
+PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own folder
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 
@@ -133,7 +134,8 @@ def compile_brain(brain: Brain) -> types.ModuleType:
 
 def compile_world(name: str = "world") -> types.ModuleType:
     """The entry points that know of no brain: `world.py` or `walk.py`."""
-    return _module({"__init__.py": "", f"{name}.py": _source(f"{name}.py")}, name)
+    parts = (f"{name}.py", *PARTS.get(name, ()))
+    return _module({"__init__.py": "", **{part: _source(part) for part in parts}}, name)
 
 
 def is_compiled(brain: Brain, function: str = "simulate") -> bool:

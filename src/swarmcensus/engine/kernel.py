@@ -386,25 +386,6 @@ def believe(history, out):
             out[k, i] = estimate(history[k, i])
 
 
-@compiled
-def hear_some(me, i, outbox, then, senders, first, last, scratch, key, trial, tick, threshold, stops, delay):
-    """Robot i hears what senders first ... last - 1 said.
-
-    Where `receive` only adds and no message is lost, the sums are kept in registers and added once.
-    """
-    if additive and threshold == 0 and stops.shape[1] == 0:
-        sums = no_sums
-        for e in range(first, last):
-            sums = sums_with(sums, unpack(outbox, then + senders[e]), scratch[0])
-        add_sums(me, sums)
-    else:
-        for e in range(first, last):
-            if works(stops, TALKING, senders[e], tick - delay) and (
-                threshold == 0 or heard_by(key, trial, tick, i, senders[e], threshold)
-            ):
-                receive(me, unpack(outbox, then + senders[e]))
-
-
 @entry
 def wake(memory, blank, b, w, outbox, start):
     """Blank minds that believe in b and w; what they would say, and their estimates before any observation."""
@@ -412,6 +393,51 @@ def wake(memory, blank, b, w, outbox, start):
     for i in range(memory.size):
         pack(outbox, i, broadcast(memory[i]))
         start[0, i] = estimate(memory[i])
+
+
+@compiled
+def look(memory, outbox, said, looked, black, b, w, bits):
+    """Robots that do look read the colour under them, and all say what they hold then."""
+    step_b, step_w = np.uint64(b.size > 1), np.uint64(w.size > 1)
+    for i in range(ZERO, np.uint64(memory.size)):
+        if looked[i]:
+            right = unit(bits[i]) < (b[i * step_b] if black[i] else w[i * step_w])
+            observe(memory[i], 1.0 if black[i] == right else 0.0, 1.0)
+        pack(outbox, said + i, broadcast(memory[i]))
+
+
+@njit(nogil=True, error_model="python")
+def look_where_able(memory, outbox, said, looked, black, b, w, bits, readings, tick, stops):
+    """The same of robots of which some fail or whose `readings` are kept: apart, as above."""
+    for i in range(memory.size):
+        if looked[i] and works(stops, SENSING, i, tick):
+            right = unit(bits[i]) < (b[i % b.size] if black[i] else w[i % w.size])
+            reading = 1.0 if black[i] == right else 0.0
+            observe(memory[i], reading, 1.0)
+            if readings.size > 0:
+                readings[i] = reading
+        pack(outbox, said + np.uint64(i), broadcast(memory[i]))
+
+
+@compiled
+def hear_sums(memory, outbox, then, heard, senders, scratch):
+    """Robot i hears what senders[heard[i]: heard[i + 1]] said: where `receive` only adds, and no message is lost."""
+    for i in range(ZERO, np.uint64(memory.size)):
+        sums = no_sums
+        for e in range(np.uint64(heard[i]), np.uint64(heard[i + np.uint64(1)])):
+            sums = sums_with(sums, unpack(outbox, then + np.uint64(senders[e])), scratch[0])
+        add_sums(memory[i], sums)
+
+
+@njit(nogil=True, error_model="python")
+def hear_each(memory, outbox, then, heard, senders, key, trial, tick, delay, threshold, stops):
+    """The same of any brain, but for messages that are lost and robots that did not talk, `delay` ticks ago."""
+    for i in range(memory.size):
+        for e in range(heard[i], heard[i + 1]):
+            if works(stops, TALKING, senders[e], tick - delay) and (
+                threshold == 0 or heard_by(key, trial, tick, i, senders[e], threshold)
+            ):
+                receive(memory[i], unpack(outbox, then + np.uint64(senders[e])))
 
 
 @entry
@@ -428,29 +454,27 @@ def ride(
     n = memory.size
     scratch = memory[:1].copy()
     bits = np.zeros(n, np.uint64)
-    step_b, step_w = (1 if b.size > 1 else 0), (1 if w.size > 1 else 0)
+    nowhere = np.empty(0)
     for k in range(looked.shape[0]):
         if stop[0] != 0:
             return
         now = tick + k
-        said = (now % (delay + 1)) * n
+        said, then = np.uint64(now % (delay + 1) * n), np.uint64((now - delay) % (delay + 1) * n)
         words(read_key, trial, now, 0, 0, n, bits)
-        for i in range(n):
-            if looked[k, i] and works(stops, SENSING, i, now):
-                right = unit(bits[i]) < (b[i * step_b] if black[k, i] else w[i * step_w])
-                observe(memory[i], 1.0 if black[k, i] == right else 0.0, 1.0)
-                if readings.shape[0] > 0:
-                    readings[k, i] = 1.0 if black[k, i] == right else 0.0
-            pack(outbox, said + i, broadcast(memory[i]))
-        then = ((now - delay) % (delay + 1)) * n
-        for i in range(n):
-            if now >= delay:
-                hear_some(
-                    memory[i], i, outbox, then, senders, heard[k * n + i], heard[k * n + i + 1], scratch,
-                    link_key, trial, now, threshold, stops, delay,
+        if stops.shape[1] == 0 and readings.shape[0] == 0:
+            look(memory, outbox, said, looked[k], black[k], b, w, bits)
+        else:
+            kept = readings[k] if readings.shape[0] > 0 else nowhere
+            look_where_able(memory, outbox, said, looked[k], black[k], b, w, bits, kept, now, stops)
+        if now >= delay:
+            bounds = heard[k * n : (k + 1) * n + 1]
+            if additive and threshold == 0 and stops.shape[1] == 0:
+                hear_sums(memory, outbox, then, bounds, senders, scratch)
+            else:
+                hear_each(
+                    memory, outbox, then, bounds, senders, link_key, trial, now, delay, threshold, stops
                 )  # fmt: skip
-            fuse(memory[i])
-            rows[now - 1, i] = estimate(memory[i])
+        fuse_some(memory, ZERO, np.uint64(n), rows, np.uint64(now - 1))
         if history.shape[0] > 0:
             history[k, :] = memory
 

@@ -8,10 +8,11 @@ import numpy as np
 
 from swarmcensus.bodies import Body
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.walk import COS, SIN, STATE, X, Y
+from swarmcensus.engine.motion import COS, SIN, STATE, X, Y
+from swarmcensus.engine.neighbours import ALL_PAIRS
 from swarmcensus.errors import InputError
 
-CHUNK_BYTES = 16_000_000  # of a walk kept at a time
+CHUNK_BYTES = 4_000_000  # of a walk kept at a time
 SENDERS = 2_000_000
 NO_STOPS = np.zeros((3, 0), np.int64)
 
@@ -55,18 +56,26 @@ def walk(
     """
     module = compile_world("walk")
     numbers, half = body.numbers, side / 2.0
-    state = np.zeros((robots, STATE))
+    state = np.zeros((STATE, robots))
     if not module.place(state, numbers, half, key, trial):
         raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
+    if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
+        state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
     listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
-        np.zeros((robots, 2)),
-        np.zeros(robots + 1, np.int64),
-        np.zeros(listed, np.int32),
-        np.zeros(listed, np.int32),
-        np.zeros((3, listed)),
-        np.zeros(listed, np.bool_),
+        np.zeros((2, robots)),
+        np.zeros(robots + 1, np.uint32),
+        np.zeros(listed // 2 + 1, np.uint32),
+        np.zeros(robots + 1, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(listed, np.uint32),
+        np.zeros(listed, np.uint32),
+        np.zeros((2, listed)),
+        np.zeros((listed // 2 + 1, 2), np.uint32),
+        np.zeros(1, np.uint64),
         np.zeros((cells, cells), np.int32),
         np.zeros(robots, np.int32),
     )
@@ -78,11 +87,12 @@ def walk(
         tiles = np.zeros((length, robots, 2), np.int32)
         heard = np.zeros(length * robots + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
-        begin = np.stack([state[:, X], state[:, Y], np.arctan2(state[:, SIN], state[:, COS])], axis=1)
+        begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1) if poses else seen[:0, 0]
         done = module.walk(
             state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stops, stop
         )
         if stop[0] != 0:
             return
-        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], senders, seen[:done], begin)
+        said = senders[: heard[done * robots]].copy()
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], said, seen[:done], begin)
         tick += done

@@ -1,0 +1,177 @@
+"""How robots move: proximity, random walk, avoidance, wheels, contact.
+
+`body` is `Body.numbers` (bodies.py). A heading is kept as its cosine and sine, so that turning is a rotation.
+"""
+
+import math
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.random import block, counter, unit
+
+STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
+RAYS = 8
+DIAGONAL = math.sqrt(0.5)
+RAY_X = np.array([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL])
+RAY_Y = np.array([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL])
+CONTACT = 1e-6  # metres of overlap that contact leaves
+TINY = 1e-12  # keeps a ray along a wall from dividing by zero
+SWEEPS = 200
+SLACK = 0.02  # metres that contact may push a robot further than it goes by itself
+
+# rows of robots' states: SPEED is in metres and TURN in radians a tick, with the cosine and sine of the part of
+# it that comes before new wheel speeds take hold, and of the part after
+X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING = range(13)
+STATE = 13
+
+
+@compiled
+def walls_along(k, dx, dy, x, y, half, rays):
+    """Set rays k and k + 4, of direction (dx, dy) and opposite, to their lengths from (x, y) to the walls."""
+    per_x = 1.0 / max(abs(dx), TINY)
+    per_y = 1.0 / max(abs(dy), TINY)
+    along_x = x if dx > 0.0 else -x
+    along_y = y if dy > 0.0 else -y
+    rays[k] = min((half - along_x) * per_x, (half - along_y) * per_y)
+    rays[k + 4] = min((half + along_x) * per_x, (half + along_y) * per_y)
+
+
+@compiled
+def disc_along(k, along, across, radius, rays):
+    """Shorten rays k and k + 4, on one line, to a disc that lies so far along it and across."""
+    under = radius * radius - across * across
+    hit = abs(along) - math.sqrt(max(under, 0.0))
+    hit = hit if under >= 0.0 else np.inf
+    rays[k] = min(rays[k], hit if along > 0.0 else np.inf)
+    rays[k + 4] = min(rays[k + 4], np.inf if along > 0.0 else hit)
+
+
+@compiled
+def obstacle(state, i, body, half, first, last, gaps, rays, which):
+    """The mean of the proximity ring's readings, as a vector in the body's frame; `rays` is room for the ring."""
+    ahead = 0.0
+    aside = 0.0
+    reach = body.radius + body.proximity_range
+    x = state[X, i]
+    y = state[Y, i]
+    c = state[COS, i]
+    s = state[SIN, i]
+    met = max(abs(x), abs(y)) > half - reach
+    if met:
+        walls_along(0, c, s, x, y, half, rays)
+        walls_along(1, (c - s) * DIAGONAL, (s + c) * DIAGONAL, x, y, half, rays)
+        walls_along(2, -s, c, x, y, half, rays)
+        walls_along(3, -(s + c) * DIAGONAL, (c - s) * DIAGONAL, x, y, half, rays)
+    for e in range(first, last):
+        gx = gaps[0, e]
+        gy = gaps[1, e]
+        if gx * gx + gy * gy < (reach + body.radius) * (reach + body.radius):
+            if not met:
+                met = True
+                for k in range(RAYS):
+                    rays[k] = np.inf
+            forth = c * gx + s * gy
+            left = c * gy - s * gx
+            disc_along(0, forth, left, body.radius, rays)
+            disc_along(1, (forth + left) * DIAGONAL, (left - forth) * DIAGONAL, body.radius, rays)
+            disc_along(2, left, forth, body.radius, rays)
+            disc_along(3, (left - forth) * DIAGONAL, (forth + left) * DIAGONAL, body.radius, rays)
+    if met:
+        hits = 0
+        for k in range(RAYS):
+            which[hits] = k
+            hits += rays[k] - body.radius <= body.proximity_range
+        for hit in range(hits):
+            k = which[hit]
+            d = rays[k] - body.radius
+            seen = min(max(4.14 * math.exp(-33.0 * d) - 0.085, 0.0), 1.0)
+            seen = 1.0 if d < body.proximity_near else seen
+            ahead += seen * RAY_X[k]
+            aside += seen * RAY_Y[k]
+    return ahead / RAYS, aside / RAYS
+
+
+@compiled
+def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tick):
+    """What robot i does in this tick, and whether it avoids an obstacle (and so makes no observation)."""
+    ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays, which)
+    square = ahead * ahead + aside * aside
+    if square >= body.avoid_above * body.avoid_above and ahead > body.cos_within * math.sqrt(square):
+        state[AVOIDING, i] = state[AVOIDING, i] % 60.0 + 1.0
+        state[LEFT_TICKS, i] = 0.0
+        return (RIGHT if state[AVOIDING, i] > 30.0 or aside > 0.0 else LEFT), True
+    state[AVOIDING, i] = 0.0
+    if state[LEFT_TICKS, i] == 0.0:
+        p, q = block(key[0], key[1], counter(trial, tick), counter(0, i))
+        if p >> np.uint64(63) == np.uint64(0):
+            state[MOVE, i] = STRAIGHT
+            ticks = math.floor(-body.straight_mean * math.log(1.0 - unit(q)))
+        else:
+            state[MOVE, i] = LEFT if (p >> np.uint64(62)) & np.uint64(1) == np.uint64(0) else RIGHT
+            ticks = math.floor(unit(q) * (body.turn_most + 1.0))
+            if ticks == 0.0:
+                state[MOVE, i] = STAND
+        state[LEFT_TICKS, i] = max(ticks, 1.0)
+    state[LEFT_TICKS, i] -= 1.0
+    return int(state[MOVE, i]), False
+
+
+@compiled
+def set_wheels(state, i, body, speed, turn):
+    """From now on robot i goes `speed` metres and turns by `turn` radians a tick."""
+    state[SPEED, i] = speed
+    if turn != state[TURN, i]:
+        state[TURN, i] = turn
+        state[COS_LATE, i] = math.cos(turn * body.lag)
+        state[SIN_LATE, i] = math.sin(turn * body.lag)
+        state[COS_THEN, i] = math.cos(turn * (1.0 - body.lag))
+        state[SIN_THEN, i] = math.sin(turn * (1.0 - body.lag))
+
+
+@compiled
+def go(state, i, share, cosine, sine):
+    """Robot i moves on for a share of a tick, in which its turn has this cosine and sine."""
+    c = state[COS, i] * cosine - state[SIN, i] * sine
+    s = state[SIN, i] * cosine + state[COS, i] * sine
+    stretch = 1.5 - 0.5 * (c * c + s * s)  # a step of Newton's: rounding must not grow
+    state[COS, i] = c * stretch
+    state[SIN, i] = s * stretch
+    state[X, i] += state[SPEED, i] * share * state[COS, i]
+    state[Y, i] += state[SPEED, i] * share * state[SIN, i]
+
+
+@compiled
+def keep_inside(state, i, limit):
+    """Push a robot's centre off the walls."""
+    state[X, i] = min(max(state[X, i], -limit), limit)
+    state[Y, i] = min(max(state[Y, i], -limit), limit)
+
+
+@compiled
+def part(state, limit, apart, close, pairs):
+    """Push apart what overlaps, robots by halves and off the walls, until nothing does.
+
+    Only the `pairs` of robots in `close` can touch. A sweep's pushes may bring others together, or into a wall,
+    which the next sweep finds.
+    """
+    for _ in range(SWEEPS):
+        worst = 0.0
+        for e in range(pairs):
+            i = close[e, 0]
+            j = close[e, 1]
+            dx = state[X, j] - state[X, i]
+            dy = state[Y, j] - state[Y, i]
+            square = dx * dx + dy * dy
+            if square < apart * apart:
+                d = math.sqrt(square)
+                worst = max(worst, apart - d)
+                push = 0.5 * (apart - d) / max(d, 1e-9)
+                state[X, i] -= push * dx
+                state[Y, i] -= push * dy
+                state[X, j] += push * dx
+                state[Y, j] += push * dy
+                keep_inside(state, i, limit)
+                keep_inside(state, j, limit)
+        if worst < CONTACT:
+            break
