@@ -41,6 +41,7 @@ class Body(BaseModel):
         """The body as the engine takes it: one record of float64."""
         values = {
             "radius": self.radius,
+            "tick": self.tick,
             "step": self.speed * self.tick,
             "turn": 2.0 * self.turn_speed * self.tick / self.wheel_distance,
             "lag": self.wheel_lag,

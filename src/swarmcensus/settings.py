@@ -105,7 +105,9 @@ class Setting:
 
     @property
     def walk_group(self) -> str:
-        """Settings alike in this share their walks, trial by trial."""
+        """Settings alike in this share their walks, trial by trial: those whose brains steer, with no other."""
+        if self.brain.steers:
+            return self.fingerprint(0)
         lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
         return repr((self.walk_content, self.rounds, lame))
 

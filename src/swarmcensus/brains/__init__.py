@@ -14,6 +14,7 @@ from swarmcensus.errors import InputError
 
 HERE = Path(__file__).parent
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
+MAY_HAVE = {"steer": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod")
@@ -45,6 +46,11 @@ class Brain:
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
         return hashlib.sha256(self.source.encode()).hexdigest()
+
+    @property
+    def steers(self) -> bool:
+        """Whether it says where its robot goes: such a walk depends on the brain."""
+        return hasattr(self.functions, "steer")
 
     @property
     def memory_bytes(self) -> int:
@@ -178,8 +184,10 @@ def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, flo
     need(len(set(sums)) == len(sums), "SUMS names a field twice")
     for key in sums:
         need(key in memory, f"SUMS names {key!r}, which is not in MEMORY")
-    for name, arity in FUNCTIONS.items():
+    for name, arity in (FUNCTIONS | MAY_HAVE).items():
         function = getattr(module, name, None)
+        if name in MAY_HAVE and function is None:
+            continue
         need(isinstance(function, types.FunctionType), f"the function {name} is missing")
         assert isinstance(function, types.FunctionType)
         found = function.__code__.co_argcount

@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numba
+import numba.extending
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
@@ -30,7 +31,7 @@ PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
+from swarmcensus.engine.compiler import chosen, compiled, entry  # noqa: F401
 
 from . import brain
 
@@ -38,6 +39,7 @@ for name, value in list(vars(brain).items()):
     if isinstance(value, type(lambda: None)):
         setattr(brain, name, compiled(value))
 {functions}
+steer = {steer}
 outbox_width = {width}
 no_sums = {no_sums}
 additive = {additive}
@@ -76,6 +78,39 @@ def entry(function: types.FunctionType) -> Any:
     return numba.njit(nogil=True, error_model="python", cache=True)(function)
 
 
+@numba.extending.intrinsic
+def _unwrapped(context: Any, wish: Any) -> Any:
+    """An optional pair as whether it is there, and the pair: Numba itself can do neither with one."""
+    pair = wish.type
+
+    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+        optional = target.make_helper(builder, wish, value=arguments[0])
+        return target.make_tuple(builder, signature.return_type, (optional.valid, optional.data))
+
+    return numba.types.Tuple((numba.types.boolean, pair))(wish), generate
+
+
+def chosen(wish: Any) -> tuple[bool, float, float]:
+    """What `steer` returned, without None: whether it wants anything, speed and turn."""
+    return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
+
+
+@numba.extending.overload(chosen)
+def _chosen(wish: Any) -> Any:
+    if isinstance(wish, numba.types.NoneType):
+        return lambda wish: (False, 0.0, 0.0)
+    if isinstance(wish, numba.types.Optional):
+
+        def optional(wish):  # type: ignore[no-untyped-def]
+            there, pair = _unwrapped(wish)  # type: ignore[call-arg, var-annotated]
+            if not there:
+                return False, 0.0, 0.0
+            return True, float(pair[0]), float(pair[1])
+
+        return optional
+    return lambda wish: (True, float(wish[0]), float(wish[1]))
+
+
 def record_type(brain: Brain) -> np.dtype:
     """A robot's mind as a NumPy record."""
     fields = [(name, np.float64) for name in (*brain.memory, *BELIEFS)]
@@ -102,6 +137,7 @@ def _glue(brain: Brain) -> str:
     slots = "".join(f"outbox[i, {j}], " for j in range(len(brain.message))).strip()
     return GLUE.format(
         functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
+        steer="brain.steer" if brain.steers else "compiled(lambda me: None)",
         width=len(brain.message),
         slots=slots,
         additions="\n    ".join(f"me.{name} += sums[{j}]" for j, name in enumerate(brain.sums)) or "pass",

@@ -14,6 +14,7 @@ from .mind import (
     add_sums,
     additive,
     broadcast,
+    chosen,
     compiled,
     entry,
     estimate,
@@ -23,6 +24,7 @@ from .mind import (
     outbox_width,
     pack,
     receive,
+    steer,
     sums_with,
     unpack,
 )
@@ -477,6 +479,28 @@ def ride(
         fuse_some(memory, ZERO, np.uint64(n), rows, np.uint64(now - 1))
         if history.shape[0] > 0:
             history[k, :] = memory
+
+
+@entry
+def wish(memory, body, wishes):
+    """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
+
+    Wheels that turn a robot cannot drive it at full speed as well: what is too fast for them is slowed as a whole.
+    """
+    for i in range(memory.size):
+        wants, speed, turn = chosen(steer(memory[i]))
+        speed *= body[0].tick
+        turn *= body[0].tick
+        if not (abs(speed) < 1e300 and abs(turn) < 1e300):
+            raise ValueError("steer returned a speed or turn that is not a number")
+        load = 0.0
+        if speed != 0.0:
+            load += abs(speed) / body[0].step if body[0].step > 0.0 else np.inf
+        if turn != 0.0:
+            load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
+        wishes[0, i] = 1.0 if wants else 0.0
+        wishes[1, i] = speed / max(load, 1.0)
+        wishes[2, i] = turn / max(load, 1.0)
 
 
 @entry

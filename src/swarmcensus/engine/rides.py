@@ -45,6 +45,12 @@ class Rider:
             self.stops, stop,
         )  # fmt: skip
 
+    def wish(self, wishes: np.ndarray) -> None:
+        """Say where the minds want to go in the next tick, if they steer."""
+        if wishes.size:
+            assert self.setting.body is not None
+            self.kernel.wish(self.memory, self.setting.body.numbers, wishes)
+
     def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
         """The trial's metrics, as a batch of one."""
         truth = true_fill_ratio if metrics.on_floor else self.setting.fill_ratio
@@ -69,11 +75,13 @@ def run_ride(
     riders = [Rider(setting, seed, trial) for setting in settings]
     keys = [setting.floor_key(seed).tobytes() for setting in settings]
     grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
-    for chunk in walk_of(settings[0], seed, trial, stop):
+    wishes = wishes_of(settings[0])
+    for chunk in walk_of(settings[0], seed, trial, stop, wishes):
         black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
             try:
                 rider.ride(chunk, black[key], stop)
+                rider.wish(wishes)
             except Exception as error:
                 raise blame(rider.setting, trial, 1, error) from error
     if stop[0]:
@@ -81,8 +89,15 @@ def run_ride(
     return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
 
 
-def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bool = False) -> Iterator[Chunk]:
-    """The chunks of a setting's walk."""
+def wishes_of(setting: Setting) -> np.ndarray:
+    """Room for where robots want to go (3, robot), none yet; empty where their brain does not steer."""
+    return np.zeros((3, setting.robots if setting.brain.steers else 0))
+
+
+def walk_of(
+    setting: Setting, seed: int, trial: int, stop: np.ndarray, wishes: np.ndarray, poses: bool = False
+) -> Iterator[Chunk]:
+    """The chunks of a setting's walk; `wishes` may change from chunk to chunk."""
     assert setting.body is not None
     return walk(
         setting.robots,
@@ -94,6 +109,7 @@ def walk_of(setting: Setting, seed: int, trial: int, stop: np.ndarray, poses: bo
         stop,
         poses,
         setting.stops(seed, trial),
+        wishes,
     )
 
 
@@ -122,12 +138,14 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     looked = np.zeros(shape, np.bool_)
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
     links = []
-    for chunk in walk_of(setting, seed, trial, stop, poses=True):
+    wishes = wishes_of(setting)
+    for chunk in walk_of(setting, seed, trial, stop, wishes, poses=True):
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
         colours[ticks] = ground.colours(chunk.tiles)
         rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
+        rider.wish(wishes)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])

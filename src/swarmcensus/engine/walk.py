@@ -17,6 +17,7 @@ from .motion import (
     COS_LATE,
     COS_THEN,
     LEFT,
+    LEFT_TICKS,
     RAYS,
     RIGHT,
     SIN,
@@ -82,14 +83,16 @@ def place(state, body, half, key, trial):
 @entry
 def walk(
     state, bodies, half, key, trial, tick, looked, tiles, heard, senders, poses,
-    anchors, first, others, room, around, lower, hears, near, ears, gaps, close, pairs, heads, following, stops, stop,
+    anchors, first, others, room, around, lower, hears, near, ears, gaps, close, pairs, heads, following,
+    wishes, stops, stop,
 ):  # fmt: skip
     """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where `senders` is full.
 
     Fills, for each tick: looked (robot): whether an observation is made; tiles (robot, 2): the tile under the
     ground sensor; heard: in the k-th of these ticks robot i hears senders[heard[k n + i]: heard[k n + i + 1]], in
     order; poses (robot, 3) of x, y and heading where it has rows. All from `anchors` to `following` is what
-    neighbours.py keeps from tick to tick; pairs[0] are the rows of `close` in use.
+    neighbours.py keeps from tick to tick; pairs[0] are the rows of `close` in use. `wishes` (what, robot), where it has
+    rows, are those of brains that steer: whether there is one, metres and radians a tick.
     """
     body = bodies[0]
     robots = np.uint64(state.shape[1])
@@ -114,15 +117,21 @@ def walk(
             )  # fmt: skip
         for i in range(robots):
             move, avoiding = STAND, False
-            if stops.shape[1] == 0 or tick + k < stops[MOVING, i]:
+            able = stops.shape[1] == 0 or tick + k < stops[MOVING, i]
+            if able:
                 move, avoiding = decide(
                     state, i, body, half, room[i], room[i] + around[i], gaps, rays, which, key, trial, tick + k
                 )
             looked[k, i] = not avoiding
             # the wheels answer late: at first the last tick's motion goes on
             go(state, i, body.lag, state[COS_LATE, i], state[SIN_LATE, i])
+            speed = body.step if move == STRAIGHT else 0.0
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
-            set_wheels(state, i, body, body.step if move == STRAIGHT else 0.0, turn)
+            if wishes.shape[1] > 0 and able and not avoiding and wishes[0, i] > 0.0:
+                speed = wishes[1, i]
+                turn = wishes[2, i]
+                state[LEFT_TICKS, i] = 0.0
+            set_wheels(state, i, body, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
             keep_inside(state, i, half - body.radius)
         part(state, half - body.radius, 2.0 * body.radius, close, pairs[0])

@@ -14,6 +14,7 @@ from swarmcensus.errors import InputError
 
 CHUNK_BYTES = 4_000_000  # of a walk kept at a time
 SENDERS = 2_000_000
+NO_WISHES = np.zeros((0, 0))
 NO_STOPS = np.zeros((3, 0), np.int64)
 
 
@@ -49,9 +50,11 @@ def walk(
     stop: np.ndarray,
     poses: bool = False,
     stops: np.ndarray = NO_STOPS,
+    wishes: np.ndarray = NO_WISHES,
 ) -> Iterator[Chunk]:
     """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
 
+    `wishes` (3, robot) of brains that steer are read anew for each tick: chunks are of one tick then.
     Raises InputError where the robots find no room.
     """
     module = compile_world("walk")
@@ -82,14 +85,14 @@ def walk(
     senders = np.zeros(listed + SENDERS, np.int32)
     tick = 1
     while tick <= ticks:
-        length = min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))
+        length = 1 if wishes.size else min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))
         looked = np.zeros((length, robots), np.bool_)
         tiles = np.zeros((length, robots, 2), np.int32)
         heard = np.zeros(length * robots + 1, np.int64)
         seen = np.zeros((length if poses else 0, robots, 3))
         begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1) if poses else seen[:0, 0]
         done = module.walk(
-            state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, stops, stop
+            state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, wishes, stops, stop
         )
         if stop[0] != 0:
             return
