@@ -59,6 +59,14 @@ class Ground:
         compile_world().paint_tiles(tiles, self.key, self.trial, self.fill_ratio, black)
         return black
 
+    def all_tiles(self, across: int) -> NDArray[np.uint8]:
+        """Every tile of a square so many tiles across, as in `floor_of`."""
+        place = np.arange(-(across // 2), across // 2, dtype=np.int32)
+        tiles = np.empty((across, across), np.bool_)
+        for row, y in enumerate(place):  # a row at a time: the list of tiles takes eight bytes each
+            tiles[row] = self.colours(np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis])[0]
+        return tiles.view(np.uint8)
+
 
 def side_of(setting: Setting) -> float:
     """Return the inner side of the arena of robots that move, in metres."""
@@ -212,9 +220,4 @@ def floor_of(setting: Setting, seed: int, trial: int) -> NDArray[np.uint8]:
     """
     assert setting.body is not None
     ground = Ground(setting, seed, trial)
-    across = tiles_across(side_of(setting), setting.body.tile)
-    place = np.arange(-(across // 2), across // 2, dtype=np.int32)
-    tiles = np.empty((across, across), np.bool_)
-    for row, y in enumerate(place):  # a row at a time: the list of tiles takes eight bytes each
-        tiles[row] = ground.colours(np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis])[0]
-    return tiles.view(np.uint8)
+    return ground.all_tiles(tiles_across(side_of(setting), setting.body.tile))

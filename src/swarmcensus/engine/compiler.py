@@ -20,18 +20,18 @@ from pathlib import Path
 from typing import Any
 
 import numba
-import numba.extending
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 
 HERE = Path(__file__).parent
-SOURCES = ("draws.py", "random.py", "modes.py", "compiler.py")  # what every kernel depends on
+SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "compiler.py")  # what every kernel depends on
 PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own folder
+STEERING = ("steering.py", "walk.py", *PARTS["walk"])  # beside the kernel of a brain that steers
 
 GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.compiler import chosen, compiled, entry  # noqa: F401
+from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
 
 from . import brain
 
@@ -76,39 +76,6 @@ def compiled(function: types.FunctionType) -> Any:
 def entry(function: types.FunctionType) -> Any:
     """The same, kept on disk: what CPython calls."""
     return numba.njit(nogil=True, error_model="python", cache=True)(function)
-
-
-@numba.extending.intrinsic
-def _unwrapped(context: Any, wish: Any) -> Any:
-    """An optional pair as whether it is there, and the pair: Numba itself can do neither with one."""
-    pair = wish.type
-
-    def generate(target: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-        optional = target.make_helper(builder, wish, value=arguments[0])
-        return target.make_tuple(builder, signature.return_type, (optional.valid, optional.data))
-
-    return numba.types.Tuple((numba.types.boolean, pair))(wish), generate
-
-
-def chosen(wish: Any) -> tuple[bool, float, float]:
-    """What `steer` returned, without None: whether it wants anything, speed and turn."""
-    return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
-
-
-@numba.extending.overload(chosen)
-def _chosen(wish: Any) -> Any:
-    if isinstance(wish, numba.types.NoneType):
-        return lambda wish: (False, 0.0, 0.0)
-    if isinstance(wish, numba.types.Optional):
-
-        def optional(wish):  # type: ignore[no-untyped-def]
-            there, pair = _unwrapped(wish)  # type: ignore[call-arg, var-annotated]
-            if not there:
-                return False, 0.0, 0.0
-            return True, float(pair[0]), float(pair[1])
-
-        return optional
-    return lambda wish: (True, float(wish[0]), float(wish[1]))
 
 
 def record_type(brain: Brain) -> np.dtype:
@@ -163,9 +130,9 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
-def compile_brain(brain: Brain) -> types.ModuleType:
-    """The kernel around a brain, as a module whose functions are the engine's entry points."""
-    return _module(_brain_files(brain), "kernel")
+def compile_brain(brain: Brain, name: str = "kernel") -> types.ModuleType:
+    """The kernel around a brain, as a module whose functions are the engine's entry points; or its "steering"."""
+    return _module(_brain_files(brain), name)
 
 
 def compile_world(name: str = "world") -> types.ModuleType:
@@ -190,6 +157,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
         "brain.py": brain.source,
         "mind.py": _glue(brain),
         "kernel.py": _source("kernel.py"),
+        **({part: _source(part) for part in STEERING} if brain.steers else {}),
     }
 
 

@@ -9,12 +9,12 @@ from numba import njit
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.modes import FULL, LISTED, SENSING, TALKING
 from swarmcensus.engine.random import block, counter, unit, words
+from swarmcensus.engine.wishes import chosen
 
 from .mind import (
     add_sums,
     additive,
     broadcast,
-    chosen,
     compiled,
     entry,
     estimate,

@@ -7,10 +7,12 @@ import numpy as np
 
 from swarmcensus.engine import compiler
 from swarmcensus.engine.trials import Batch, Metrics, blame
-from swarmcensus.engine.walking import Chunk, walk
-from swarmcensus.floors import Ground, side_of
+from swarmcensus.engine.walking import Chunk, set_out, walk
+from swarmcensus.floors import Ground, side_of, tiles_across
 from swarmcensus.metrics import right_bin
 from swarmcensus.settings import Setting
+
+MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
 class Rider:
@@ -72,6 +74,9 @@ def run_ride(
     settings: Sequence[Setting], seed: int, trial: int, metrics: Metrics, stop: np.ndarray
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
+    if settings[0].brain.steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
+        batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
+        return None if batch is None else [batch]
     riders = [Rider(setting, seed, trial) for setting in settings]
     keys = [setting.floor_key(seed).tobytes() for setting in settings]
     grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
@@ -87,6 +92,30 @@ def run_ride(
     if stop[0]:
         return None
     return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
+
+
+def tiles_of(setting: Setting) -> int:
+    """How many tiles the arena has from wall to wall."""
+    assert setting.body is not None
+    return tiles_across(side_of(setting), setting.body.tile)
+
+
+def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
+    """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
+    assert setting.body is not None
+    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
+    key = setting.walk_key(seed)
+    state, numbers, half, around, listed = set_out(setting.robots, side_of(setting), setting.body, key, trial)
+    nothing = np.empty((0, 0), rider.memory.dtype), np.zeros((0, 0))
+    try:
+        compiler.compile_brain(setting.brain, "steering").live(
+            state, numbers, half, key, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
+            ground.all_tiles(tiles_of(setting)), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
+            setting.loss_threshold, rider.delay, nothing, rider.stops, stop,
+        )  # fmt: skip
+    except Exception as error:
+        raise blame(setting, trial, 1, error) from error
+    return None if stop[0] else rider.measure(metrics, ground.true_fill_ratio)
 
 
 def wishes_of(setting: Setting) -> np.ndarray:

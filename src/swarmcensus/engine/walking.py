@@ -40,21 +40,12 @@ def neighbours_at_most(robots: int, body: Body) -> int:
     return min(robots - 1, int(fit) + 1)
 
 
-def walk(
-    robots: int,
-    side: float,
-    body: Body,
-    key: np.ndarray,
-    trial: int,
-    ticks: int,
-    stop: np.ndarray,
-    poses: bool = False,
-    stops: np.ndarray = NO_STOPS,
-    wishes: np.ndarray = NO_WISHES,
-) -> Iterator[Chunk]:
-    """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
+def set_out(
+    robots: int, side: float, body: Body, key: np.ndarray, trial: int
+) -> tuple[np.ndarray, np.ndarray, float, tuple[np.ndarray, ...], int]:
+    """Put robots in their places: their state, the body's numbers, half the side, room to work in, and how many
+    messages one tick may have at the most.
 
-    `wishes` (3, robot) of brains that steer are read anew for each tick: chunks are of one tick then.
     Raises InputError where the robots find no room.
     """
     module = compile_world("walk")
@@ -82,6 +73,28 @@ def walk(
         np.zeros((cells, cells), np.int32),
         np.zeros(robots, np.int32),
     )
+    return state, numbers, half, around, listed
+
+
+def walk(
+    robots: int,
+    side: float,
+    body: Body,
+    key: np.ndarray,
+    trial: int,
+    ticks: int,
+    stop: np.ndarray,
+    poses: bool = False,
+    stops: np.ndarray = NO_STOPS,
+    wishes: np.ndarray = NO_WISHES,
+) -> Iterator[Chunk]:
+    """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
+
+    `wishes` (3, robot) of brains that steer are read anew for each tick: chunks are of one tick then.
+    Raises InputError where the robots find no room.
+    """
+    module = compile_world("walk")
+    state, numbers, half, around, listed = set_out(robots, side, body, key, trial)
     senders = np.zeros(listed + SENDERS, np.int32)
     tick = 1
     while tick <= ticks:

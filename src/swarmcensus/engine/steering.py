@@ -1,0 +1,42 @@
+"""Robots whose brains steer: bodies and minds live tick by tick together, for where one goes the other decides.
+
+This file is compiled anew for every brain that steers (see `compiler.py`), beside its kernel.
+"""
+
+import numpy as np
+
+from swarmcensus.engine.compiler import entry
+
+from .kernel import ride, wish
+from .walk import walk
+
+
+@entry
+def live(
+    state, body, half, walk_key, trial, around, senders, wishes, floor,
+    memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
+):  # fmt: skip
+    """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
+
+    `around` is what `walk` takes from anchors to following, `kept` the empty room of `ride` for what is recorded.
+    """
+    n = memory.size
+    looked = np.zeros((1, n), np.bool_)
+    black = np.zeros((1, n), np.bool_)
+    tiles = np.zeros((1, n, 2), np.int32)
+    heard = np.zeros(n + 1, np.int64)
+    poses = np.zeros((0, n, 3))
+    low, left = floor.shape[0] // 2, floor.shape[1] // 2
+    for tick in range(1, rows.shape[0] + 1):
+        walk(
+            state, body, half, walk_key, trial, tick, looked, tiles, heard, senders, poses, *around, wishes, stops, stop
+        )  # fmt: skip
+        if stop[0] != 0:
+            return
+        for i in range(n):
+            black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
+        ride(
+            memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay, looked, black, heard,
+            senders, *kept, stops, stop,
+        )  # fmt: skip
+        wish(memory, body, wishes)

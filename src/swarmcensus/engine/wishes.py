@@ -1,0 +1,37 @@
+"""What a brain's `steer` returned, a pair or None, for Numba, which can neither index nor unpack "a pair or None"."""
+
+import numba
+from numba.extending import intrinsic, overload
+
+
+@intrinsic
+def unwrapped(context, wish):
+    """An optional pair as whether it is there, and the pair."""
+
+    def generate(target, builder, signature, arguments):
+        optional = target.make_helper(builder, wish, value=arguments[0])
+        return target.make_tuple(builder, signature.return_type, (optional.valid, optional.data))
+
+    return numba.types.Tuple((numba.types.boolean, wish.type))(wish), generate
+
+
+def chosen(wish):
+    """Whether it wants anything, the speed, and the turn."""
+    return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
+
+
+@overload(chosen)
+def compiled_chosen(wish):
+    """The same, compiled: for None, for a pair, and for either."""
+    if isinstance(wish, numba.types.NoneType):
+        return lambda wish: (False, 0.0, 0.0)
+    if not isinstance(wish, numba.types.Optional):
+        return lambda wish: (True, float(wish[0]), float(wish[1]))
+
+    def either(wish):
+        there, pair = unwrapped(wish)
+        if there:
+            return True, float(pair[0]), float(pair[1])
+        return False, 0.0, 0.0
+
+    return either
