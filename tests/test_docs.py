@@ -80,7 +80,7 @@ def test_toml_is_a_study_or_a_change_to_one(text):
         "world": {"topology": "ring", "fill_ratio": 0.55},
     }
     found = tomllib.loads(text)
-    if "trials" not in found:
+    if "swarm" not in found:
         for key, value in found.items():
             tables[key] = tables[key] | value if key in tables else value
         found = tables

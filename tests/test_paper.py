@@ -196,8 +196,8 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next(tmp_path, m
     with pytest.raises(Interrupted, match="3 of 22"):
         paper.reproduce(tmp_path, trials=1, only="fig3", say=lambda _: None)
     files = sorted(p.relative_to(tmp_path).as_posix() for p in tmp_path.rglob("*") if p.is_file())
-    assert files == ["data/same-rounds.nc", "data/topologies.partial.nc"]
-    assert results.load(tmp_path / "data" / "topologies.partial.nc").sizes["trial"] == 1
+    assert files == ["data/same-rounds.nc", "data/topologies.nc"]
+    assert results.load(tmp_path / "data" / "topologies.nc").sizes["trial"] == 1
     monkeypatch.undo()
     paper.reproduce(tmp_path, trials=1, only="fig4", say=lambda _: None)
     assert not (tmp_path / "data" / "topologies.partial.nc").exists()

@@ -153,12 +153,17 @@ def run(
             state.holding.fill(state.values)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
-        interrupted = _run_stages(state, pool)
+        try:
+            interrupted = _run_stages(state, pool)
+        except KeyboardInterrupt:  # between two stages
+            interrupted = True
         data = results.dataset(study, settings, state.values)
         before = state.holding.seconds if state.holding else (0.0, 0.0)
+        done = int(state.values.done().sum())
+        enough = study.until is not None and not interrupted  # a rule's total is known once it holds
         data.attrs |= {
-            "trials_done": int(state.values.done().sum()),
-            "trials_total": study.trials * len(settings),
+            "trials_done": done,
+            "trials_total": done + len(state.failures) if enough else study.trials * len(settings),
             "started": started,
             "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
             "wall_seconds": round(before[0] + time.monotonic() - begun, 3),
@@ -168,7 +173,7 @@ def run(
             data["half_width"] = (
                 "setting",
                 state.widths,
-                {"long_name": f"what the rule looks at: {study.until.until}"},
+                {"long_name": "half the interval that the rule looks at", "rule": study.until.until},
             )
         if state.failures:
             _tell(state, data)

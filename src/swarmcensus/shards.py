@@ -30,7 +30,7 @@ from swarmcensus.values import Columns, columns, shapes
 FORMAT = "swarmcensus shard 1"
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
-AT_LEAST, AT_MOST, OF_ELAPSED = 1.0, 30.0, 0.001  # seconds between shards: so that there are never too many
+AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
 
 
 @dataclass(frozen=True)

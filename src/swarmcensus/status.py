@@ -29,7 +29,7 @@ class Status:
         """The same in words."""
         share = f" ({100 * self.done / self.total:.1f} %)" if self.total else ""
         out = [f"{self.study}: {self.settings:,} settings; {self.done:,} of {self.total:,} trials done{share}"]
-        if self.rule:
+        if self.rule and self.done < self.total:
             out.append(f"trials are added until: {self.rule}; the total grows with them")
         if self.running:
             out.append(f"running: {self.running}")

@@ -25,7 +25,8 @@ def _table(*columns: tuple[str, bool]) -> Table:
 def summary(data: xr.Dataset) -> None:
     """Medians over robots and trials of each setting, where the settings are few."""
     console = Console()
-    if data.sizes["setting"] > MOST_SETTINGS:
+    rule = "half_width" in data  # then what each setting needed is what the run was for
+    if data.sizes["setting"] > MOST_SETTINGS and not rule:
         return
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
@@ -37,6 +38,7 @@ def summary(data: xr.Dataset) -> None:
         ("K", True),
         ("error", True),
         ("right", True),
+        *([("trials", True), ("+-", True)] if rule else []),
     )
     for k in range(data.sizes["setting"]):
         one = data.isel(setting=k)
@@ -48,14 +50,16 @@ def summary(data: xr.Dataset) -> None:
         table.add_row(
             str(one["setting"].values),
             *(escape(str(one[c].values)) for c in shown),
-            f"{np.median(one['convergence_round'].values[done]):.0f}",
-            f"{np.median(one['convergence_error'].values[done]):.4f}",
+            f"{np.median(one['convergence_round'].values[done]):.0f}" if done.any() else "-",
+            f"{np.median(one['convergence_error'].values[done]):.4f}" if done.any() else "-",
             right,
+            *([str(done[:, 0].sum()), f"{one['half_width'].values:.2g}"] if rule else []),
         )
     console.print(table)
     console.print(
         "K: round of convergence, error: |x - f| at K (medians over robots and trials); "
-        "right: robots in the correct bin after the last round",
+        "right: robots in the correct bin after the last round"
+        + (f"; +-: half the interval of {data['half_width'].attrs['rule']}" if rule else ""),
         style="dim",
     )
 

@@ -7,6 +7,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.engine.blaming import line_of_failure
 from swarmcensus.engine.rides import run_ride
 from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.errors import InputError
@@ -133,8 +134,11 @@ def run_bundle(
             outcome += _run(settings, seed, task, metrics, stop)
         except InputError as error:
             parts = _parts(task)
-            if parts == [task]:
-                outcome += [Failure(n, task.first, str(error)) for n in task.settings]
+            if len(parts) == 1:
+                known = {one.setting for one in outcome if isinstance(one, Failure)}
+                first = task.settings[0]  # one line a setting: CPython is slow
+                where = "" if first in known else line_of_failure(settings[first], seed, task.first)
+                outcome += [Failure(n, task.first, f"{error}{where}") for n in task.settings]
             else:
                 outcome += run_bundle(settings, seed, tuple(parts), metrics, stop)
     return outcome

@@ -1,0 +1,185 @@
+"""Results put together, and results run again."""
+
+import json
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli import main
+from swarmcensus.errors import InputError
+
+TABLES = {
+    "name": "parts",
+    "seed": 3,
+    "trials": 4,
+    "swarm": {"robots": [4, 6], "accuracy": ["U(0.6, 0.9)"]},
+    "world": {"topology": ["ring", "full"], "fill_ratio": [0.55]},
+    "schedule": {"rounds": 40},
+    "measure": {"checkpoints": [10, 40]},
+}
+NUMBERS = ("convergence_round", "convergence_error", "final_estimate", "correct")
+
+
+def study(**changes):
+    tables = {k: dict(v) if isinstance(v, dict) else v for k, v in TABLES.items()}
+    for key, value in changes.items():
+        table, _, name = key.partition("_in_")
+        if name:
+            tables[name][table] = value
+        else:
+            tables[key] = value
+    return sc.Study(**tables)
+
+
+def ran(**changes):
+    return sc.run(study(**changes), jobs=2)
+
+
+def test_settings_and_trials_that_differ():
+    one = ran(robots_in_swarm=4, trials=6)
+    two = ran(robots_in_swarm=6, topology_in_world="ring")
+    three = ran(robots_in_swarm=[6, 4], topology_in_world=["full", "ring"])
+    merged = sc.merge([one, two, three])
+    assert merged.sizes == {"setting": 4, "trial": 6, "robot": 6, "checkpoint": 2}
+    assert merged.attrs["trials_done"] == 6 + 6 + 4 + 4
+    assert merged.attrs["title"] == "parts"
+    assert len(json.loads(merged.attrs["merged"])) == 3
+    for source in (one, two, three):
+        for k, mark in enumerate(source["fingerprint"].values):
+            (row,) = np.flatnonzero(merged["fingerprint"].values == mark)
+            trials, robots = source.sizes["trial"], int(source["robots"].values[k])
+            for name in NUMBERS[:3]:
+                found = merged[name].values[row, :trials, :robots]
+                assert np.array_equal(found, source[name].values[k, :, :robots])
+            for name in ("topology", "robots", "accuracy", "fill_ratio"):
+                assert merged[name].values[row] == source[name].values[k]
+
+
+def test_checkpoints_are_joined():
+    merged = sc.merge([ran(robots_in_swarm=4), ran(robots_in_swarm=6, checkpoints_in_measure=[20, 40])])
+    assert merged["checkpoint"].values.tolist() == [10, 20, 40]
+    assert np.isnan(merged["correct"].values[:2, 1]).all()
+    assert np.isfinite(merged["correct"].values[:2, [0, 2]]).all()
+    assert np.isfinite(merged["correct"].values[2:, 1:]).all()
+
+
+def test_merged_results_are_replayed_plotted_verified_and_grown(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"topology_in_world": ["line"]})):
+        sc.save(ran(**changes), f"{name}.nc")
+    assert main(["merge", "a.nc", "b.nc", "--out", "c.nc"]) == 0
+    assert "c.nc: 4 settings, 16 of 16 trials" in capsys.readouterr().out
+    merged = sc.load("c.nc")
+    for k in range(4):
+        trace = sc.replay(merged, k, 2)  # itself checks that the last round is what was stored
+        assert trace.attrs["fill_ratio"] == 0.55
+    assert main(["verify", "c.nc", "--all"]) == 0
+    assert "16 of 16 trials run again: the same to the last bit" in capsys.readouterr().out
+    assert main(["plot", "c.nc"]) == 0
+    assert main(["export", "c.nc"]) == 0
+    assert main(["merge", "c.nc", "a.nc", "--out", "d.nc"]) == 0
+    assert sc.load("d.nc").drop_attrs().identical(merged.drop_attrs())
+    whole = study(robots_in_swarm=[4, 6], topology_in_world=["ring", "full", "line"])
+    (tmp_path / "whole.toml").write_text(whole.text)
+    assert main(["run", "whole.toml", "--out", "c.nc"]) == 0
+    assert sc.load("c.nc").drop_attrs().identical(sc.run(whole, jobs=2).drop_attrs())
+
+
+def test_robots_that_move_and_images_merge(tmp_path):
+    moving = {
+        "trials": 2,
+        "swarm": {"robots": 5, "accuracy": [0.7]},
+        "world": {"topology": "moving", "density": 1, "fill_ratio": 0.55, "floor": ["tiles", {"clusters": 0.3}]},
+        "schedule": {"ticks": 50},
+    }
+    one = sc.run(sc.Study(seed=3, **moving), jobs=2)
+    moving["world"]["floor"] = ["half"]
+    merged = sc.merge([one, sc.run(sc.Study(seed=3, **moving), jobs=2)])
+    assert merged["floor"].values.tolist() == ["tiles", "clusters(0.3)", "half"]
+    assert np.isfinite(merged["true_fill_ratio"].values).all()
+    assert not sc.verify(merged, 1.0).differences
+
+
+def test_overlaps_that_disagree_are_refused():
+    one, two = ran(), ran()
+    two["convergence_error"].values[2, 1, 0] += 1e-16 + np.spacing(two["convergence_error"].values[2, 1, 0])
+    with pytest.raises(InputError, match=r"results 2 and results 1 disagree: setting 2 .* trial 1: convergence_error"):
+        sc.merge([one, two])
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"seed": 4}, "seed is 4 and 3"),
+        ({"delta_in_measure": 0.02}, "delta is 0.02 and 0.01"),
+        ({"bins_in_measure": 5}, "bins is 5 and 10"),
+    ],
+)
+def test_results_that_cannot_go_together(changes, said):
+    with pytest.raises(InputError, match=said):
+        sc.merge([ran(), ran(**changes)])
+
+
+def test_two_brains_of_one_name_are_refused():
+    one, two = ran(), ran(robots_in_swarm=5)
+    two.attrs["brains"] = two.attrs["brains"].replace('"sha256": "', '"sha256": "0')
+    with pytest.raises(InputError, match="two different brains"):
+        sc.merge([one, two])
+
+
+def test_a_sample_is_run_again(small_file, tmp_path, capsys):
+    assert main(["verify", str(small_file), "--sample", "0.1", "--seed", "5"]) == 0
+    assert "13 of 128 trials run again (--seed 5): the same to the last bit" in capsys.readouterr().out
+    found = sc.verify(small_file, 0.001, seed=1)
+    assert (found.checked, found.stored, found.differences) == (1, 128, [])
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_any_change_is_found(name, small_results, tmp_path, capsys):
+    data = small_results.copy(deep=True)
+    place = (9, 1, 2) if name == "correct" else (9, 2, 3)
+    trial = 2
+    values = data[name].values
+    values[place] = values[place] + 1 if name == "convergence_round" else np.nextafter(values[place], 2)
+    sc.save(data, tmp_path / "changed.nc")
+    assert main(["verify", str(tmp_path / "changed.nc"), "--all"]) == 1
+    said = capsys.readouterr().out
+    assert f"setting 9, trial {trial}: {name} is {values[place].item()!r} in the file and " in said
+    assert "128 of 128 trials run again: 1 differ" in said
+
+
+def test_local_estimates_are_verified():
+    data = ran(local_in_measure=True)
+    assert not sc.verify(data, 1.0).differences
+    data["local_convergence_step"].values[1, 3, 0] += 1
+    (found,) = sc.verify(data, 1.0).differences
+    assert (found.setting, found.trial, found.variable) == (1, 3, "local_convergence_step")
+
+
+def test_a_rule_is_verified():
+    data = ran(trials={"until": "convergence_error median +- 0.01", "at_least": 6, "at_most": 20})
+    found = sc.verify(data, 1.0)
+    assert not found.differences
+    assert found.stored == data.attrs["trials_done"]
+
+
+def test_brains_of_ones_own_are_asked_for(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    source = study().swarm.brain[0].source
+    (tmp_path / "mine.py").write_text(source)
+    sc.save(ran(brain_in_swarm="mine.py"), "a.nc")
+    (tmp_path / "mine.py").write_text("raise SystemExit('was run')")
+    assert main(["verify", "a.nc", "--all"]) == 2
+    assert "is not run unasked" in capsys.readouterr().err
+    (tmp_path / "copy.py").write_text(source)
+    assert main(["verify", "a.nc", "--all", "--brain", "copy.py"]) == 0
+    (tmp_path / "copy.py").write_text(source + "\n# other\n")
+    assert main(["verify", "a.nc", "--all", "--brain", "copy.py"]) == 2
+    assert "not the source that these results were made with" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("sample", ["0", "-1", "2", "nan"])
+def test_bad_samples(sample, small_file, capsys):
+    assert main(["verify", str(small_file), "--sample", sample]) == 2
+    assert "should be a share above 0" in capsys.readouterr().err

@@ -1,0 +1,171 @@
+"""Rules that add trials until an interval is narrow enough."""
+
+import itertools
+import re
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import statistics
+from swarmcensus.cli import main
+from swarmcensus.errors import InputError
+from swarmcensus.precision import GROWTH, Until
+from swarmcensus.running import run
+
+WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
+SCHEDULE = {"rounds": 50}
+MEASURE = {"checkpoints": [10, 20, 50]}
+
+
+def study(rule, at_least=8, at_most=200, **changes):
+    trials = {"until": rule, "at_least": at_least, "at_most": at_most}
+    tables = {"seed": 5, "swarm": {"robots": 10, "accuracy": [0.7, 0.95]}, "world": WORLD, "schedule": SCHEDULE}
+    return sc.Study(trials=trials, measure=MEASURE, **(tables | changes))
+
+
+def needed(data):
+    return (data["convergence_round"].values[:, :, 0] >= 0).sum(axis=1)
+
+
+@pytest.mark.parametrize(
+    ("rule", "variable"),
+    [
+        ("convergence_error median +- 0.003", "convergence_error"),
+        ("convergence_round mean ± 2", "convergence_round"),
+        ("final_estimate mean +- 4e-3", "final_estimate"),
+        ("correct@20 mean +- 0.03", "correct"),
+    ],
+)
+def test_each_setting_gets_what_it_needs(rule, variable):
+    asked = study(rule)
+    data = sc.run(asked, jobs=2)
+    stages = list(asked.until.stages())
+    width = float(rule.split()[-1])
+    assert set(needed(data)) <= set(stages)
+    assert len(set(needed(data))) > 1
+    for k, trials in enumerate(needed(data)):
+        values = data[variable].values[k]
+        values = values[1, :, np.newaxis] if variable == "correct" else values
+        for stage in [s for s in stages if s <= trials]:
+            counts = statistics.resample(stage)
+            if "median" in rule:
+                drawn = statistics.medians(values[:stage].astype(float), counts)
+            else:
+                drawn = statistics.means(values[:stage].mean(axis=1), counts)
+            _, low, high = statistics.interval(drawn)
+            # it stops at the first look at which the interval is narrow enough, and at no other
+            assert ((high - low) / 2 <= width) == (stage == trials and trials < stages[-1]) or stage == stages[-1]
+        assert data["half_width"].values[k] == pytest.approx((high - low) / 2, rel=1e-12)
+        assert data["half_width"].values[k] <= width or trials == 200
+
+
+def test_the_trials_are_those_of_a_plain_study():
+    data = sc.run(study("convergence_error median +- 0.004"), jobs=2)
+    plain = sc.run(study("convergence_error median +- 0.004").with_(trials=data.sizes["trial"]), jobs=2)
+    for k, trials in enumerate(needed(data)):
+        for name in ("convergence_round", "convergence_error", "final_estimate"):
+            assert np.array_equal(data[name].values[k, :trials], plain[name].values[k, :trials])
+    assert plain.sizes["trial"] == needed(data).max()
+    assert "half_width" not in plain
+
+
+def test_it_does_not_depend_on_threads_or_on_being_cut_off(tmp_path, monkeypatch):
+    monkeypatch.setattr("swarmcensus.running.BUNDLE_SECONDS", 0.001)
+    asked = study("convergence_error median +- 0.003")
+    one, two = sc.run(asked, jobs=1), sc.run(asked, jobs=2)
+
+    def stop(progress):
+        if progress.total < 100 and progress.done == progress.total:
+            raise KeyboardInterrupt
+
+    with pytest.raises(sc.Interrupted):
+        run(asked, 2, stop, out=tmp_path / "a.nc")
+    found = []
+    three = run(asked, 2, out=tmp_path / "a.nc", say=found.append)
+    assert "found" in found[0]
+    for other in (two, three):
+        assert one.drop_attrs().identical(other.drop_attrs())
+    assert one.attrs["trials_total"] == one.attrs["trials_done"] == needed(one).sum()
+
+
+def test_a_smaller_width_goes_on_from_the_larger(tmp_path):
+    wide = run(study("convergence_error median +- 0.004"), 2, out=tmp_path / "a.nc")
+    narrow = run(study("convergence_error median +- 0.002"), 2, out=tmp_path / "a.nc")
+    assert (needed(narrow) >= needed(wide)).all()
+    assert narrow.drop_attrs().identical(sc.run(study("convergence_error median +- 0.002"), jobs=2).drop_attrs())
+
+
+def test_looks_grow_by_a_quarter():
+    stages = list(Until(until="convergence_error median +- 1", at_least=30, at_most=2000).stages())
+    assert stages[0] == 30
+    assert stages[-1] == 2000
+    assert all(a < b <= int(a * GROWTH) + 1 for a, b in itertools.pairwise(stages))
+    assert list(Until(until="final_estimate mean +- 1", at_least=9, at_most=9).stages()) == [9]
+
+
+def test_coverage_of_the_interval_that_it_ends_with():
+    """Of normal trials the interval that is narrow enough still holds the mean, a little less often than it says."""
+    rng = np.random.default_rng(8)
+    rule = Until(until="final_estimate mean +- 0.25", at_least=30, at_most=400)
+    hits = 0
+    for _ in range(200):
+        values = rng.normal(size=(400, 1))
+        for trials in rule.stages():
+            if rule.holds(rule.half_width(values[:trials])):
+                break
+        assert 30 < trials < 200  # 1.96 / sqrt(n) = 0.25 at 61
+        hits += abs(values[:trials].mean()) <= rule.half_width(values[:trials])
+    assert 0.88 <= hits / 200 <= 0.99  # nominally 0.95; four standard errors are 0.06
+
+
+@pytest.mark.parametrize(
+    ("trials", "said"),
+    [
+        ({"until": "convergence_error"}, "should be such as"),
+        ({"until": "speed median +- 1"}, "should be such as"),
+        ({"until": "correct mean +- 0.1"}, "should be such as"),
+        ({"until": "convergence_error@10 mean +- 0.1"}, "should be such as"),
+        ({"until": "convergence_error mean +- 0"}, "should be such as"),
+        ({"until": "convergence_error mean +- 1.2.3"}, "should be such as"),
+        ({"until": "correct@11 mean +- 0.1"}, "11 is no checkpoint"),
+        ({"until": "correct@99 mean +- 0.1"}, "99 is no checkpoint"),
+        ({"until": "final_estimate mean +- 1", "at_least": 3}, "trials.at_least = 3"),
+        ({"until": "final_estimate mean +- 1", "at_least": 30, "at_most": 20}, "at_most = 20 is less than"),
+        ({"until": "final_estimate mean +- 1", "at_last": 30}, "did you mean 'at_least'"),
+        ({"at_least": 30}, "trials.until is missing"),
+        ({"until": 3}, "trials.until = 3"),
+    ],
+)
+def test_bad_rules(trials, said):
+    with pytest.raises(InputError, match=re.escape(said)):
+        sc.Study(trials=trials, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE, measure=MEASURE)
+
+
+def test_a_checkpoint_of_a_rule_is_looked_at_without_being_listed():
+    asked = sc.Study(
+        trials={"until": "correct@17 mean +- 0.2"}, swarm={"robots": 3, "accuracy": 0.7}, world=WORLD, schedule=SCHEDULE
+    )
+    assert 17 in asked.checkpoints
+
+
+def test_the_report_lists_what_each_setting_needed(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    asked = study("convergence_error median +- 0.003")
+    (tmp_path / "s.toml").write_text(asked.text)
+    assert main(["run", "s.toml"]) == 0
+    shown = capsys.readouterr().out
+    data = sc.load("s.nc")
+    for k, trials in enumerate(needed(data)):
+        line = next(line for line in shown.splitlines() if line.split()[:1] == [str(k)])
+        assert line.split()[-2] == str(trials)
+    assert "4 settings of up to 200 trials" in shown
+    assert main(["plot", "s.nc"]) == 0
+    assert main(["run", "s.toml", "--share", "1/2", "--out", "x.nc"]) == 2
+
+
+def test_half_widths_of_missing_values_are_never_narrow():
+    asked = study("final_estimate mean +- 1e9")
+    values = np.ones((8, 1))
+    values[3] = np.nan
+    assert not asked.until.holds(asked.until.half_width(values))

@@ -1,0 +1,430 @@
+"""Finished work is never lost, and what comes of it in the end is what an undisturbed run gives, bit for bit."""
+
+import json
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import results, shards
+from swarmcensus.cli import main
+from swarmcensus.errors import InputError
+from swarmcensus.running import run
+from swarmcensus.status import status
+
+STUDY = """
+name   = "resumed"
+seed   = 7
+trials = 6
+
+[swarm]
+robots   = [3, 20]
+accuracy = [0.7, "U(0.525, 0.975)"]
+
+[world]
+topology   = ["full", "ring", "moving"]
+density    = 1
+fill_ratio = [0.55, 0.95]
+
+[schedule]
+rounds = 60
+ticks  = 200
+
+[measure]
+checkpoints = [10, 60]
+local       = false
+"""
+LONG = (
+    STUDY.replace("trials = 6", "trials = 250")
+    .replace("rounds = 60", "rounds = 2000")
+    .replace("ticks  = 200", "ticks = 2000")
+)
+
+
+def study(text=STUDY, **changes):
+    return sc.Study.parse(text).with_(**changes)
+
+
+def same(one, other):
+    """Equal to the last bit, but for what says when and by whom it was run."""
+    return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
+
+
+@pytest.fixture(scope="module")
+def whole():
+    return sc.run(study(), jobs=2)
+
+
+@pytest.fixture(autouse=True)
+def small_bundles(monkeypatch):
+    monkeypatch.setattr("swarmcensus.running.BUNDLE_SECONDS", 0.001)
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("s.toml").write_text(STUDY)
+    return tmp_path
+
+
+class Cut(BaseException):
+    """Stands for whatever ends a process; shards of what was finished are written before it is raised."""
+
+
+def cut_off(out, after, text=STUDY):
+    """Run a study until so many trials are done, and leave its shards as a killed process would."""
+    written = []
+    flush = shards.Parts.flush
+
+    def die(progress):
+        if progress.done >= after:
+            raise Cut
+
+    def keep(self):
+        flush(self)
+        written.append(self)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(shards, "AT_LEAST", 0.0)
+        patch.setattr(shards, "OF_ELAPSED", 0.0)
+        patch.setattr(shards.Parts, "flush", keep)
+        with pytest.raises(Cut):
+            run(study(text), 1, die, out=out)
+    found = shards.listed(shards.folder_of(Path(out)))
+    assert found
+    return found
+
+
+def test_a_run_that_was_cut_off_goes_on(here, whole):
+    cut_off("a.nc", 40)
+    assert not Path("a.nc").exists()
+    lines, done = [], []
+    again = run(study(), 1, lambda p: done.append(p.done), out="a.nc", say=lines.append)
+    assert done[0] >= 40
+    assert "found" in lines[0]
+    assert "of a run that was cut off" in lines[0]
+    assert same(again, whole)
+    assert same(sc.load("a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+def test_nothing_is_run_twice(here, whole, monkeypatch):
+    run(study(), 2, out="a.nc")
+    monkeypatch.setattr("swarmcensus.running.run_bundle", lambda *_: pytest.fail("was run"))
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_ctrl_c_puts_what_is_done_into_the_output(here, whole):
+    def stop(progress):
+        if progress.done >= 30:
+            raise KeyboardInterrupt
+
+    with pytest.raises(sc.Interrupted) as stopped:
+        run(study(), 1, stop, out="a.nc")
+    partial = sc.load("a.nc")
+    assert partial.attrs["trials_done"] == stopped.value.done >= 30
+    assert partial.attrs["trials_total"] == stopped.value.total == 144
+    assert not shards.folder_of(Path("a.nc")).exists()
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_more_trials_and_settings_compute_only_what_is_missing(here):
+    small = STUDY.replace("trials = 6", "trials = 4").replace("[3, 20]", "20").replace('0.7, "U', '"U')
+    run(study(small), 2, out="a.nc")
+    done = []
+    larger = STUDY.replace("trials = 6", "trials = 7").replace("0.7,", "0.6, 0.7,")
+    grown = run(study(larger), 2, lambda p: done.append((p.done, p.total)), out="a.nc")
+    assert done[0] == (4 * 6, 7 * 36)
+    assert same(grown, sc.run(study(larger), jobs=2))
+
+
+def test_local_estimates_may_be_asked_for_later(here):
+    fixed = STUDY.replace(', "moving"', "").replace("density    = 1\n", "")
+    run(study(fixed), 2, out="a.nc")
+    local = fixed.replace("local       = false", "local = true")
+    assert same(run(study(local), 2, out="a.nc"), sc.run(study(local), jobs=2))
+    with pytest.raises(InputError, match="local_convergence_step, which this study does not ask for"):
+        run(study(fixed), out="a.nc")
+
+
+def test_a_subset_of_the_checkpoints_is_enough(here):
+    run(study(STUDY.replace("[10, 60]", "[10, 20, 60]")), 2, out="a.nc")
+    assert same(run(study(), 2, out="a.nc"), sc.run(study(), jobs=2))
+    with pytest.raises(InputError, match="no decisions at round 30"):
+        run(study(STUDY.replace("[10, 60]", "[10, 30, 60]")), out="a.nc")
+
+
+@pytest.mark.parametrize("damage", ["cut", "flip", "empty", "rename"])
+def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
+    path = cut_off("a.nc", 60)[0]
+    data = bytearray(path.read_bytes())
+    if damage == "cut":
+        path.write_bytes(data[: len(data) // 2])
+    elif damage == "empty":
+        path.write_bytes(b"")
+    elif damage == "rename":
+        path.rename(path.with_name(path.name.replace("-", "-0")))
+    else:
+        for place in random.Random(3).sample(range(len(data)), 3):
+            data[place] ^= 0x10
+        path.write_bytes(data)
+    named = next(p for p in shards.listed(shards.folder_of(Path("a.nc"))) if shards.read(p) is None)
+    assert status("a.nc").damaged == [named]
+    assert any("is damaged" in line for line in status("a.nc").lines)
+    with pytest.warns(UserWarning, match=f"{named.name} is damaged: what it held is run again"):
+        again = run(study(), 2, out="a.nc")
+    assert same(again, whole)
+
+
+def test_any_flipped_bit_is_noticed(here):
+    path = cut_off("a.nc", 10)[0]
+    data = path.read_bytes()
+    for place in random.Random(4).sample(range(8 * len(data)), 200):
+        changed = bytearray(data)
+        changed[place // 8] ^= 1 << place % 8
+        path.write_bytes(changed)
+        assert shards.read(path) is None
+    path.write_bytes(data)
+    assert shards.read(path) is not None
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        (('name   = "resumed"', 'name = "other"'), "study is 'resumed' there and 'other' here"),
+        (("seed   = 7", "seed = 8"), "seed is 7 there and 8 here"),
+        (("[measure]", "[measure]\ndelta = 0.02"), "delta is 0.01 there and 0.02 here"),
+        (("[measure]", "[measure]\nbins = 5"), "bins is 10 there and 5 here"),
+        (("0.7, ", ""), "a setting that is not in this study"),
+        (("trials = 6", "trials = 5"), "holds 6 trials a setting, this study asks for 5"),
+    ],
+)
+@pytest.mark.parametrize("finished", [True, False])
+def test_work_of_another_run_is_refused(change, said, finished, here, capsys):
+    if finished:
+        assert main(["run", "s.toml", "--out", "a.nc"]) == 0
+    else:
+        cut_off("a.nc", 130)
+    before = {p: p.read_bytes() for p in here.rglob("*") if p.is_file() and p.name not in ("lock", "run.json")}
+    Path("t.toml").write_text(STUDY.replace(*change))
+    capsys.readouterr()
+    assert main(["run", "t.toml", "--out", "a.nc"]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert "--fresh" in error
+    assert error.count("\n") == 1
+    assert {p: p.read_bytes() for p in before} == before
+    assert main(["run", "t.toml", "--out", "a.nc", "--fresh"]) == 0
+    Path("t.toml").unlink()
+    assert same(sc.load("a.nc"), sc.run(study(STUDY.replace(*change)), jobs=2))
+
+
+def test_another_version_is_refused(here, monkeypatch):
+    cut_off("a.nc", 20)
+    monkeypatch.setattr("swarmcensus.resuming.__version__", "99.0")
+    with pytest.raises(InputError, match=r"version is '0.*' there and '99\.0' here"):
+        run(study(), out="a.nc")
+
+
+def test_a_brain_that_has_changed_is_refused(here):
+    source = sc.Study.parse(STUDY).swarm.brain[0].source
+    text = (
+        STUDY.replace("robots   =", 'brain = "mine.py"\nrobots   =')
+        .replace('"full", "ring", "moving"', '"ring"')
+        .replace("density    = 1\n", "")
+    )
+    Path("mine.py").write_text(source)
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml"]) == 0
+    Path("mine.py").write_text(source + "\n# changed\n")
+    assert main(["run", "s.toml"]) == 2
+
+
+def test_an_output_that_is_no_results_file_is_left_alone(here, capsys):
+    Path("a.nc").write_text("my notes")
+    assert main(["run", "s.toml", "--out", "a.nc"]) == 2
+    assert "not a readable netCDF-4 file" in capsys.readouterr().err
+    assert Path("a.nc").read_text() == "my notes"
+
+
+def test_two_runs_on_one_output(here, capsys):
+    def second(progress):
+        if progress.done and not seen:
+            seen.append(main(["run", "s.toml", "--out", "a.nc"]))
+            found.append(status("a.nc"))
+
+    seen, found = [], []
+    run(study(), 1, second, out="a.nc")
+    assert seen == [2]
+    assert f"a.nc: another run (process {os.getpid()} on " in capsys.readouterr().err
+    assert f"process {os.getpid()} on" in found[0].running
+    assert 0 < found[0].total == 144
+    assert not status("a.nc").running
+
+
+def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
+    with pytest.raises(InputError, match="no such file, and no run"):
+        status("a.nc")
+    cut_off("a.nc", 50)
+    assert main(["status", "a.nc"]) == 0
+    said = capsys.readouterr().out
+    assert "resumed: 24 settings" in said
+    assert "of 144 trials done" in said
+    assert "the same swarmcensus run goes on from here" in said
+    assert 40 <= status("a.nc").done < 144
+    run(study(), out="a.nc")
+    assert status("a.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
+    cut_off("b.nc", 50)
+    (shards.folder_of(Path("b.nc")) / "run.json").write_text("{")
+    with pytest.raises(InputError, match="is damaged"):
+        status("b.nc")
+    run(study(), out="b.nc")
+
+
+def test_shares_add_up(here, whole):
+    for k in (1, 2, 3):
+        assert main(["run", "s.toml", "--share", f"{k}/3", "--out", f"{k}.nc"]) == 0
+        assert sc.load(f"{k}.nc").attrs["trials_done"] == 48
+    assert main(["merge", "1.nc", "2.nc", "3.nc", "--out", "all.nc"]) == 0
+    assert same(sc.load("all.nc"), whole)
+    for wrong in ("0/3", "4/3", "1/7"):
+        assert main(["run", "s.toml", "--share", wrong, "--out", "x.nc"]) == 2
+
+
+def command(*arguments):
+    return [sys.executable, "-m", "swarmcensus", *arguments]
+
+
+def test_sigkill_at_ten_random_moments(here):
+    Path("s.toml").write_text(LONG)
+    kills = random.Random(11)
+    found = 0
+    for _ in range(10):
+        with subprocess.Popen(
+            command("run", "s.toml", "--out", "a.nc", "--jobs", "1"), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        ) as process:
+            begun, delay = time.monotonic(), kills.uniform(0.0, 1.2)
+            running = None  # since when: a process takes a second to start, on a busy machine many
+            while process.poll() is None and time.monotonic() - begun < 60:
+                if running is None and status_or_none("a.nc"):
+                    running = time.monotonic()
+                if running is not None and time.monotonic() - running > delay:
+                    break
+                time.sleep(0.01)
+            process.send_signal(signal.SIGKILL)
+            found += b"found" in process.stderr.read()
+    assert found >= 5
+    assert not Path("a.nc").exists()
+    last = subprocess.run(command("run", "s.toml", "--out", "a.nc"), capture_output=True, text=True, check=True)
+    assert "of a run that was cut off" in last.stderr
+    assert same(sc.load("a.nc"), sc.run(study(LONG), jobs=2))
+    assert not shards.folder_of(Path("a.nc")).exists()
+
+
+def status_or_none(out):
+    try:
+        return status(out).running
+    except InputError:
+        return None
+
+
+def test_a_full_disk(here, whole, monkeypatch):
+    disk = here / "disk"
+    disk.mkdir()
+    if os.geteuid() != 0 or shutil.which("mount") is None:
+        pytest.skip("to mount a small file system one must be root")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", str(disk)], capture_output=True)
+    if mounted.returncode:
+        pytest.skip(f"no small file system can be mounted here: {mounted.stderr.decode().strip()}")
+    try:
+        out = disk / "a.nc"
+        (disk / "other").write_bytes(bytes(36_000))
+        monkeypatch.setattr(shards, "AT_LEAST", 0.0)
+        monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
+        with pytest.raises(InputError, match="No space left on device"):
+            run(study(), 1, out=out)
+        assert not out.exists()
+        left = shards.listed(shards.folder_of(out))
+        assert left
+        assert all(shards.read(path) for path in left)
+        assert not [p for p in shards.folder_of(out).iterdir() if p.name.startswith(".")]
+        (disk / "other").unlink()
+        subprocess.run(["mount", "-o", "remount,size=8m", str(disk)], check=True)
+        lines = []
+        assert same(run(study(), 2, out=out, say=lines.append), whole)
+        assert "of a run that was cut off" in lines[0]
+    finally:
+        subprocess.run(["umount", str(disk)], check=True)
+
+
+def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
+    monkeypatch.setattr(shards, "AT_LEAST", 0.0)
+    monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
+    written = []
+
+    def full(_):
+        written.append(1)
+        if len(written) > 3:
+            raise OSError(28, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(shards.os, "fsync", full)
+        with pytest.raises(InputError, match="No space left on device"):
+            run(study(), 1, out="a.nc")
+    folder = shards.folder_of(Path("a.nc"))
+    assert len(shards.listed(folder)) == 3
+    assert not [p for p in folder.iterdir() if p.name.startswith(".")]
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
+def test_a_trial_that_fails_fails_alone(here, capsys):
+    source = sc.Study.parse(STUDY).swarm.brain[0].source
+    bad = source.replace(
+        "    me.t += looks\n",
+        "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
+        1,
+    )
+    assert bad != source
+    Path("bad.py").write_text(bad)
+    text = (
+        STUDY.replace("robots   = [3, 20]", 'brain = ["minimalistic", "bad.py"]\nrobots = 20')
+        .replace('"full", "ring", "moving"', '"ring"').replace("density    = 1\n", "")
+        .replace("[0.55, 0.95]", "[0.3, 0.32]")
+    )  # fmt: skip
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml"]) == 2
+    data = sc.load("s.nc")
+    failed = json.loads(data.attrs["failed"])
+    done = data["convergence_round"].values[:, :, 0] >= 0
+    assert {(one["setting"], one["trial"]) for one in failed} == {tuple(place) for place in np.argwhere(~done).tolist()}
+    assert 0 < len(failed) < done[4:].size  # some of the bad brain's trials fail and some do not
+    assert done[:4].all()
+    mine = next(k for k, line in enumerate(bad.splitlines(), start=1) if "me.t - me.t" in line)
+    assert (
+        f"ZeroDivisionError: division by zero, at bad.py, line {mine}: me.x = 1.0 / (me.t - me.t)" in failed[0]["why"]
+    )
+    said = capsys.readouterr().err
+    assert f"setting {failed[0]['setting']}, trial {failed[0]['trial']}" in said
+    assert failed[0]["why"] in said
+    # what did not fail is what the same brain gives without the fault, which is never reached there
+    good = sc.run(sc.Study.parse(text.replace(', "bad.py"', "")), jobs=2)
+    kept = data["final_estimate"].values[4:]
+    expected = good["final_estimate"].values
+    assert np.array_equal(kept[done[4:]], expected[done[4:]])
+
+
+def test_results_and_shards_hold_no_pickles(here):
+    path = cut_off("a.nc", 20)[0]
+    with np.load(path, allow_pickle=False) as arrays:
+        assert all(arrays[name].dtype.kind in "iufbSV" for name in arrays)
+    run(study(), out="a.nc")
+    assert b"cpickle" not in Path("a.nc").read_bytes().lower()
+    assert results.load("a.nc")["fingerprint"].dtype.kind in "UO"
