@@ -1,5 +1,7 @@
 """The paper's metrics (Sec. IV-A), defined on any curve of estimates; the engine computes the same as it goes."""
 
+import functools
+
 import numpy as np
 
 
@@ -23,6 +25,7 @@ def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float) -> np.nda
     return error
 
 
+@functools.lru_cache(maxsize=1024)
 def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     """The half-open interval of estimates that decide for the bin of `fill_ratio`; infinite at the ends.
 

@@ -52,6 +52,10 @@ class Topology:
         """The name, as in the dataset."""
         return self.name
 
+    def __hash__(self) -> int:
+        """Quick for lists of millions of edges."""
+        return hash((self.name, self._digest, self.generator))
+
     @property
     def content(self) -> object:
         """What the random numbers of this topology depend on."""
@@ -84,9 +88,13 @@ class Topology:
             key = address(seed, "topology", topology=self.content, robots=robots)
             graphs = [self._random(robots, key, first_trial + k) for k in range(trials)]
         else:
-            graphs = [_directed(self._fixed(robots))]
+            graphs = [self._links(robots)]
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
         return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
+
+    @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
+    def _links(self, robots: int) -> tuple[np.ndarray, np.ndarray]:
+        return _directed(self._fixed(robots))
 
     def _fixed(self, robots: int) -> np.ndarray:
         if self.edges is not None:

@@ -24,7 +24,7 @@ FORMAT = "swarmcensus results 1"
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 
 
-def dataset(study: Study, settings: list[Setting], values: Values) -> xr.Dataset:
+def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
     """A study's dataset: its numbers as far as they are there, with what they are of and how they came to be."""
     checkpoints = study.checkpoints
     robots = values.arrays["final_estimate"].shape[2]
@@ -40,7 +40,7 @@ def dataset(study: Study, settings: list[Setting], values: Values) -> xr.Dataset
         comment = {"comment": f"{MISSING}: no such robot, or not run"} if array.dtype.kind == "i" else {}
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
     variables["fingerprint"] = (
-        "setting", np.array([s.fingerprint(study.seed) for s in settings], dtype=object),
+        "setting", np.array(fingerprints, dtype=object),
         {"long_name": "the address of all that a setting's numbers depend on"},
     )  # fmt: skip
     for topology in study.world.topology:

@@ -147,7 +147,12 @@ def _end(first: int, taken: Columns) -> int:
 
 @contextlib.contextmanager
 def hold(
-    out: Path, study: Study, settings: Sequence[Setting], fresh: bool, say: Callable[[str], None]
+    out: Path,
+    study: Study,
+    settings: Sequence[Setting],
+    fingerprints: Sequence[str],
+    fresh: bool,
+    say: Callable[[str], None],
 ) -> Iterator[Holding]:
     """Hold an output as long as the block lasts; where that fails, what was finished stays in its shards.
 
@@ -155,7 +160,7 @@ def hold(
     there is left aside.
     """
     check_writable(out)
-    with Parts(out, identity_of(study), study.checkpoints, [s.fingerprint(study.seed) for s in settings]) as parts:
+    with Parts(out, identity_of(study), study.checkpoints, fingerprints) as parts:
         if fresh:
             parts.clear()
         old: xr.Dataset | None = None

@@ -24,7 +24,7 @@ from swarmcensus.resuming import Holding, hold
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
 from swarmcensus.tasks import Bundle, Failure, Outcome, Task, bundled, metrics_of, plan, run_bundle
-from swarmcensus.values import Values, columns
+from swarmcensus.values import Values
 
 BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
 WAIT_SECONDS = 0.1
@@ -141,6 +141,7 @@ def run(
             f"({study.trials}), which a rule does not know beforehand"
         )
     settings = study.settings()
+    marks = [setting.fingerprint(study.seed) for setting in settings]
     first = next(study.stages())
     state = State(
         study, settings, Values(settings, first, len(study.checkpoints), study.measure.local),
@@ -149,7 +150,7 @@ def run(
     )  # fmt: skip
     with contextlib.ExitStack() as stack:
         if out is not None:
-            state.holding = stack.enter_context(hold(Path(out), study, settings, fresh, say or (lambda _: None)))
+            state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
             state.holding.fill(state.values)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
@@ -157,7 +158,7 @@ def run(
             interrupted = _run_stages(state, pool)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
-        data = results.dataset(study, settings, state.values)
+        data = results.dataset(study, settings, marks, state.values)
         before = state.holding.seconds if state.holding else (0.0, 0.0)
         done = int(state.values.done().sum())
         enough = study.until is not None and not interrupted  # a rule's total is known once it holds
@@ -357,8 +358,8 @@ def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> 
     pieces = [one for one in outcome if not isinstance(one, Failure)]
     failures = [one for one in outcome if isinstance(one, Failure)]
     for piece in pieces:
-        state.values.put(piece.setting, piece.first, columns(piece))
-        state.done += 0 if piece.local else len(piece.batch.final)
+        state.values.put(piece.setting, piece.first, piece.columns)
+        state.done += 0 if piece.local else piece.shape[0]
     state.failures += failures
     cost = sum(task.cost for task in bundle)
     state.work_done += cost

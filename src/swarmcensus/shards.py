@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.tasks import Piece
-from swarmcensus.values import Columns, columns, shapes
+from swarmcensus.values import Columns, shapes
 
 FORMAT = "swarmcensus shard 1"
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
@@ -216,10 +216,10 @@ class Parts:
 
 
 def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> bytes:
-    items = np.array([(fingerprints[p.setting], p.first, *p.batch.convergence.shape, p.local) for p in pieces], ITEM)
+    items = np.array([(fingerprints[p.setting], p.first, *p.shape, p.local) for p in pieces], ITEM)
     flat: dict[str, list[NDArray[Any]]] = {}
     for piece in pieces:
-        for name, values in columns(piece).items():
+        for name, values in piece.columns.items():
             flat.setdefault(name, []).append(values.ravel())
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
     out = io.BytesIO()

@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from swarmcensus.engine.blaming import line_of_failure
 from swarmcensus.engine.rides import run_ride
-from swarmcensus.engine.trials import Batch, Metrics, run_batch, seconds, walk_seconds
+from swarmcensus.engine.trials import Metrics, run_batch, seconds, walk_seconds
 from swarmcensus.errors import InputError
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
+from swarmcensus.values import Columns, columns
 
 RIDERS_BYTES = 256_000_000  # of curves that the minds on one walk may fill
 
@@ -38,8 +39,15 @@ class Piece:
 
     setting: int
     first: int
-    batch: Batch
+    columns: Columns
     local: bool = False
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """How many trials, and robots."""
+        name = "local_convergence_error" if self.local else "convergence_error"
+        trials, robots = self.columns[name].shape
+        return trials, robots
 
 
 @dataclass(frozen=True)
@@ -67,13 +75,15 @@ def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seco
 
     `local` is what is wanted of local estimates.
     """
+    every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]  # as in nearly all studies; to look at each costs as much as a tiny trial
     for number, setting in enumerate(settings):
         if setting.body is None:
-            yield from _split("batch", (number,), setting, wanted[number], seconds)
+            stretches = [(0, wanted.shape[1])] if every[number] else _stretches(wanted[number])
+            yield from _split("batch", (number,), setting, stretches, seconds)
     if local is not None:
         for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
-            yield from _split("local", numbers, settings[numbers[0]], lacking, seconds)
+            yield from _split("local", numbers, settings[numbers[0]], _stretches(lacking), seconds)
     for numbers in _alike(settings, lambda s: s.walk_group if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, wanted)
@@ -110,13 +120,22 @@ def _alike(settings: Sequence[Setting], content: Callable[[Setting], object]) ->
     return [tuple(numbers) for numbers in groups.values()]
 
 
+def _stretches(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """The runs of trials that are wanted, each from its first to after its last."""
+    edges = np.flatnonzero(np.diff(wanted, prepend=False, append=False)).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
 def _split(
-    kind: Literal["batch", "local"], numbers: tuple[int, ...], setting: Setting, wanted: NDArray[np.bool_], long: float
+    kind: Literal["batch", "local"],
+    numbers: tuple[int, ...],
+    setting: Setting,
+    stretches: Sequence[tuple[int, int]],
+    long: float,
 ) -> Iterator[Task]:
     cost = seconds(setting, kind == "local")
     size = max(1, int(long / cost))
-    edges = np.flatnonzero(np.diff(wanted, prepend=False, append=False))
-    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+    for begin, end in stretches:
         for first in range(begin, end, size):
             count = min(size, end - first)
             yield Task(kind, numbers, first, count, cost * count)
@@ -159,7 +178,8 @@ def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, s
     else:
         batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, task.kind == "local")
         batches = None if batch is None else [batch] * len(chosen)
+    local = task.kind == "local"
     return [
-        Piece(number, task.first, batch, task.kind == "local")
+        Piece(number, task.first, columns(batch, local), local)
         for number, batch in zip(task.settings, batches or [], strict=bool(batches))
     ]

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.engine.trials import Batch
 from swarmcensus.settings import Setting
-from swarmcensus.tasks import Piece
 
 PER_ROBOT = ("setting", "trial", "robot")
 VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
@@ -26,10 +26,9 @@ MISSING = -1  # for whole numbers; NaN for the others
 Columns = dict[str, NDArray[Any]]
 
 
-def columns(piece: Piece) -> Columns:
+def columns(batch: Batch, local: bool) -> Columns:
     """What came of some trials, by the variables' names; without the dimension `setting`."""
-    batch = piece.batch
-    if piece.local:
+    if local:
         return {
             "local_convergence_step": batch.convergence.astype(np.int32),
             "local_convergence_error": batch.error,

@@ -78,6 +78,7 @@ def entry(function: types.FunctionType) -> Any:
     return numba.njit(nogil=True, error_model="python", cache=True)(function)
 
 
+@functools.lru_cache(maxsize=64)
 def record_type(brain: Brain) -> np.dtype:
     """A robot's mind as a NumPy record."""
     fields = [(name, np.float64) for name in (*brain.memory, *BELIEFS)]
@@ -130,11 +131,13 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
+@functools.lru_cache(maxsize=64)
 def compile_brain(brain: Brain, name: str = "kernel") -> types.ModuleType:
     """The kernel around a brain, as a module whose functions are the engine's entry points; or its "steering"."""
     return _module(_brain_files(brain), name)
 
 
+@functools.cache
 def compile_world(name: str = "world") -> types.ModuleType:
     """The entry points that know of no brain: `world.py` or `walk.py`."""
     parts = (f"{name}.py", *PARTS.get(name, ()))
@@ -213,6 +216,7 @@ def forget(brain: Brain) -> Path:
     """Remove a brain's machine code from disk, where it turned out to be damaged; returns where it was."""
     folder = cache_root() / _digest(_brain_files(brain))
     shutil.rmtree(folder, ignore_errors=True)
+    compile_brain.cache_clear()
     return folder
 
 

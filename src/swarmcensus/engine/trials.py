@@ -15,6 +15,7 @@ from swarmcensus.settings import Setting
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000
+NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
 
 
 @dataclass(frozen=True)
@@ -81,7 +82,8 @@ def run_batch(
     )
     arguments = (
         blank, *room, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks, rounds,
-        setting.readings_key(seed), setting.readings_key(seed, "order"), setting.losses_key(seed),
+        setting.readings_key(seed), setting.readings_key(seed, "order") if local else NO_KEY,
+        setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
         links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
         np.stack([setting.stops(seed, first + t) for t in range(trials)]),
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
