@@ -75,7 +75,8 @@ def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seco
 
     `local` is what is wanted of local estimates.
     """
-    every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]  # as in nearly all studies; to look at each costs as much as a tiny trial
+    # nearly always all of them: to look at each setting costs as much as a tiny trial
+    every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:
             stretches = [(0, wanted.shape[1])] if every[number] else _stretches(wanted[number])
