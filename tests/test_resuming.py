@@ -118,8 +118,10 @@ def test_a_run_that_was_cut_off_goes_on(here, whole):
 
 def test_nothing_is_run_twice(here, whole, monkeypatch):
     run(study(), 2, out="a.nc")
+    before = Path("a.nc").read_bytes()
     monkeypatch.setattr("swarmcensus.running.run_bundle", lambda *_: pytest.fail("was run"))
     assert same(run(study(), 2, out="a.nc"), whole)
+    assert Path("a.nc").read_bytes() == before
 
 
 def test_ctrl_c_puts_what_is_done_into_the_output(here, whole):

@@ -79,7 +79,11 @@ class Holding:
         )  # fmt: skip
 
     def finish(self, data: xr.Dataset) -> None:
-        """Write the output whole; then the shards are no longer needed."""
+        """Write the output whole, if there is anything new; then the shards are no longer needed."""
+        old = self.old
+        nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
+        if nothing and all(old.attrs.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
+            return
         self.parts.flush()
         results.save(data, self.out)
         self.parts.clear()

@@ -117,6 +117,7 @@ class Parts:
         self.out, self.folder = out, folder_of(out)
         self.identity, self.checkpoints, self.fingerprints = identity, list(checkpoints), fingerprints
         self.lock = FileLock(self.folder / "lock", timeout=0)
+        self.added = False  # whether this run finished anything
         self._waiting: list[Piece] = []
         self._work = 0.0
 
@@ -181,6 +182,7 @@ class Parts:
 
     def add(self, pieces: Sequence[Piece], work: float) -> None:
         """Keep finished work, which took so many predicted seconds; on disk within seconds."""
+        self.added |= bool(pieces)
         self._waiting += pieces
         self._work += work
         now = time.monotonic()
