@@ -1,5 +1,13 @@
 """Brains that steer: who gets what it wants, and that a run, its replay and CPython all tell the same life."""
 
+import os
+import re
+import runpy
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
 import numpy as np
 import pytest
 
@@ -7,6 +15,7 @@ import swarmcensus as sc
 from swarmcensus import brains, conformance
 from swarmcensus.bodies import Body
 from swarmcensus.engine import rides
+from swarmcensus.engine.wishes import chosen
 from swarmcensus.traces import recording
 
 # One brain, compiled once: what it wants is told by the accuracy on white that its robots believe in.
@@ -124,6 +133,22 @@ def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(folder, steered
             assert (again[name].values == trace[name].values).all(), name
 
 
+def test_the_paired_comparison_of_the_docs(folder, capsys):
+    """A brain that differs from the other in nothing differs by nothing; medians are those of all robots and trials."""
+    path = Path(__file__).parents[1] / "studies" / "example" / "paired.py"
+    results = sc.run(study_of(folder, "NEVER", brain='["minimalistic", "steered.py"]', trials=6))
+    sc.save(results, folder / "pair.nc")
+    runpy.run_path(str(path))["main"](folder / "pair.nc", "minimalistic", "steered.py")
+    _, *lines = capsys.readouterr().out.splitlines()
+    assert len(lines) == 2
+    for k, line in enumerate(lines):
+        numbers = [float(n) for n in re.findall(r"-?\d+\.\d{4}", line)]
+        error = np.median(np.abs(results["final_estimate"].values[k] - 0.55))
+        assert numbers[0] == numbers[3] == pytest.approx(error, abs=1e-4)
+        assert numbers[1] < numbers[0] < numbers[2]
+        assert numbers[6:] == [0, 0, 0]
+
+
 def test_large_arenas_are_lived_in_the_same_way(steered, monkeypatch):
     study, results = steered
     monkeypatch.setattr(rides, "MOST_TILES", 0)
@@ -214,25 +239,41 @@ def test_steering_walks_alone_and_leaves_other_settings_alone(folder, steered):
     assert (alone["final_estimate"].values[0] == results["final_estimate"].values[k[-1]]).all()
 
 
-def test_on_fixed_networks_nobody_is_asked(folder):
-    """Where nothing moves, not even a brain whose `steer` is broken is stopped by it."""
-    text = """
-    trials = 2
-    seed = 3
-    [swarm]
-    brain = ["minimalistic", "steered.py"]
-    robots = 5
-    accuracy = 0.7
-    assumed_accuracy = {black = 0.8, white = 0.8}
-    [world]
-    topology = "ring"
-    fill_ratio = 0.55
-    [schedule]
-    rounds = 20
+FIXED = """
+trials = 1
+seed = 3
+[swarm]
+brain = ["minimalistic", "steered.py"]
+robots = 3
+accuracy = 0.7
+assumed_accuracy = {black = 0.8, white = 0.8}
+[world]
+topology = "ring"
+fill_ratio = 0.55
+[schedule]
+rounds = 10
+"""
+IN_CPYTHON = """
+import sys, pathlib, numpy, swarmcensus
+for name in sys.argv[1:]:
+    swarmcensus.save(swarmcensus.run(swarmcensus.Study.load(name), jobs=1), pathlib.Path(name).with_suffix(".nc"))
+"""
+
+
+def test_in_cpython_and_on_fixed_networks(folder):
+    """With NUMBA_DISABLE_JIT, which also saves compiling all for fixed networks: there nobody is asked to steer.
+
+    Not even a brain whose `steer` is broken is stopped by it; and the loop of those that steer gives the same bits.
     """
-    results = sc.run(sc.Study.parse(text, context={"base": folder}))
-    final = results["final_estimate"].values
+    short = study_of(folder, "SEEN", robots=3, ticks=12, checkpoints="[12]", trials=1, density=6)
+    for name, text in (("fixed", FIXED), ("short", short.text)):
+        (folder / f"{name}.toml").write_text(text)
+    environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
+    subprocess.run([sys.executable, "-W", "ignore", "-c", IN_CPYTHON, "fixed.toml", "short.toml"],
+                   cwd=folder, env=environment, check=True)  # fmt: skip
+    final = sc.load(folder / "fixed.nc")["final_estimate"].values
     assert (final[0] == final[1]).all()
+    assert (sc.load(folder / "short.nc")["final_estimate"] == sc.run(short)["final_estimate"]).all()
 
 
 def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatch):
@@ -267,6 +308,17 @@ def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, monkeypatch):
     faults = {c.fault for c in conformance.check(tmp_path / "bad.py")} - {None, "the same as above"}
     assert len(faults) == 1
     assert said in faults.pop()
+
+
+@pytest.mark.parametrize("wish", [None, (0.1, -0.2), (1, 0), (0.1, 2)])
+def test_a_wish_is_read(wish):
+    assert numba.njit(lambda: chosen(wish))() == chosen(wish) == ((0, 0, 0) if wish is None else (1, *wish))
+
+
+@pytest.mark.parametrize("wish", [(0.1, 0.0, 0.0), (0.1,), (True, 0.1), ("a", "b"), 0.1, "left"])
+def test_what_is_no_wish_is_not_compiled(wish):
+    with pytest.raises(TypeError, match="steer gives .*, neither two numbers, a speed and a turn, nor None"):
+        numba.njit(lambda: chosen(wish))()
 
 
 def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):

@@ -1,4 +1,4 @@
-"""Straight on over new ground: the minimalistic brain in a robot that walks its own way, not at random.
+"""The minimalistic brain in a robot that goes straight on, and so leaves ground that it has seen.
 
 Local and informed estimates as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect
 Sensors", Sec. III, Algorithm 1; equation numbers below are the paper's. These functions stand here again because

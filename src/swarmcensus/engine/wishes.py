@@ -32,7 +32,8 @@ def compiled_chosen(wish):
         return lambda wish: (False, 0.0, 0.0)
     pair = wish.type if isinstance(wish, numba.types.Optional) else wish
     if not (isinstance(pair, numba.types.BaseTuple) and len(pair) == 2 and all(map(is_number, pair.types))):
-        return None
+        # no NumbaError, which would only be counted among the reasons why no implementation was found
+        raise TypeError(f"steer gives {pair}, neither two numbers, a speed and a turn, nor None")
     if not isinstance(wish, numba.types.Optional):
         return lambda wish: (True, float(wish[0]), float(wish[1]))
 
