@@ -1,8 +1,9 @@
 """What robots that move cost: python benchmarks/moving.py [--quick].
 
-Prints ns per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what a mind riding along
-adds, what a robot costs whose brain steers, body and mind together, how the cost per robot grows to 100,000 robots, and the 1,320 moving trials of the paper. Beside them stands
-what a physics simulation (ARGoS) cost, measured once each on one core of such a machine.
+Prints ns per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what a mind riding along adds,
+what a robot costs whose brain steers, body and mind together, how the cost per robot grows to 100,000 robots, and the
+1,320 moving trials of the paper. Beside them stands what a physics simulation (ARGoS) cost, measured once each on one
+core of such a machine.
 """
 
 import argparse
