@@ -295,7 +295,7 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
         ("def steer(me):\n    return True, 0.0", "steer gives (True, 0.0), neither two finite numbers"),
         ("def steer(me):\n    me.x = 0.0\n    return None", "steer changes me.x: it may only read"),
         ("def steer(me):\n    return 1.0 / me.t, 0.0", "ZeroDivisionError"),
-        ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 is right"),
+        ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 are right"),
         ("steer = 0.14", "steer is 0.14, not a function"),
         ("steer = None", "steer is None, not a function"),
     ],

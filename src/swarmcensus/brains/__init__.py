@@ -191,6 +191,6 @@ def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, flo
         function = getattr(module, name)
         need(isinstance(function, types.FunctionType), f"{name} is {function!r}, not a function")
         found = function.__code__.co_argcount
-        need(found == arity, f"{name} takes {found} arguments: {arity} {'is' if arity == 1 else 'are'} right")
+        need(found == arity, f"{name} takes {found} arguments: {arity} are right")
     assert isinstance(message, tuple)
     return {k: float(v) for k, v in memory.items()}, message, tuple(sums)
