@@ -32,13 +32,15 @@ def steer(me):
         return 0.05, 0.5
     if me.w == STRAIGHT:
         return 0.14, 0.0
+    if me.w == DIVIDES:
+        return 0.1 / (me.t - me.t), 0.0
     if me.w == BROKEN:
         return 1e308 * 10.0 - 1e308 * 10.0, 0.0
     if me.n % 2.0 < 1.0:
         return None
     return 0.1, 1.0
 """
-WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85}
+WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85, "DIVIDES": 0.9}
 STUDY = """
 seed = 3
 trials = 2
@@ -282,6 +284,8 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
             sc.run(study_of(folder, "BROKEN", density=1))
         assert "brain 'steered.py' fails in trial 0" in str(caught.value)
         assert "steer returned a speed or a turn that is not a finite number" in str(caught.value)
+        with pytest.raises(sc.InputError, match=r"ZeroDivisionError.* at .*steered.py, line \d+: return 0.1 / "):
+            sc.run(study_of(folder, "DIVIDES", density=1))
         monkeypatch.setattr(rides, "MOST_TILES", 0)
 
 
@@ -328,7 +332,7 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     for _, me in conformance._histories(brain):
         for w in WANTS.values():
             me.w = w
-            if w != WANTS["BROKEN"]:
+            if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
                 minds.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
                 said.append(brain.functions.steer(me) or (0.0, 0.0))
     table = np.array(minds, rides.compiler.record_type(brain))
