@@ -1,8 +1,9 @@
 """What robots that move cost: python benchmarks/moving.py [--quick].
 
-Prints ns per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what a mind riding along
-adds, how the cost per robot grows to 100,000 robots, and the 1,320 moving trials of the paper. Beside them stands
-what a physics simulation (ARGoS) cost, measured once each on one core of such a machine.
+Prints ns per robot and tick on one core for bodies, radio and senses at D = 1 and 10, what a mind riding along adds,
+what a robot costs whose brain steers, body and mind together, how the cost per robot grows to 100,000 robots, and the
+1,320 moving trials of the paper. Beside them stands what a physics simulation (ARGoS) cost, measured once each on one
+core of such a machine.
 """
 
 import argparse
@@ -15,10 +16,11 @@ from rich.table import Table
 from swarmcensus import Study, arena, run
 from swarmcensus.bodies import Body
 from swarmcensus.engine.random import address
-from swarmcensus.engine.rides import Rider
+from swarmcensus.engine.rides import Rider, run_ride
 from swarmcensus.engine.walking import walk
 from swarmcensus.floors import Ground
 from swarmcensus.paper import studies_folder
+from swarmcensus.tasks import metrics_of
 
 PHYSICS = {1: 394_000, 10: 630_000}  # ns per robot and tick
 GO = np.zeros(1, np.uint8)
@@ -72,6 +74,19 @@ def mind_cost(density, ticks, repeats=5):
     return 1e9 * best(ride, repeats) / (25 * ticks)
 
 
+def steered_cost(density, ticks, repeats=5):
+    study = Study(
+        trials=1,
+        swarm={"robots": 25, "accuracy": 0.675, "brain": "leaver"},
+        world={"topology": "moving", "density": density, "fill_ratio": 0.55},
+        schedule={"ticks": ticks},
+    )
+    (setting,) = study.settings()
+    metrics = metrics_of(study)
+    run_ride([setting], 0, 0, metrics, GO)
+    return 1e9 * best(lambda: run_ride([setting], 0, 0, metrics, GO), repeats) / (25 * ticks)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--quick", action="store_true", help="no swarm above 1,000 robots, no paper")
@@ -90,6 +105,7 @@ def main():
             f"{PHYSICS[density] / (body + mind):,.0f}",
         )
     console.print(table)
+    console.print(f"25 robots that steer at D = 1, trials and their floors whole: {steered_cost(1, 10_000):.0f} ns")
     small = walk_cost(1000, 1, 1000, 2)
     console.print(f"1,000 robots at D = 1: {small:.0f} ns per robot and tick")
     if options.quick:

@@ -21,7 +21,7 @@ from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_as
 from swarmcensus.sheets import Look, add_key, caption_panels, looks_of, name_axes, new_sheet, say_empty, solid_dot
 from swarmcensus.statistics import Floats
 
-EQ_4 = {"minimalistic", "legacy"}  # the brains whose local estimate is the paper's Eq. 4, for which `asymptote` holds
+EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}
 MARKERS = "osD^vPXp"
 FINE = 401  # points of a dashed line

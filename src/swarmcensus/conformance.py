@@ -10,8 +10,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
 from swarmcensus import brains
+from swarmcensus.bodies import Body
 from swarmcensus.errors import InputError
 
 ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
@@ -98,8 +100,10 @@ def _compiles(brain: brains.Brain) -> None:
     try:
         kernel.follow(blank, sure, sure, np.ones((1, 2)), 1, True, np.zeros(1, np.int64), nobody, nobody, history)
         kernel.believe(history, np.empty((2, 2)))
-    except ArithmeticError:
-        pass  # it compiles; what it does is for later checks
+        if brain.steers:
+            _wishes(brain, history[0])
+    except (ArithmeticError, ValueError):
+        pass  # it compiles; what it does is for other checks
     except Exception as error:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
@@ -129,10 +133,37 @@ def _finite(brain: brains.Brain) -> None:
                 raise Fault(f"broadcast gives {name} = {value!r}, not a finite number ({where})")
 
 
+def _steers(brain: brains.Brain) -> None:
+    if not brain.steers:
+        return
+    for where, me in _histories(brain):
+        wish = brain.functions.steer(me)
+        if not _is_wish(wish):
+            raise Fault(f"steer gives {wish!r}, neither two finite numbers, a speed and a turn, nor None ({where})")
+
+
+def _is_wish(wish: object) -> bool:
+    def finite(value: object) -> bool:  # for the engine, that is below 1e300
+        return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
+
+    return wish is None or (isinstance(wish, tuple) and len(wish) == 2 and all(map(finite, wish)))
+
+
+def _wishes(brain: brains.Brain, minds: np.ndarray) -> np.ndarray:
+    """What compiled minds (robot) want, (what, robot): whether anything, speed and turn, on wheels without a limit."""
+    from swarmcensus.engine import compiler
+
+    body = Body(tick=1.0).numbers
+    body["step"] = body["turn"] = np.inf
+    wishes = np.empty((3, len(minds)))
+    compiler.compile_brain(brain).wish(minds, body, wishes)
+    return wishes
+
+
 def _reads_only(brain: brains.Brain) -> None:
     for where, me in _histories(brain):
         before = {name: getattr(me, name) for name in brain.memory}
-        for name in ("broadcast", "estimate"):
+        for name in ("broadcast", "estimate", *(("steer",) if brain.steers else ())):
             getattr(brain.functions, name)(me)
             changed = [k for k in before if getattr(me, k) != before[k]]
             if changed:
@@ -161,6 +192,33 @@ def _agree(brain: brains.Brain) -> None:
                 f"compiled, {name} is {x[k, i]!r} and in CPython {y[k, i]!r} "
                 f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
             )
+    if brain.steers:
+        _wishes_agree(brain, slow, b, w)
+
+
+def _wishes_agree(brain: brains.Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
+    from swarmcensus.engine import compiler
+
+    for k in range(trace.sizes["round"]):
+        minds = np.empty(len(b), compiler.record_type(brain))
+        said = []
+        for i in range(len(b)):
+            me = brain.robot(float(b[i]), float(w[i]))
+            for name in brain.memory:
+                setattr(me, name, float(trace[name].values[k, i]))
+            minds[i] = tuple(getattr(me, name) for name in minds.dtype.names or ())
+            said.append(brain.functions.steer(me))
+        if not all(map(_is_wish, said)):
+            return  # which is another check's to say
+        fast = _wishes(brain, minds).T
+        for i, wish in enumerate(said):
+            slow = (0.0, 0.0, 0.0) if wish is None else (1.0, *wish)
+            if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
+                compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
+                raise Fault(
+                    f"compiled, steer gives {compiled} and in CPython {wish} "
+                    f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+                )
 
 
 def _sums_add(brain: brains.Brain) -> None:
@@ -189,7 +247,8 @@ def _sums_add(brain: brains.Brain) -> None:
 CHECKS: dict[str, Callable[[brains.Brain], None]] = {
     "remembers numbers in MEMORY's fields, nothing else": _fixed_memory,
     "gives finite messages and estimates in [0, 1]": _finite,
-    "broadcast and estimate only read": _reads_only,
+    "steers by a speed and a turn, or not at all": _steers,
+    "broadcast, estimate and steer only read": _reads_only,
     "SUMS only add up": _sums_add,
     "compiles": _compiles,
     "CPython and machine code agree": _agree,

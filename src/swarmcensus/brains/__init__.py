@@ -185,11 +185,11 @@ def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, flo
     for key in sums:
         need(key in memory, f"SUMS names {key!r}, which is not in MEMORY")
     for name, arity in (FUNCTIONS | MAY_HAVE).items():
-        function = getattr(module, name, None)
-        if name in MAY_HAVE and function is None:
+        if name in MAY_HAVE and not hasattr(module, name):
             continue
-        need(isinstance(function, types.FunctionType), f"the function {name} is missing")
-        assert isinstance(function, types.FunctionType)
+        need(hasattr(module, name), f"the function {name} is missing")
+        function = getattr(module, name)
+        need(isinstance(function, types.FunctionType), f"{name} is {function!r}, not a function")
         found = function.__code__.co_argcount
         need(found == arity, f"{name} takes {found} arguments: {arity} are right")
     assert isinstance(message, tuple)

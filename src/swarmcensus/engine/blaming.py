@@ -62,6 +62,8 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
         for me in minds:
             functions.fuse(me)
             functions.estimate(me)
+            if setting.brain.steers and setting.body:
+                functions.steer(me)
 
 
 def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

@@ -492,7 +492,7 @@ def wish(memory, body, wishes):
         speed *= body[0].tick
         turn *= body[0].tick
         if not (abs(speed) < 1e300 and abs(turn) < 1e300):
-            raise ValueError("steer returned a speed or turn that is not a number")
+            raise ValueError("steer returned a speed or a turn that is not a finite number")
         load = 0.0
         if speed != 0.0:
             load += abs(speed) / body[0].step if body[0].step > 0.0 else np.inf

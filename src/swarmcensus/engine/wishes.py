@@ -20,11 +20,20 @@ def chosen(wish):
     return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
 
 
+def is_number(kind):
+    """Whether values of this Numba type are real numbers."""
+    return isinstance(kind, numba.types.Integer | numba.types.Float)
+
+
 @overload(chosen)
 def compiled_chosen(wish):
     """The same, compiled: for None, for a pair, and for either."""
     if isinstance(wish, numba.types.NoneType):
         return lambda wish: (False, 0.0, 0.0)
+    pair = wish.type if isinstance(wish, numba.types.Optional) else wish
+    if not (isinstance(pair, numba.types.BaseTuple) and len(pair) == 2 and all(map(is_number, pair.types))):
+        # no NumbaError, which would only be counted among the reasons why no implementation was found
+        raise TypeError(f"steer gives {pair}, neither two numbers, a speed and a turn, nor None")
     if not isinstance(wish, numba.types.Optional):
         return lambda wish: (True, float(wish[0]), float(wish[1]))
 

@@ -1,0 +1,98 @@
+"""The minimalistic brain in a robot that goes straight on, and so leaves ground that it has seen.
+
+Local and informed estimates as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect
+Sensors", Sec. III, Algorithm 1; equation numbers below are the paper's. These functions stand here again because
+a brain is one file: it goes onto the robot alone.
+"""
+
+STRAIGHT_ON = 0.14  # m/s: the Khepera IV's speed in the paper
+
+MEMORY = {
+    "t": 0.0,  # observations made
+    "n": 0.0,  # of which said black
+    "x_hat": 0.5,  # local estimate
+    "alpha": 0.0,  # local confidence
+    "x_bar": 0.5,  # social estimate
+    "beta": 0.0,  # social confidence
+    "x": 0.5,  # informed estimate
+    "heard": 0.0,  # messages since the last round
+    "heard_alpha": 0.0,  # the sum of their confidences
+    "heard_x": 0.0,  # the sum of their estimates, each times its confidence
+}
+MESSAGE = ("x_hat", "alpha")
+SUMS = ("heard", "heard_alpha", "heard_x")
+
+
+def observe(me, blacks, looks):
+    """Local estimate (Eq. 4) and its Fisher information (Eq. 5)."""
+    me.t += looks
+    me.n += blacks
+    t = me.t
+    n = me.n
+    b = me.b
+    w = me.w
+    slope = b + w - 1.0  # how much more often black says black than white does
+    if t == 0.0 or abs(slope) < 1e-12:
+        return  # nothing seen, or a sensor that says the same of black and white
+    q = slope * slope
+    low = (1.0 - w) * t  # the blacks that an all-white floor is expected to give
+    high = b * t  # and an all-black one
+    if slope > 0.0:
+        white = n <= low
+        black = n >= high
+    else:
+        white = n >= low
+        black = n <= high
+    if white:  # Eq. 4 and 5, first case, in a form that has a value at w = 1 too
+        me.x_hat = 0.0
+        me.alpha = q * (share(n, (1.0 - w) * (1.0 - w)) + share(t - n, w * w))
+    elif black:  # third case, likewise at b = 1
+        me.x_hat = 1.0
+        me.alpha = q * (share(n, b * b) + share(t - n, (1.0 - b) * (1.0 - b)))
+    else:
+        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+        me.alpha = q * t * t * t / (n * (t - n))
+
+
+def share(count, variance):
+    """What `count` readings of one colour add to the confidence: none add nothing."""
+    if count == 0.0:
+        return 0.0
+    return count / variance
+
+
+def broadcast(me):
+    """The local values."""
+    return me.x_hat, me.alpha
+
+
+def receive(me, message):
+    """One neighbour's term of the sums in Eqs. 7 and 8."""
+    x_hat, alpha = message
+    me.heard += 1.0
+    me.heard_alpha += alpha
+    me.heard_x += alpha * x_hat
+
+
+def fuse(me):
+    """Social estimate (Eqs. 7 and 8), then informed estimate (Eq. 6)."""
+    if me.heard > 0.0:  # with no neighbour in reach the last social values stay
+        me.beta = me.heard_alpha
+        if me.beta > 0.0:
+            me.x_bar = me.heard_x / me.beta
+        me.heard = 0.0
+        me.heard_alpha = 0.0
+        me.heard_x = 0.0
+    total = me.alpha + me.beta
+    if total > 0.0:
+        me.x = (me.alpha * me.x_hat + me.beta * me.x_bar) / total
+
+
+def estimate(me):
+    """The informed estimate."""
+    return me.x
+
+
+def steer(me):
+    """Straight on: ground that lies in patches is left before it is read again and again; only obstacles turn it."""
+    return STRAIGHT_ON, 0.0
