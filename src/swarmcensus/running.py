@@ -253,7 +253,7 @@ def _everything_found(state: State) -> bool:
 def _compile(state: State) -> None:
     """Compile what all need here, so that threads do not wait for one another."""
     for setting in smallest(state.settings):
-        if not compiler.is_compiled(setting.brain, "ride" if setting.body else "simulate"):
+        if not compiler.is_compiled(setting.brain, "riding.ride" if setting.body else "kernel.simulate"):
             state.show(f"compiling {setting.brain.name}, once on this machine")
         task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
         # a brain that fails is named by the real run

@@ -133,7 +133,7 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
 
 @functools.lru_cache(maxsize=64)
 def compile_brain(brain: Brain, name: str = "kernel") -> types.ModuleType:
-    """The kernel around a brain, as a module whose functions are the engine's entry points; or its "steering"."""
+    """The "kernel", "riding" or "steering" around a brain: a module whose functions are the engine's entry points."""
     return _module(_brain_files(brain), name)
 
 
@@ -144,10 +144,10 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return _module({"__init__.py": "", **{part: _source(part) for part in parts}}, name)
 
 
-def is_compiled(brain: Brain, function: str = "simulate") -> bool:
-    """Whether this function of the kernel around a brain is on disk as machine code."""
+def is_compiled(brain: Brain, function: str = "kernel.simulate") -> bool:
+    """Whether a function around a brain is on disk as machine code."""
     folder = cache_root() / _digest(_brain_files(brain))
-    return any((folder / "__pycache__").glob(f"kernel.{function}-*.nbc"))
+    return any((folder / "__pycache__").glob(f"{function}-*.nbc"))
 
 
 def _source(name: str) -> str:
@@ -159,7 +159,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
         "__init__.py": "",
         "brain.py": brain.source,
         "mind.py": _glue(brain),
-        "kernel.py": _source("kernel.py"),
+        **{part: _source(part) for part in ("minds.py", "kernel.py", "riding.py")},
         **({part: _source(part) for part in STEERING} if brain.steers else {}),
     }
 

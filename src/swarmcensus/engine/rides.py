@@ -22,7 +22,7 @@ class Rider:
         """Wake the minds of one trial."""
         assert setting.body is not None
         self.setting, self.trial = setting, trial
-        self.kernel = compiler.compile_brain(setting.brain)
+        self.kernel = compiler.compile_brain(setting.brain, "riding")
         self.delay = setting.body.message_delay
         robots = setting.robots
         blank = compiler.blank(setting.brain)

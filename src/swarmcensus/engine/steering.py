@@ -7,7 +7,7 @@ import numpy as np
 
 from swarmcensus.engine.compiler import entry
 
-from .kernel import ride, wish
+from .riding import ride, wish
 from .walk import walk
 
 
