@@ -156,7 +156,7 @@ def _wishes(brain: brains.Brain, minds: np.ndarray) -> np.ndarray:
     body = Body(tick=1.0).numbers
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
-    compiler.compile_brain(brain).wish(minds, body, wishes)
+    compiler.compile_brain(brain, "riding").wish(minds, body, wishes)
     return wishes
 
 
