@@ -31,21 +31,17 @@ from swarmcensus.selecting import where
 from swarmcensus.values import VARIABLES
 
 TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
-HANGS = 120.0  # seconds of one case after which the process is ended and says where it was
+HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
 STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))
 BRAIN = brains.load("minimalistic").source
 
 
-def fuzz(cases):
+def fuzz(cases, *strategies):
     """Run a test for so many cases, each of which may warn and must end."""
 
     def decorate(test):
-        @settings(
-            max_examples=cases * TIMES, derandomize=TIMES == 1, database=None, deadline=None,
-            suppress_health_check=list(HealthCheck),
-        )  # fmt: skip
         @functools.wraps(test)
-        def run(*args, **kwargs):
+        def guarded(*args, **kwargs):
             faulthandler.dump_traceback_later(HANGS, exit=True, file=sys.__stderr__)
             try:
                 with warnings.catch_warnings():
@@ -54,7 +50,11 @@ def fuzz(cases):
             finally:
                 faulthandler.cancel_dump_traceback_later()
 
-        return run
+        often = settings(
+            max_examples=cases * TIMES, derandomize=TIMES == 1, database=None, deadline=None,
+            suppress_health_check=list(HealthCheck),
+        )  # fmt: skip
+        return often(given(*strategies)(guarded))
 
     return decorate
 
@@ -97,7 +97,7 @@ def folder():
 
 # values of every kind that TOML knows, and those that are most likely to hurt
 ODD = st.sampled_from(
-    [0, 1, -1, 2, 2**31 - 1, 2**31, 2**63, -(2**63), 10**30, 10**400, 2**20000, 0.0, -0.0, 1e308, -1e308, 5e-324, 1e-300,
+    [0, 1, -1, 2, 2**31 - 1, 2**31, 2**63, -(2**63), 10**30, 10**400, 0.0, -0.0, 1e308, -1e308, 5e-324, 1e-300,
      math.inf, -math.inf, math.nan, 0.5, 1.0, True, False, "", " ", "ring", "moving", "full", "a\nb", "a\x00b", "\x7f",
      "ü", "名", "../x", "/", "/dev/null", "C:\\x", "U(0, 1)", "U(1, 0)", "N(nan, 1)", "U(1e999, 2)", [], {}, [[]], [{}],
      {"error": 1}, {"black": 1}, {"until": "correct@10 mean +- 0.1"}, {"until": "x"}, {"networkx": "x_graph"}]
@@ -127,12 +127,17 @@ TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving"]) | s
     st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}),
     st.fixed_dictionaries(
         {"networkx": st.sampled_from(["path_graph", "cycle_graph", "complete_graph", "gnp_random_graph", "x_graph"])},
-        optional={"p": SHARE | SCALAR, "k": SCALAR, TEXT.example() if False else "seed": SCALAR},
+        optional={"p": SHARE | SCALAR, "k": SCALAR, "seed": SCALAR},
     ),
 )
-FLOOR = st.sampled_from(["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "none.png"}, {"clusters": 0.0}])
+FLOOR = st.sampled_from(
+    ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}, {"image": "none.png"}, {"clusters": 0.0}]
+)
 RULE = st.fixed_dictionaries(
-    {"until": st.sampled_from(["convergence_error median +- 0.01", "correct@2 mean +- 1", "correct@99 mean +- 1"]) | TEXT},
+    {
+        "until": st.sampled_from(["convergence_error median +- 0.01", "correct@2 mean +- 1", "correct@99 mean +- 1"])
+        | TEXT
+    },
     optional={"at_least": st.integers(0, 20) | SCALAR, "at_most": st.integers(6, 40) | SCALAR},
 )
 FAULT = st.fixed_dictionaries(
@@ -243,16 +248,14 @@ def _check_study(study):
     assert again.measure == study.measure
 
 
-@fuzz(2000)
-@given(STUDY)
+@fuzz(900, STUDY)
 def test_study_tables(tables):
     study = taken_or_refused(lambda: sc.Study(**{k if k.isidentifier() else "x": v for k, v in tables.items()}))
     if study is not None:
         _check_study(study)
 
 
-@fuzz(1500)
-@given(STUDY)
+@fuzz(700, STUDY)
 def test_study_texts(tables):
     try:
         text = studies.to_toml(tables)
@@ -265,8 +268,7 @@ def test_study_texts(tables):
         _check_study(study)
 
 
-@fuzz(600)
-@given(plain_study())
+@fuzz(300, plain_study())
 def test_plain_studies_are_taken(tables):
     study = sc.Study(**tables)
     _check_study(study)
@@ -276,16 +278,16 @@ def test_plain_studies_are_taken(tables):
     _check_study(again)
 
 
-@fuzz(1500)
-@given(spoiled([path.read_text() for path in STUDIES]))
+@fuzz(1500, spoiled([path.read_text() for path in STUDIES]))
 def test_spoiled_study_files(text):
     study = taken_or_refused(sc.Study.parse, text, context={"base": Path("studies/example").resolve()})
     if study is not None:
         assert study.settings()
 
 
-@fuzz(250)
-@given(st.binary(max_size=200) | spoiled([path.read_bytes() for path in STUDIES]).map(lambda data: b"x = [\n" + data))
+@fuzz(
+    200, st.binary(max_size=200) | spoiled([path.read_bytes() for path in STUDIES]).map(lambda data: b"x = [\n" + data)
+)
 def test_any_bytes_as_a_study_or_a_cluster(data):
     with folder() as here:
         (here / "any.toml").write_bytes(data)
@@ -294,16 +296,16 @@ def test_any_bytes_as_a_study_or_a_cluster(data):
         assert [p.name for p in here.iterdir()] == ["any.toml"]
 
 
-@fuzz(500)
-@given(table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in clusters.Queue.model_fields}))
+@fuzz(
+    400, table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in clusters.Queue.model_fields})
+)
 def test_cluster_files(tables):
     with folder() as here:
         (here / "c.toml").write_text(studies.to_toml(tables), encoding="utf-8", errors="replace")
         taken_or_refused(clusters.read_queue, here / "c.toml")
 
 
-@fuzz(16)
-@given(plain_study())
+@fuzz(8, plain_study())
 def test_tiny_studies_live_their_whole_life(tables):
     with folder() as here:
         (here / "s.toml").write_text(studies.to_toml(tables))
@@ -330,7 +332,9 @@ EXPRESSION = st.recursive(
     lambda e: st.one_of(
         st.builds("({} {} {})".format, e, st.sampled_from("+ - * / // % ** << >> @ & and or < == in is".split()), e),
         st.builds("({}{})".format, st.sampled_from(["-", "+", "~", "not ", "*", "lambda: ", "await ", "yield "]), e),
-        st.builds("{}({})".format, st.sampled_from(["canary", "math.exp", "min", "open", "x", "range", "__import__"]), e),
+        st.builds(
+            "{}({})".format, st.sampled_from(["canary", "math.exp", "min", "open", "x", "range", "__import__"]), e
+        ),
         st.builds("({}, {})".format, e, e),
         st.builds("{{{}: {}}}".format, e, e),
         st.builds("[{} for x in {}]".format, e, e),
@@ -376,14 +380,12 @@ def _read_brain(source, canary):
         assert all(math.isfinite(value) for value in brain.memory.values())
 
 
-@fuzz(1000)
-@given(spoiled([BRAIN, brains.load("legacy").source]))
+@fuzz(2200, spoiled([BRAIN, brains.load("legacy").source]))
 def test_spoiled_brains(canary, source):
     _read_brain(source, canary)
 
 
-@fuzz(1500)
-@given(st.lists(STATEMENT, max_size=4), st.booleans())
+@fuzz(1500, st.lists(STATEMENT, max_size=4), st.booleans())
 @example(["X = 9**9**9"], False)
 @example(["X = 2**1000"] + ["X = X * X"] * 40, False)
 @example(["X = 'a' * 10**10"], False)
@@ -420,6 +422,11 @@ def small(tmp_path_factory):
     return here
 
 
+@pytest.fixture(scope="module")
+def loaded(small):
+    return sc.load(small / "s.nc")
+
+
 def _use(path):
     """What can be done with a results file: none of it may go wrong but in one sentence."""
     data = taken_or_refused(sc.load, path)
@@ -451,8 +458,7 @@ def _use_all(path, kind):
 KIND = st.sampled_from([0, 1, 2, 3] + [5] * 8)
 
 
-@fuzz(400)
-@given(st.data())
+@fuzz(60, st.data())
 def test_results_with_bytes_changed(small, data):
     whole = (small / "s.nc").read_bytes()
     spoilt = bytearray(whole)
@@ -466,8 +472,7 @@ def test_results_with_bytes_changed(small, data):
         _use_all(here / "x.nc", data.draw(KIND))
 
 
-@fuzz(400)
-@given(st.data())
+@fuzz(40, st.data())
 def test_results_with_attributes_changed(small, data):
     """Also those within `brains` and `study`, which are texts of their own."""
     with folder() as here:
@@ -495,8 +500,7 @@ def test_results_with_attributes_changed(small, data):
         _use_all(path, data.draw(KIND))
 
 
-@fuzz(400)
-@given(st.data())
+@fuzz(40, st.data())
 def test_results_with_variables_changed(small, data):
     names = [*VARIABLES, "fingerprint", "robots", "brain", "topology", "accuracy", "rounds", "setting", "trial",
              "checkpoint", "robot", "fill_ratio"]  # fmt: skip
@@ -533,8 +537,7 @@ def test_results_with_variables_changed(small, data):
         _use_all(here / "x.nc", data.draw(KIND))
 
 
-@fuzz(300)
-@given(st.data())
+@fuzz(40, st.data())
 def test_shards_changed(small, data):
     """Broken bytes under the old name, and sound archives of nonsense under the right name."""
     original = shards.listed(small / "cut.nc.parts")[0]
@@ -548,7 +551,9 @@ def test_shards_changed(small, data):
             held[name] = data.draw(st.sampled_from([np.zeros(0), np.zeros((2, 2)), np.array([-1]), np.array("x")]))
         elif name == "about":
             about = json.loads(held["about"].tobytes())
-            about[data.draw(st.sampled_from(sorted(about)))] = data.draw(st.none() | st.integers(-1, 9) | TEXT | st.just([1]))
+            about[data.draw(st.sampled_from(sorted(about)))] = data.draw(
+                st.none() | st.integers(-1, 9) | TEXT | st.just([1])
+            )
             held["about"] = np.frombuffer(json.dumps(about).encode(), np.uint8)
         elif name == "items":
             field = data.draw(st.sampled_from(["first", "trials", "robots", "setting", "local"]))
@@ -578,15 +583,16 @@ WORDS = st.sampled_from(
 )  # fmt: skip
 
 
-@fuzz(1500)
-@given(st.lists(WORDS, max_size=9).map(" ".join) | st.text(max_size=20))
-def test_where(small, canary, text):
-    chosen = taken_or_refused(where, sc.load(small / "s.nc") if not hasattr(test_where, "d") else test_where.d, text)
+@fuzz(1600, st.lists(WORDS, max_size=9).map(" ".join) | st.text(max_size=20))
+def test_where(loaded, canary, text):
+    chosen = taken_or_refused(where, loaded, text)
     assert not canary
     assert chosen is None or chosen.sizes["setting"] > 0
 
 
-CELL = st.sampled_from(["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00"])
+CELL = st.sampled_from(
+    ["0", "1", "", "nan", "2", "-1", "0.5", " 1", "1.0", "x", "b", "w", "inf", "9" * 30, "9" * 5000, '"', "²", "\x00"]
+)
 CSV = st.integers(1, 3).flatmap(
     lambda wide: st.lists(st.lists(CELL, min_size=wide, max_size=wide), max_size=5)
 ).map(lambda rows: "\n".join(",".join(row) for row in rows)) | st.lists(st.lists(CELL, max_size=4), max_size=5).map(
@@ -594,8 +600,7 @@ CSV = st.integers(1, 3).flatmap(
 )  # fmt: skip
 
 
-@fuzz(700)
-@given(CSV | st.text(max_size=20), CSV, CSV)
+@fuzz(500, CSV | st.text(max_size=20), CSV, CSV)
 def test_recordings(observations, links, accuracy):
     with folder() as here:
         for name, text in (("o.csv", observations), ("l.csv", links), ("a.csv", accuracy)):
@@ -609,8 +614,7 @@ def test_recordings(observations, links, accuracy):
                 assert trace is None or np.isfinite(trace["estimate"].values).all()
 
 
-@fuzz(60)
-@given(CSV, CSV, CSV | SCALAR.map(str))
+@fuzz(30, CSV, CSV, CSV | SCALAR.map(str))
 def test_infer(observations, links, accuracy):
     with folder() as here:
         for name, text in (("o.csv", observations), ("l.csv", links), ("a.csv", accuracy)):

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -108,7 +109,7 @@ def load(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: there is no such file")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as data:
+        with h5py.File(path), xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
             data = data.load()
     except Exception as error:  # whatever a damaged HDF5 file provokes
         raise InputError(
@@ -118,6 +119,10 @@ def load(path: str | Path) -> xr.Dataset:
     if data.attrs.get("format") != FORMAT or not {*VARIABLES, "fingerprint"} <= set(data.data_vars):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
     wrong = _wrong(data)
+    try:
+        _made_from(data)
+    except InputError as error:
+        wrong = wrong or str(error)
     if wrong:
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
@@ -184,17 +189,7 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
     file named in results is not run unasked. Others of the studies' brains stay unread: see `must_be_read`.
     Raises InputError.
     """
-    try:
-        sources = {
-            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
-            for n, s in json.loads(data.attrs["brains"]).items()
-        }
-        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
-        texts = texts or [str(data.attrs["study"])]
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise InputError(
-            f"these results do not say how they were made (attributes study and brains): {error!r}"
-        ) from None
+    sources, texts = _made_from(data)
     known: dict[str, brains.Brain] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
         given = brains.load(path)
@@ -213,6 +208,22 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return studies
+
+
+def _made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
+    """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
+    try:
+        sources = {
+            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
+            for n, s in json.loads(data.attrs["brains"]).items()
+        }
+        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
+        texts = texts or [str(data.attrs["study"])]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"these results do not say how they were made (attributes study and brains): {error!r}"
+        ) from None
+    return sources, texts
 
 
 def must_be_read(brain: Any) -> None:
