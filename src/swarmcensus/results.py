@@ -109,7 +109,9 @@ def load(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: there is no such file")
     try:
-        with h5py.File(path), xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        with h5py.File(path) as file:
+            file["/"]  # h5netcdf would complain twice of a root that cannot be read, once past all handlers
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
             data = data.load()
     except Exception as error:  # whatever a damaged HDF5 file provokes
         raise InputError(
