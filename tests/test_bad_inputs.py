@@ -97,7 +97,7 @@ def test_links_too_large_for_a_number(tmp_path):
         {"world": {"body": {"sensor": [float("inf"), 0.0]}}}, {"world": {"body": {"tile": 1e-9, "radio_range": 1e9}}},
         {"faults": [{"at": 10**30, "robots": 1, "stop": "talking"}]}, {"swarm": {"accuracy": 10**400}},
         {"swarm": {"accuracy": 2**20000}},
-        {"swarm": {"accuracy": [k / 2000 for k in range(2000)]}, "world": {"fill_ratio": [k / 999 for k in range(999)]}},
+        {"swarm": {"accuracy": [k / 2000 for k in range(2000)]}, "world": {"fill_ratio": [k / 999 for k in range(999)]}},  # noqa: E501
     ],
 )  # fmt: skip
 def test_numbers_out_of_all_bounds(tables):
