@@ -235,7 +235,7 @@ class TestContract:
             (("def estimate(me):", "@staticmethod\ndef estimate(me):"), "decorator"),
             (("MEMORY = {", "class Diary: pass\nMEMORY = {"), "constants and small functions"),
             (("MEMORY = {", "print('hello')\nMEMORY = {"), "constants and small functions"),
-            (("MEMORY = {", "X = 1 / 0\nMEMORY = {"), "fails when it is loaded"),
+            (("MEMORY = {", "X = 1 / 0\nMEMORY = {"), "a constant has no value: division by zero"),
         ],
     )
     def test_faults_are_named(self, change, said, tmp_path):

@@ -6,8 +6,10 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field
 
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Least = Annotated[float, Field(ge=0.0, allow_inf_nan=False)]
+# beyond these, squares and quotients of lengths and times would leave what floating point can hold
+Positive = Annotated[float, Field(gt=0.0, ge=1e-9, le=1e9)]
+Least = Annotated[float, Field(ge=0.0, le=1e9)]
+Place = Annotated[float, Field(ge=-1e9, le=1e9)]
 
 
 class Body(BaseModel):
@@ -30,7 +32,7 @@ class Body(BaseModel):
     proximity_near: Least = 0.04  # m, below which a ray reads 1
     avoid_above: Positive = 0.01  # length of the mean reading from which there is an obstacle
     avoid_within: Annotated[float, Field(gt=0.0, le=180.0)] = 100.0  # degrees from straight ahead
-    sensor: tuple[float, float] = (0.0614, 0.010)  # m ahead and to the left: the ground sensor
+    sensor: tuple[Place, Place] = (0.0614, 0.010)  # m ahead and to the left: the ground sensor
     tile: Positive = 0.01  # m, the side of a floor tile
     radio_range: Positive = 0.7  # m between centres
     line_of_sight: bool = True

@@ -27,9 +27,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
-            return int(options.run(options) or 0)
+            code = int(options.run(options) or 0)
+            sys.stdout.flush()  # a full disk should be told of here
+            return code
     except InputError as error:
-        print(f"swarmcensus: {error}", file=sys.stderr)
+        _complain(error)
         return 2
     except Interrupted as stopped:
         print(f"swarmcensus: {stopped}", file=sys.stderr)
@@ -40,6 +42,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except BrokenPipeError:  # the reader of our output has gone, as after `| head`
         sys.stderr.close()
         return 0
+    except OSError as error:
+        _complain(f"{error.filename}: {error.strerror}" if error.filename else error)
+        return 2
     except MemoryError:
         print("swarmcensus: not enough memory: fewer robots, settings or trials would need less", file=sys.stderr)
         return 2
@@ -52,6 +57,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+
+
+def _complain(what: object) -> None:
+    """One line, whatever is in it."""
+    print("swarmcensus:", " ".join(str(what).split("\n")), file=sys.stderr)
 
 
 def parser() -> argparse.ArgumentParser:
@@ -399,7 +409,7 @@ def infer(options: argparse.Namespace) -> int:
     out = options.out or Path(f"{options.observations.stem}-trace.csv")
     if out.suffix not in (".csv", ".nc"):
         raise InputError(f"--out {out}: a trace is written as .csv or .nc")
-    check_writable(out, options.observations, *([options.links] if options.links else []))
+    check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
     if options.plot:
         _check_suffix(options.plot)
     files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}

@@ -192,4 +192,4 @@ def read_queue(path: Path) -> Queue:
     try:
         return Queue.model_validate(read_toml(text, f"cluster file {path}"))
     except ValidationError as error:
-        raise InputError(explain(error, f"cluster file {path}")) from None
+        raise InputError(explain(error, f"cluster file {path}", Queue)) from None

@@ -24,7 +24,7 @@ class Fault(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    at: Annotated[int, Field(strict=True, ge=1)]
+    at: Annotated[int, Field(strict=True, ge=1, lt=2**31)]
     robots: int | float
     stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
 

@@ -1,6 +1,7 @@
 """Files appear whole or not at all: written beside their name, then renamed."""
 
 import contextlib
+import errno
 import os
 import secrets
 from collections.abc import Iterator
@@ -11,35 +12,46 @@ from swarmcensus.errors import InputError
 
 @contextlib.contextmanager
 def whole(path: str | Path) -> Iterator[Path]:
-    """A temporary path beside `path` that takes its name once the block ends well.
+    """A temporary path beside `path` that takes its name once the block ends well; a link's target, its target's.
 
-    Raises InputError where the place cannot be written.
+    Raises InputError where the place cannot be written, or is a device, a pipe or a folder.
     """
-    path = Path(path)
     try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        if path.is_dir():
-            raise IsADirectoryError("it is a folder")
-        beside = path.with_name(f".{path.stem}-{secrets.token_hex(4)}{path.suffix}")
+        place = _place(path)
+        place.parent.mkdir(parents=True, exist_ok=True)
+        beside = place.with_name(f".{place.stem}-{secrets.token_hex(4)}{place.suffix}")
         beside.touch(exist_ok=False)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     try:
         yield beside
-        beside.replace(path)
+        beside.replace(place)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
 
 
+def _place(path: str | Path) -> Path:
+    """Where a file of this name really lies. Raises OSError where no file can."""
+    place = Path(os.path.realpath(path))
+    if place.is_symlink():
+        raise OSError(errno.ELOOP, "its links lead round in a circle")
+    if place.is_dir():
+        raise IsADirectoryError("it is a folder")
+    if os.path.lexists(place) and not place.is_file():
+        raise OSError("it is a device or a pipe, not a file")
+    return place
+
+
 def check_writable(path: str | Path, *inputs: Path) -> None:
     """Raise InputError now where `path` could not be written at the end of a long run, or is one of the inputs."""
-    path = Path(path)
-    if any(path.absolute().resolve() == source.absolute().resolve() for source in inputs):
+    try:
+        place = _place(path)
+        folder = next(p for p in place.parents if p.exists())
+    except OSError as error:
+        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+    if any(place == Path(os.path.realpath(source)) for source in inputs):
         raise InputError(f"cannot write {path}: it is what is read")
-    folder = next(p for p in path.absolute().parents if p.exists())
-    if path.is_dir():
-        raise InputError(f"cannot write {path}: it is a folder")
     if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {path}: the folder {folder} cannot be written")

@@ -23,6 +23,8 @@ from swarmcensus.errors import InputError
 
 MOVING = "moving"  # robots that move hear whom they meet: see arena.py
 NAMED = ("full", "ring", "line", "scale-free", MOVING)
+DIGITS = 18  # of a number in an edge list: more would not fit 64 bits
+MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 FORMS = (
     f'one of {", ".join(NAMED)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
     'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
@@ -57,6 +59,13 @@ class Topology:
         return hash((self.name, self._digest, self.generator))
 
     @property
+    def form(self) -> object:
+        """As in a study file."""
+        if self.generator is not None:
+            return {"networkx": self.generator[0], **json.loads(self.generator[1])}
+        return self.name if self.edges is None else {"name": self.name, "edges": self.edges}
+
+    @property
     def content(self) -> object:
         """What the random numbers of this topology depend on."""
         return [self.name, self._digest, self.generator]
@@ -76,6 +85,8 @@ class Topology:
                     f"{robots} robots are numbered 0 to {robots - 1}"
                 )
         if self.generator:
+            if robots > MOST_GENERATED:
+                raise ValueError(f"{self.name}: networkx makes graphs of {MOST_GENERATED:,} robots at the most")
             self._generate(robots, 0)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
@@ -216,4 +227,4 @@ def is_header(row: list[str]) -> bool:
 
 
 def _is_whole(cell: str) -> bool:
-    return cell.strip().isascii() and cell.strip().isdigit()
+    return cell.strip().isascii() and cell.strip().isdigit() and len(cell.strip()) <= DIGITS

@@ -1,6 +1,7 @@
 """Recorded data as CSV files: what each robot saw at each step, and who heard whom."""
 
 import csv
+import os
 from pathlib import Path
 
 import numpy as np
@@ -10,6 +11,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.networks import is_header, read_edges
 
+ACCURACY_HEADERS = ("b,w", "b", "accuracy")
 CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}
 
 
@@ -54,15 +56,8 @@ def read_links(path: str | Path) -> np.ndarray:
 
 def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
     """Read "0.8" (b = w), "0.9,0.6" (b, w), or a CSV file with a row a robot: b = w, or b and w."""
-    if Path(text).is_file():
-        try:
-            with Path(text).open(newline="", encoding="utf-8-sig") as file:
-                lines = [row for row in csv.reader(file) if row]
-            rows = np.array([[float(c) for c in row] for row in lines[0 if _numbers(lines[0]) else 1 :]])
-        except (OSError, ValueError, IndexError, csv.Error) as error:
-            raise InputError(f"{text}: should hold a row a robot: b = w, or b and w: {error}") from None
-        if rows.ndim != 2 or rows.shape[1] not in (1, 2):
-            raise InputError(f"{text}: should have one column (b = w) or two (b and w)")
+    if os.path.isfile(text):
+        rows = np.array(_accuracy_rows(Path(text)))
         return rows[:, 0], rows[:, -1]
     try:
         values = [float(part) for part in text.split(",")]
@@ -73,12 +68,30 @@ def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, 
     return values[0] if len(values) == 1 else (values[0], values[1])
 
 
-def _numbers(row: list[str]) -> bool:
+def _accuracy_rows(path: Path) -> list[list[float]]:
+    rows: list[list[float]] = []
     try:
-        list(map(float, row))
-    except ValueError:
-        return False
-    return True
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            for number, row in enumerate(csv.reader(file), start=1):
+                if not row or (number == 1 and ",".join(row).replace(" ", "").lower() in ACCURACY_HEADERS):
+                    continue
+                try:
+                    rows.append([float(cell) for cell in row])
+                except ValueError:
+                    heads = " or ".join(repr(head) for head in ACCURACY_HEADERS)
+                    raise InputError(
+                        f"{path}, line {number}: {','.join(row)!r}: should be a row a robot: b = w, or b and w "
+                        f"(a first row of names is {heads})"
+                    ) from None
+                if len(row) > 2 or len(row) != len(rows[0]):
+                    raise InputError(
+                        f"{path}, line {number}: {len(row)} columns: should be one (b = w) or two (b and w) in each row"
+                    )
+    except (OSError, UnicodeDecodeError, csv.Error) as error:
+        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
+    if not rows:
+        raise InputError(f"{path}: should hold a row a robot: b = w, or b and w")
+    return rows
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:

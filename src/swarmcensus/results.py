@@ -9,6 +9,7 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import xarray as xr
 
@@ -21,6 +22,12 @@ from swarmcensus.values import LOCAL, MISSING, PER_ROBOT, VARIABLES, Values
 
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 FORMAT = "swarmcensus results 1"
+TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
+NUMBERS = ("robots", "density", "fill_ratio", "link_success", "rounds", "observations_per_round")
+ATTRIBUTES: dict[str, Any] = {
+    "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
+    **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
+}  # fmt: skip
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 
 
@@ -102,7 +109,9 @@ def load(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: there is no such file")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as data:
+        with h5py.File(path) as file:
+            file["/"]  # h5netcdf would complain twice of a root that cannot be read, once past all handlers
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
             data = data.load()
     except Exception as error:  # whatever a damaged HDF5 file provokes
         raise InputError(
@@ -111,7 +120,51 @@ def load(path: str | Path) -> xr.Dataset:
         ) from error
     if data.attrs.get("format") != FORMAT or not {*VARIABLES, "fingerprint"} <= set(data.data_vars):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
+    wrong = _wrong(data)
+    try:
+        _made_from(data)
+    except InputError as error:
+        wrong = wrong or str(error)
+    if wrong:
+        raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
+
+
+def _wrong(data: xr.Dataset) -> str | None:
+    """What of a dataset is not as `dataset` makes it, in words; None where nothing is."""
+    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
+    for name, (dims, kind, *_) in (VARIABLES | LOCAL).items():
+        if name in data and (data[name].dims != dims or data[name].dtype != kind):
+            return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
+    for name, allowed in kinds.items():
+        if name not in data or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
+            return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
+        if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
+            return f"{name} should be text"
+    for name in ("setting", "trial", "robot", "checkpoint"):
+        numbers = data[name].values if name in data.coords else np.zeros(0)
+        if numbers.dtype.kind not in "iu" or numbers.shape != (data.sizes[name],) or not numbers.size:
+            return f"{name} should number what there is of it"
+        if (np.diff(numbers) <= 0).any() or numbers[0] < 0 or numbers[-1] >= 2**31:
+            return f"{name} should be numbers from 0 in rising order"
+    if not (data["robots"].values == np.clip(data["robots"].values, 1, data.sizes["robot"])).all():
+        return f"robots should be 1 to {data.sizes['robot']}"
+    if len(set(data["fingerprint"].values.tolist())) < data.sizes["setting"]:
+        return "two settings have one fingerprint"
+    for name, kind in ATTRIBUTES.items():
+        if not isinstance(data.attrs.get(name), kind):
+            return f"the attribute {name} is missing or of another kind"
+    for key, array in data.data_vars.items():
+        inside = "iu" if str(key).startswith("edges_") else "u" if str(key).startswith("floor_") else ""
+        if inside and (array.ndim != 2 or array.dtype.kind not in inside or "source" not in array.attrs):
+            return f"{key} should be whole numbers in rows, with their source"
+    try:
+        for one in json.loads(data.attrs.get("failed", "[]")):
+            if one["setting"] not in data["setting"].values or not isinstance(one["trial"], int):
+                return "the attribute failed names a setting that is not there"
+    except (ValueError, KeyError, TypeError):
+        return "the attribute failed is no list of failures"
+    return None
 
 
 def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study, Setting]:
@@ -138,16 +191,7 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
     file named in results is not run unasked. Others of the studies' brains stay unread: see `must_be_read`.
     Raises InputError.
     """
-    try:
-        sources = {
-            str(n): {"sha256": s["sha256"], "source": s["source"]} for n, s in json.loads(data.attrs["brains"]).items()
-        }
-        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
-        texts = texts or [str(data.attrs["study"])]
-    except (KeyError, TypeError, ValueError, AttributeError) as error:
-        raise InputError(
-            f"these results do not say how they were made (attributes study and brains): {error!r}"
-        ) from None
+    sources, texts = _made_from(data)
     known: dict[str, brains.Brain] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
         given = brains.load(path)
@@ -166,6 +210,22 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return studies
+
+
+def _made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
+    """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
+    try:
+        sources = {
+            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
+            for n, s in json.loads(data.attrs["brains"]).items()
+        }
+        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
+        texts = texts or [str(data.attrs["study"])]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"these results do not say how they were made (attributes study and brains): {error!r}"
+        ) from None
+    return sources, texts
 
 
 def must_be_read(brain: Any) -> None:

@@ -30,7 +30,7 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
     try:
         holds = _evaluate(ast.parse(expression.strip(), mode="eval").body, known)
-    except (SyntaxError, ValueError, TypeError, RecursionError) as error:
+    except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
         raise InputError(
             f'--where {expression!r}: {what}; write for example: topology == "ring" and accuracy == 0.675'

@@ -30,6 +30,11 @@ class Spread:
         """The canonical text, as in the dataset: 0.675, U(0.525,0.975), N(0.75,0.1)."""
         return f"{self.a!r}" if self.kind == "fixed" else f"{self.kind}({self.a!r},{self.b!r})"
 
+    @property
+    def form(self) -> object:
+        """As in a study file."""
+        return self.a if self.kind == "fixed" else str(self)
+
     def draw(self, key: np.ndarray, first_trial: int, trials: int, robots: int) -> np.ndarray:
         """Accuracies (trial, robot), or (trial, 1) where all robots are alike; afresh for each trial."""
         if self.kind == "fixed":
@@ -50,6 +55,11 @@ class Accuracy:
     def __str__(self) -> str:
         """The canonical text, as in the dataset."""
         return str(self.black) if self.white is None else f"black={self.black} white={self.white}"
+
+    @property
+    def form(self) -> object:
+        """As in a study file."""
+        return self.black.form if self.white is None else {"black": self.black.form, "white": self.white.form}
 
     def draw(
         self, seed: int, purpose: str, first_trial: int, trials: int, robots: int
@@ -83,6 +93,11 @@ class Misjudgement:
         """The canonical text, as in the dataset."""
         return f"error={self.error}"
 
+    @property
+    def form(self) -> object:
+        """As in a study file."""
+        return {"error": self.error.form}
+
     def draw(
         self, seed: int, first_trial: int, trials: int, robots: int, true: tuple[np.ndarray, np.ndarray]
     ) -> tuple[np.ndarray, ...]:
@@ -111,7 +126,7 @@ def parse_spread(value: object, accuracy: bool = True) -> Spread:
             raise ValueError(f"a sensor accuracy is {FORMS}") from None
         spread = Spread(match[1] if match else "fixed", a, b)
     elif isinstance(value, int | float) and not isinstance(value, bool):
-        spread = Spread("fixed", float(value))
+        spread = Spread("fixed", float(min(max(value, -2), 2)))  # whole numbers may be too large for a float
     else:
         raise ValueError(f"a sensor accuracy is {FORMS}")
     low = 0.0 if accuracy else -1.0

@@ -77,7 +77,7 @@ def folder_of(out: Path) -> Path:
 
 
 def read(path: Path) -> Shard | None:
-    """What a shard holds, or None where its bytes are not those that were written."""
+    """What a shard holds, or None where its bytes are not those that were written, or were not written by a run."""
     name = NAME.fullmatch(path.name)
     try:
         data = path.read_bytes()
@@ -85,9 +85,14 @@ def read(path: Path) -> Shard | None:
         raise InputError(f"cannot read {path}: {error.strerror}") from error
     if name is None or checksum(data) != name[2]:
         return None
-    with np.load(io.BytesIO(data)) as arrays:
-        about = json.loads(arrays["about"].tobytes())
-        return Shard(about, list(_unpacked(arrays, about)))
+    try:
+        with np.load(io.BytesIO(data)) as arrays:
+            about = json.loads(arrays["about"].tobytes())
+            if min(float(about[key]) for key in ("wall_seconds", "cpu_seconds", "work")) < 0.0:
+                return None
+            return Shard(about, list(_unpacked(arrays, about)))
+    except Exception:  # whatever an archive of other things provokes
+        return None
 
 
 def checksum(data: bytes) -> str:
@@ -232,7 +237,9 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
 def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Found]:
     flat = {name: arrays[name] for name in arrays if name not in ("about", "items")}
     used = dict.fromkeys(flat, 0)
-    for setting, first, trials, robots, local in arrays["items"].tolist():
+    for setting, first, trials, robots, local in arrays["items"].astype(ITEM, casting="equiv").tolist():
+        if min(first, trials - 1, robots - 1) < 0:
+            raise ValueError("no trials")
         taken = {}
         for name, shape in shapes(trials, robots, len(about["checkpoints"]), local).items():
             size = int(np.prod(shape))

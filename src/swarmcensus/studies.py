@@ -2,12 +2,14 @@
 
 import difflib
 import itertools
+import json
+import math
 import re
 import tomllib
 import warnings
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 from pydantic import (
@@ -30,10 +32,13 @@ from swarmcensus.faults import Fault
 from swarmcensus.networks import MOVING, Topology, parse_topology
 from swarmcensus.patterns import Floor, Picture, parse_floor
 from swarmcensus.precision import Until
-from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+from swarmcensus.sensors import Accuracy, Misjudgement, Spread, parse_accuracy, parse_assumed
 from swarmcensus.settings import Setting
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
+MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
+MOST_SETTINGS = 1_000_000
+MOST_BITS = 10_000  # of a number that is printed in decimals
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
 
 
@@ -221,6 +226,11 @@ class Tables(_Table):
                     f"world.density = {density}: the arena cannot hold {robots} robots; the largest that can is "
                     f"{largest:.1f}"
                 )
+            across = arena.side(robots, density, self.world.body) / self.world.body.tile
+            if across > MOST_TILES:
+                raise ValueError(
+                    f"world.density = {density}: the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
+                )
 
 
 class Study:
@@ -242,6 +252,9 @@ class Study:
         self.schedule, self.measure = checked.schedule, checked.measure
         self.faults = checked.faults
         self.text = text if text is not None else to_toml(tables)
+        count = self._count()
+        if count > MOST_SETTINGS:
+            raise InputError(f"{where}: its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
         settings = self.settings()
         values = len(settings) * self.trials * max(self.swarm.robots)
         if values > MOST_VALUES:
@@ -324,6 +337,17 @@ class Study:
         moving = {t.name == MOVING for t in self.world.topology}
         return {*(self.schedule.rounds if False in moving else ()), *(self.schedule.ticks if True in moving else ())}
 
+    def _count(self) -> int:
+        """How many settings there are."""
+        swarm, world, schedule = self.swarm, self.world, self.schedule
+        moving = sum(t.name == MOVING for t in world.topology)
+        fixed = len(world.topology) - moving
+        lists = [swarm.brain, swarm.robots, swarm.accuracy, swarm.assumed_accuracy, world.fill_ratio]
+        return math.prod(len(v or (None,)) for v in (*lists, world.link_success)) * int(
+            fixed * len(schedule.rounds) * len(schedule.observations_per_round)
+            + moving * len(world.density or ()) * len(world.floor or [None]) * len(schedule.ticks)
+        )
+
     def settings(self) -> list[Setting]:
         """Every combination of the study's values: brain, topology, robots and accuracy vary slowest."""
         swarm, world, schedule = self.swarm, self.world, self.schedule
@@ -357,14 +381,14 @@ def read_toml(text: str, where: str) -> dict[str, Any]:
         raise InputError(f"{where}: not TOML: {error}") from None
 
 
-def explain(error: ValidationError, name: str) -> str:
+def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables) -> str:
     """The first thing that is wrong, as a sentence: file, key, value, and what would be right."""
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
     place = tuple(p for p in first["loc"] if p not in (NUMBER, RULE))
     key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in place).lstrip(".")
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
-        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(Tables, place[:-1])
+        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
         close = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
         hint = f"did you mean {close[0]!r}? " if close else ""
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
@@ -380,41 +404,52 @@ def explain(error: ValidationError, name: str) -> str:
 
 
 def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
-    for part in path:
-        field = model.model_fields.get(str(part))
-        if field is None or not isinstance(field.annotation, type):
-            return []
-        model = field.annotation
+    for part in (part for part in path if isinstance(part, str)):
+        kind = model.model_fields[part].annotation
+        model = next(k for k in (kind, *get_args(kind)) if isinstance(k, type) and issubclass(k, BaseModel))
     return list(model.model_fields)
 
 
 def to_toml(data: Mapping[str, Any]) -> str:
     """A study's tables as TOML text."""
     tables = {k: v for k, v in data.items() if isinstance(v, Mapping | BaseModel)}
-    lines = [f"{k} = {to_toml_value(v)}" for k, v in data.items() if k not in tables]
+    lines = [f"{_key(k)} = {to_toml_value(v)}" for k, v in data.items() if k not in tables]
     for key, table in tables.items():
-        fields = table.model_dump() if isinstance(table, BaseModel) else table
-        lines += ["", f"[{key}]", *(f"{k} = {to_toml_value(v)}" for k, v in fields.items() if v is not None)]
+        lines += ["", f"[{_key(key)}]", *(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(table).items())]
     return "\n".join(lines) + "\n"
+
+
+def _fields(table: Mapping[str, Any] | BaseModel) -> dict[str, Any]:
+    """A table's keys and values, but for those that were not given."""
+    pairs = table if isinstance(table, BaseModel) else table.items()
+    return {k: v for k, v in pairs if v is not None}
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else to_toml_value(key)
 
 
 def to_toml_value(value: Any) -> str:
     """One value in TOML."""
+    if isinstance(value, np.generic):
+        value = value.item()
     if isinstance(value, bool):
         return str(value).lower()
-    if isinstance(value, int | float | np.number):
-        return repr(value.item() if isinstance(value, np.number) else value)
-    if isinstance(value, Mapping):
-        return "{" + ", ".join(f"{k} = {to_toml_value(v)}" for k, v in value.items()) + "}"
+    if isinstance(value, int):
+        return repr(value) if value.bit_length() < MOST_BITS else hex(value)
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, Mapping | BaseModel):
+        return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):
         return "[" + ", ".join(map(to_toml_value, value)) + "]"
     if isinstance(value, brains.Brain):
         return to_toml_value(value.name)
-    if isinstance(value, Floor):
+    if isinstance(value, Floor | Accuracy | Misjudgement | Spread):
         return to_toml_value(value.form)
     if hasattr(value, "edges") and hasattr(value, "nodes"):
         value = parse_topology(value, Path(), {})
-    if isinstance(value, Topology) and value.edges is not None:
-        return to_toml_value({"name": value.name, "edges": value.edges})
-    text = str(value).replace("\\", "\\\\").replace('"', '\\"')
-    return '"' + text.replace("\n", "\\n").replace("\r", "\\r").replace("\t", "\\t") + '"'
+    if isinstance(value, Topology):
+        return to_toml_value(value.form)
+    # what JSON escapes TOML does too, but for the last control character
+    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -225,8 +225,10 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
     out = []
     for side in sides:
         try:
-            values = np.atleast_1d(np.asarray(side, np.float64))
-            values = np.ascontiguousarray(np.broadcast_to(values, (robots,)))
+            values = np.asarray(side, np.float64)
+            if values.shape not in ((), (robots,)):
+                raise ValueError
+            values = np.array(np.broadcast_to(values, (robots,)))
         except (TypeError, ValueError):
             raise InputError(
                 f"accuracy of shape {np.shape(side)}: should be a number or one for each of {robots} robots"

@@ -5,7 +5,9 @@ import functools
 import hashlib
 import keyword
 import math
+import operator
 import types
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -20,6 +22,12 @@ TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod")
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 BYTES_A_NUMBER = 4  # on the robot
+LARGEST = 2.0**1023  # of a constant: what comes out of arithmetic with such numbers is small enough to be looked at
+ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
+    ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
+}  # fmt: skip
+SIGNS: dict[type, Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_}
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
 ALLOCATES = (
     ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda,
@@ -103,7 +111,10 @@ def parse(source: str, name: str, path: Path) -> Brain:
         line = getattr(error, "lineno", None)
         what = getattr(error, "msg", error)
         raise InputError(f"brain file {path}{f', line {line}' if line else ''}: not Python: {what}") from error
-    _check_syntax(tree, path)
+    try:
+        _check_syntax(tree, path)
+    except RecursionError:
+        raise InputError(f"brain file {path}: its brackets or operators are nested too deep") from None
     module = types.ModuleType("brain")
     module.__file__ = str(path)
     try:
@@ -118,6 +129,7 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
         return InputError(f"brain file {path}, line {node.lineno}: {what}")
 
     own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    constants: dict[str, Any] = {}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
             raise bad(node, "a brain file holds constants and small functions, nothing else")
@@ -130,11 +142,27 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
         )
         if any(m != "math" for m in modules):
             raise bad(node, f"imports {', '.join(map(str, modules))}: a brain may import math alone")
-        if isinstance(node, ast.Assign) and any(isinstance(n, ast.Call) for n in ast.walk(node)):
-            raise bad(node, "a constant is written out, not computed by a call")
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            constants |= _imported(node)
+        if isinstance(node, ast.Assign):
+            if not all(isinstance(target, ast.Name) for target in node.targets):
+                raise bad(node, "a constant has one plain name")
+            try:
+                value = _constant(node.value, constants)
+            except ArithmeticError as error:
+                raise bad(node, f"a constant has no value: {error}") from None
+            except ValueError as error:
+                raise bad(node, str(error)) from None
+            constants |= {target.id: value for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.FunctionDef):
             if node.decorator_list:
                 raise bad(node, f"{node.name} has a decorator: a brain's functions are plain")
+            given = node.args
+            if given.defaults or given.kw_defaults or given.vararg or given.kwarg or getattr(node, "type_params", None):
+                raise bad(node, f"{node.name} has arguments that may be left out: a brain's functions are plain")
+            every = [*given.posonlyargs, *given.args]
+            if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
+                raise bad(node, f"{node.name} has an annotation that is no plain name")
             for inner in (n for statement in node.body for n in ast.walk(statement)):
                 if isinstance(inner, ALLOCATES):
                     kind = type(inner).__name__
@@ -145,6 +173,50 @@ def _check_syntax(tree: ast.Module, path: Path) -> None:
                         f"{node.name} calls {ast.unparse(inner.func)}: a brain may call its own functions, math's, "
                         f"and {', '.join(CALLS)}",
                     )
+
+
+def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
+    """The names that an import of math gives."""
+    if isinstance(node, ast.Import):
+        return {alias.asname or alias.name: math for alias in node.names}
+    names = {alias.asname or alias.name: alias.name for alias in node.names}
+    if "*" in names:
+        names = {name: name for name in dir(math) if not name.startswith("_")}
+    return {name: getattr(math, origin) for name, origin in names.items() if hasattr(math, origin)}
+
+
+def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
+    """The value of a constant, found without running it, so that no file takes long to load. Raises ValueError."""
+    value: Any = None
+    if isinstance(node, ast.Constant):
+        value = node.value
+    elif isinstance(node, ast.Name) and isinstance(known.get(node.id), int | float | str | tuple):
+        value = known[node.id]
+    elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
+        value = getattr(math, node.attr, None)
+    elif isinstance(node, ast.Tuple | ast.List):
+        return tuple(_constant(item, known) for item in node.elts)
+    elif isinstance(node, ast.Dict) and None not in node.keys:
+        return {_constant(k, known): _constant(v, known) for k, v in zip(node.keys, node.values, strict=True)}
+    elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
+        value = SIGNS[type(node.op)](_number(node.operand, known))
+    elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
+        left, right = _number(node.left, known), _number(node.right, known)
+        if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:
+            raise ValueError("a constant is too large")
+        value = ARITHMETIC[type(node.op)](left, right)
+    if not isinstance(value, int | float | str):
+        raise ValueError("a constant is a number, a text, a tuple or dict of such, or plain arithmetic with numbers")
+    if isinstance(value, int) and abs(value) > LARGEST:
+        raise ValueError("a constant is too large")
+    return value
+
+
+def _number(node: ast.expr, known: dict[str, Any]) -> Any:
+    value = _constant(node, known)
+    if not isinstance(value, int | float):
+        raise ValueError("plain arithmetic is with numbers")
+    return value
 
 
 def _may_call(function: ast.expr, own: set[str]) -> bool:
