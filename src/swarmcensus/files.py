@@ -25,11 +25,22 @@ def whole(path: str | Path) -> Iterator[Path]:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     try:
         yield beside
+        _to_disk(beside)  # a power cut must not leave a name without its bytes
         beside.replace(place)
+        with contextlib.suppress(OSError):  # not every system can do this
+            _to_disk(place.parent)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def _to_disk(path: Path) -> None:
+    handle = os.open(path, os.O_RDONLY)
+    try:
+        os.fsync(handle)
+    finally:
+        os.close(handle)
 
 
 def _place(path: str | Path) -> Path:

@@ -61,10 +61,10 @@ class Holding:
             )
             for one in shard.found:
                 place = self._place(one.setting, path)
+                self._check_trials(_end(one.first, one.columns))
                 values.grow(_end(one.first, one.columns))
                 values.put(place, one.first, self._at_our_checkpoints(one.columns, shard.about["checkpoints"], path))
         done = int(values.done().sum())
-        self._check_trials(values.trials)
         if done:
             total = "" if self.study.until else f" of {self.study.trials * len(self.settings):,}"
             where = f"; {done - before:,} of them in {shards} shards of a run that was cut off" if shards else ""

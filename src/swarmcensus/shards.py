@@ -208,10 +208,8 @@ class Parts:
         }
         data = _packed(about, self._waiting, self.fingerprints)
         name = f"{self._next:06d}-{checksum(data)}.npz"
-        with whole(self.folder / name) as beside, beside.open("wb") as file:
-            file.write(data)
-            file.flush()
-            os.fsync(file.fileno())  # a power cut must not leave a name without its bytes
+        with whole(self.folder / name) as beside:
+            beside.write_bytes(data)
         self._waiting, self._work = [], 0.0
         self._last, self._cpu = now, cpu
         self._next += 1
