@@ -1,8 +1,8 @@
 """What a study of very many small settings costs beside its computing: python benchmarks/size.py [--settings N].
 
 Runs settings of N = 10, C = 100, two trials each (by default 100,000 of them), with an output, and prints the wall
-time, the processor time inside the engine's calls, what all else took (reading the study, planning, handing out,
-keeping, writing), the peak of memory, and how long it takes to list, draw and export a selection of the file.
+time, the processor time inside the engine's calls, that of scheduling (planning, handing out, collecting, keeping
+shards), that of all else, the peak of memory, and how long it takes to list, draw and export a selection of the file.
 """
 
 import argparse
@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from swarmcensus import Study, tasks
+from swarmcensus import Study, running, tasks
 from swarmcensus.running import run
 
 FILLS = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95]
@@ -35,33 +35,43 @@ def study(settings):
     )
 
 
+def timed(module, name):
+    """Have a function add up the processor time of its calls; returns what says the sum."""
+    spent, lock, function = [0.0], threading.Lock(), getattr(module, name)
+
+    def wrapped(*arguments):
+        begun = time.thread_time()
+        try:
+            return function(*arguments)
+        finally:
+            with lock:
+                spent[0] += time.thread_time() - begun
+
+    setattr(module, name, wrapped)
+    return lambda: spent[0]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--settings", type=int, default=100_000)
     options = parser.parse_args()
     console = Console(width=100)
-    spent, lock, engine = [0.0], threading.Lock(), tasks.run_batch
-
-    def timed(*arguments):
-        begun = time.thread_time()
-        batch = engine(*arguments)
-        with lock:
-            spent[0] += time.thread_time() - begun
-        return batch
-
     run(study(20), 1)  # compiles, and imports what is imported late
-    tasks.run_batch = timed
+    engine = timed(tasks, "run_batch")
+    bundles = timed(running, "run_bundle")  # the engine, and what a thread does beside it
+    stages = timed(running, "_run_stages")  # planning, handing out, collecting, keeping
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "size.nc"
         wall, cpu = time.perf_counter(), time.process_time()
-        spent[0] = 0.0
         data = run(study(options.settings), 2, out=out)
         wall, cpu = time.perf_counter() - wall, time.process_time() - cpu
-        rest = cpu - spent[0]
         count = data.sizes["setting"]
+        scheduling = stages() + bundles() - engine()
         console.print(f"{count:,} settings of two trials, two threads: {wall:.1f} s, {1e6 * wall / count:.0f} us each")
         console.print(
-            f"processor time: {spent[0]:.1f} s computing, {rest:.1f} s all else: {100 * rest / spent[0]:.0f} %"
+            f"processor time: {engine():.1f} s computing; {scheduling:.1f} s scheduling "
+            f"({100 * scheduling / engine():.0f} %); {cpu - engine() - scheduling:.1f} s reading the study and writing "
+            "the dataset"
         )
         console.print(f"peak of memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB")
         for command in (["status"], ["export", "--where", SELECTION], ["plot", "--where", SELECTION]):
