@@ -244,6 +244,10 @@ def run(options: argparse.Namespace) -> int:
 def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
         raise InputError("--scheduler and --cluster: a study runs on one of them")
+    if options.jobs and (options.scheduler or options.cluster):
+        raise InputError(f"--jobs {options.jobs} is of threads: a cluster has as many workers as it has")
+    if options.scheduler and "://" not in options.scheduler:
+        raise InputError(f"--scheduler {options.scheduler}: should be an address, as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
 
 

@@ -1,13 +1,23 @@
 """Where one machine is too small: bundles run by the workers of a Dask cluster, to the same bits.
 
-What travels is a study as text, with the sources of its brains; a worker reads it as a results file is read.
+What travels is a study as text, with the sources of its brains; a worker reads it as a results file is read. The
+scheduler holds it, so that workers may come late, go and come back.
 """
 
 import contextlib
 import functools
+import inspect
+import logging
+import pickle
+import platform
+import tempfile
 import time
+import uuid
+import warnings
+import zlib
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future
+from concurrent.futures import CancelledError, Future
+from importlib import metadata
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,6 +26,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus import __version__, brains
 from swarmcensus.errors import InputError
+from swarmcensus.settings import Setting
 from swarmcensus.studies import Study, explain, read_toml
 from swarmcensus.tasks import Bundle, Outcome, metrics_of, run_bundle
 
@@ -24,7 +35,14 @@ EACH = 4  # bundles a worker at the least, so that the last ones end together
 SHORTEST, LONGEST = 0.2, 5.0  # predicted seconds of a bundle: Dask takes about a millisecond to hand one out
 AT_HAND = 3  # bundles a worker has waiting
 ASK_SECONDS = 2.0  # between questions for how many workers there are
+SAME_BITS = ("numpy", "numba", "networkx")  # what numbers depend on, beside swarmcensus and Python
+LOST = "the cluster is gone: what was finished is kept, and the same command goes on with it"
 Whole = Annotated[int, Field(strict=True, ge=1)]
+
+
+SYSTEMS = {
+    "slurm": "SLURM", "pbs": "PBS", "sge": "SGE", "lsf": "LSF", "htcondor": "HTCondor", "oar": "OAR", "moab": "Moab"
+}  # fmt: skip
 
 
 class Queue(BaseModel):
@@ -42,99 +60,130 @@ class Queue(BaseModel):
     interface: str | None = None  # the network that workers and this process share, as "ib0"
     directives: list[str] = []  # further lines of the job script's head, as "--exclusive"
     prologue: list[str] = []  # shell commands before a worker starts, as "source ~/venv/bin/activate"
-    scratch: str | None = None
+    scratch: str | None = None  # a folder on each node, for what does not fit into a worker's memory
+    logs: str | None = None  # a folder for what the jobs print
+    options: dict[str, str | int] = {}  # what else the system's class in dask-jobqueue takes, as disk = "1GB"
 
     def start(self) -> Any:
-        """Submit the jobs; returns the dask-jobqueue cluster."""
+        """Submit the jobs; returns the dask-jobqueue cluster. Raises ImportError, and ValueError for a wrong option."""
         import dask_jobqueue
 
-        kinds = {"slurm": "SLURM", "pbs": "PBS", "sge": "SGE", "lsf": "LSF", "htcondor": "HTCondor", "oar": "OAR",
-                 "moab": "Moab"}  # fmt: skip
-        options: dict[str, Any] = {
-            "cores": self.cores, "processes": self.cores, "memory": self.memory, "walltime": self.walltime,
-            "queue": self.partition, "account": self.account, "interface": self.interface,
-            "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
-            "local_directory": self.scratch, "log_directory": None,
-            "scheduler_options": {"dashboard": False, "dashboard_address": None},
+        kind = getattr(dask_jobqueue, f"{SYSTEMS[self.system]}Cluster")
+        takes = {k for c in kind.job_cls.__mro__ if c is not object for k in inspect.signature(c.__init__).parameters}
+        named = {
+            "walltime": self.walltime, "queue": self.partition,
+            "account" if "account" in takes else "project": self.account, **self.options,
         }  # fmt: skip
-        cluster = getattr(dask_jobqueue, f"{kinds[self.system]}Cluster")(
-            **{k: v for k, v in options.items() if v is not None}
-        )
-        cluster.scale(jobs=self.jobs)
-        return cluster
+        named = {k: v for k, v in named.items() if v is not None}
+        unknown = sorted(set(named) - takes)
+        if unknown:
+            raise ValueError(f"{self.system} takes no {', '.join(unknown)}")
+        common: dict[str, Any] = {
+            "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
+            "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
+            "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
+            "scheduler_options": {"dashboard": False, "dashboard_address": None}, "silence_logs": "CRITICAL",
+        }  # fmt: skip
+        return kind(**{k: v for k, v in common.items() if v is not None}, **named)
 
 
 class Workers:
     """The workers of a cluster, as a pool that bundles are handed to."""
 
-    def __init__(self, client: Any, study: Study, expected: int) -> None:
-        """Send the study once; `expected` workers are counted on until they are there."""
-        self.client, self._expected, self._asked = client, expected, 0.0
-        self._payload = client.scatter(payload_of(study), broadcast=True, hash=False)
+    def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], Any] = bool) -> None:
+        """Leave the study with the scheduler.
+
+        `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones.
+        """
+        self.client, self._expected, self._renew = client, expected, renew
+        self._asked, self._there = time.monotonic(), expected
+        self._key = f"swarmcensus-{uuid.uuid4().hex}"
+        client.set_metadata(self._key, zlib.compress(pickle.dumps(payload_of(study)), 1))
         self._executor = client.get_executor(pure=False)
 
     @property
     def width(self) -> int:
-        """How many bundles should be at hand."""
+        """How many bundles should be at hand. Raises InputError where no scheduler answers any more."""
         if time.monotonic() - self._asked > ASK_SECONDS:
-            self._expected = max(1, sum(self.client.nthreads().values())) if self._asked else self._expected
+            try:
+                self._there = sum(self.client.nthreads().values())
+                self._renew()
+            except (OSError, TimeoutError) as error:
+                raise InputError(LOST) from error
             self._asked = time.monotonic()
-        return AT_HAND * self._expected
+        return AT_HAND * max(1, self._there)
+
+    @property
+    def note(self) -> str:
+        """What to tell a person who waits."""
+        return "" if self._there else "waiting for workers"
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should be, of so many seconds of work."""
-        return min(max(work / (EACH * self._expected), SHORTEST), LONGEST)
+        return min(max(work / (EACH * max(self._expected, self._there)), SHORTEST), LONGEST)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Have a bundle run by a worker."""
-        return self._executor.submit(run_remotely, self._payload, bundle)  # type: ignore[no-any-return]
+        return self._executor.submit(run_remotely, self._key, bundle)  # type: ignore[no-any-return]
 
     def halt(self) -> None:
         """Nothing to tell: bundles are short, and are cancelled by whoever waits for them."""
 
     def explain(self, error: BaseException) -> str | None:
-        """Why a bundle was lost though its study goes on; None where it cannot."""
+        """Why a bundle was lost though its study goes on; None where it cannot, InputError where the cluster is."""
         from distributed import KilledWorker
 
         if isinstance(error, KilledWorker):
             return "its worker died again and again (out of memory?)"
+        if isinstance(error, CancelledError | OSError):
+            raise InputError(LOST) from error
         return None
+
+    def forget(self) -> None:
+        """Have the scheduler forget the study, if it is there still."""
+        with contextlib.suppress(OSError, TimeoutError, CancelledError):
+            self.client.set_metadata(self._key, None)
+
+
+def versions() -> dict[str, str]:
+    """Of all that the bits depend on."""
+    known = {name: metadata.version(name) for name in SAME_BITS}
+    return {"swarmcensus": __version__, "Python": platform.python_version(), **known}
 
 
 def payload_of(study: Study) -> dict[str, Any]:
     """All that a worker must know of a study: plain text and numbers."""
     context = study.context
     sources = {name: (brain.source, str(brain.path)) for name, brain in context["brains"].items()}
-    return {"version": __version__, "text": study.text, **context, "brains": sources}
+    return {"versions": versions(), "text": study.text, **context, "brains": sources}
 
 
-def run_remotely(payload: dict[str, Any], bundle: Bundle) -> Outcome:
-    """Run a bundle in a worker's process. Raises InputError where the worker has another swarmcensus."""
-    if payload["version"] != __version__:
-        raise InputError(f"a worker has swarmcensus {__version__}, the study was sent by {payload['version']}")
-    study, settings = _read(_Sent(payload))
+def run_remotely(key: str, bundle: Bundle) -> Outcome:
+    """Run a bundle in a worker's process. Raises InputError where the worker has other versions."""
+    study, settings = _study(key)
     return run_bundle(settings, study.seed, bundle, metrics_of(study), np.zeros(1, np.uint8))
 
 
-class _Sent:
-    """A payload, known by its text: what is sent for one study is the same each time."""
-
-    def __init__(self, payload: dict[str, Any]) -> None:
-        self.payload = payload
-        self.key = payload["text"], tuple(sorted((k, v[0]) for k, v in payload["brains"].items()))
-
-    def __hash__(self) -> int:
-        return hash(self.key)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Sent) and self.key == other.key
-
-
 @functools.lru_cache(maxsize=2)
-def _read(sent: _Sent) -> tuple[Study, list[Any]]:
-    known = {name: brains.parse(source, name, Path(path)) for name, (source, path) in sent.payload["brains"].items()}
-    others = {k: v for k, v in sent.payload.items() if k not in ("version", "text", "brains")}
-    study = Study.parse(sent.payload["text"], where="the study as sent", context={**others, "brains": known})
+def _study(key: str) -> tuple[Study, list[Setting]]:
+    from distributed import get_worker
+    from distributed.utils import sync
+
+    worker = get_worker()  # type: ignore[no-untyped-call]
+    return read(pickle.loads(zlib.decompress(sync(worker.loop, worker.scheduler.get_metadata, keys=[key]))))  # type: ignore[no-untyped-call]
+
+
+def read(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
+    """A study as it was sent, and its settings. Raises InputError where it was sent by other versions."""
+    differ = [f"{name} {mine} there, {payload['versions'].get(name)} here"
+              for name, mine in versions().items() if mine != payload["versions"].get(name)]  # fmt: skip
+    if differ:
+        raise InputError(f"a worker would not give the same bits: {'; '.join(differ)}")
+    known = {name: brains.parse(source, name, Path(path)) for name, (source, path) in payload["brains"].items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # whoever sent it was warned
+        context = {"edges": payload["edges"], "images": payload["images"], "brains": known}
+        study = Study.parse(payload["text"], where="the study as sent", context=context)
     return study, study.settings()
 
 
@@ -145,20 +194,27 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
+    renew: Callable[[], Any] = bool  # nothing to do
+    expected = 1
     with contextlib.ExitStack() as stack:
+        stack.enter_context(_quiet())
         if where.startswith("local:"):
-            count = _count(where)
-            show(f"starting {count} worker processes")
-            cluster: Any = stack.enter_context(
-                distributed.LocalCluster(  # type: ignore[no-untyped-call]
-                    n_workers=count, threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL"
-                )
-            )
+            expected = _count(where)
+            show(f"starting {expected} worker processes")
+            scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
+            try:
+                cluster: Any = distributed.LocalCluster(  # type: ignore[no-untyped-call]
+                    n_workers=expected, threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL",
+                    local_directory=scratch,
+                )  # fmt: skip
+            except (OSError, RuntimeError) as error:
+                raise InputError(f"--cluster {where}: no processes could be started: {error}") from error
+            stack.enter_context(cluster)
         elif "://" in where:
-            count, cluster = 1, where
+            cluster = where
         else:
             queue = read_queue(Path(where))
-            count = queue.jobs * queue.cores
+            expected = queue.jobs * queue.cores
             show(f"submitting {queue.jobs} jobs of {queue.cores} workers to {queue.system}")
             try:
                 cluster = stack.enter_context(queue.start())
@@ -166,12 +222,32 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
                 raise InputError(NEEDS) from None
             except (OSError, RuntimeError, ValueError) as error:
                 raise InputError(f"{where}: no jobs could be submitted: {error}") from error
+            renew = functools.partial(cluster.scale, jobs=queue.jobs)
+            renew()
         try:
             client: Any = distributed.Client(cluster, timeout="10s", set_as_default=False)  # type: ignore[no-untyped-call]
-            stack.enter_context(client)
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
-        yield Workers(client, study, count)
+        stack.enter_context(client)
+        pool = Workers(client, study, max(expected, sum(client.nthreads().values())), renew)
+        try:
+            yield pool
+        finally:
+            pool.forget()
+
+
+@contextlib.contextmanager
+def _quiet() -> Iterator[None]:
+    """Keep what Dask logs off the terminal: what a person should know is told by a note or an error."""
+    loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "tornado.application")]
+    levels = [logger.level for logger in loggers]
+    for logger in loggers:
+        logger.setLevel(logging.CRITICAL)
+    try:
+        yield
+    finally:
+        for logger, level in zip(loggers, levels, strict=True):
+            logger.setLevel(level)
 
 
 def _count(where: str) -> int:

@@ -50,14 +50,16 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
 
 def _lines(label: str) -> Callable[[Progress], None]:
     begun = last = time.monotonic()
+    note = ""
 
     def show(progress: Progress) -> None:
-        nonlocal last
+        nonlocal last, note
         now = time.monotonic()
-        if now - last >= LINE_SECONDS or progress.note:
-            last = now
-            pace = ", ".join(_pace(progress, now - begun)) if progress.work_done else progress.note or "starting"
-            print(f"{label}: {progress.done} of {progress.total} trials, {pace}", file=sys.stderr, flush=True)
+        if progress.note != note or (not note and now - last >= LINE_SECONDS):
+            last, note = now, progress.note
+            pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
+            trials = f"{progress.done} of {progress.total} trials, " if progress.total else ""
+            print(f"{label}: {trials}{pace}", file=sys.stderr, flush=True)
 
     return show
 

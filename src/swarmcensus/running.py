@@ -48,6 +48,10 @@ class Pool(Protocol):
     def width(self) -> int:
         """How many bundles it should have at hand."""
 
+    @property
+    def note(self) -> str:
+        """What to tell a person who waits, or nothing."""
+
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should be, of so many seconds of work."""
 
@@ -63,6 +67,8 @@ class Pool(Protocol):
 
 class Threads:
     """Threads of this process: the engine holds no lock while it computes."""
+
+    note = ""
 
     def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
         """Take the executor's threads."""
@@ -222,10 +228,10 @@ def _tell(state: State, data: xr.Dataset) -> None:
 
 @contextlib.contextmanager
 def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[Pool]:
-    if cluster is not None:
+    if cluster is not None and not _everything_found(state):
         from swarmcensus.clusters import workers
 
-        if cluster.startswith("local:"):
+        if "://" not in cluster:  # those workers use the cache of this machine, or of a home that they share
             _compile(state)
         with workers(cluster, state.study, state.show) as pool:
             yield pool
@@ -323,7 +329,7 @@ def _work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
                 waiting[pool.submit(bundle)] = bundle
             if not waiting:
                 break
-            state.show()
+            state.show(pool.note)
             finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
             for future in finished:
                 _keep(state, pool, future, waiting.pop(future))
