@@ -32,9 +32,12 @@ from swarmcensus.tasks import Bundle, Outcome, metrics_of, run_bundle
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 EACH = 4  # bundles a worker at the least, so that the last ones end together
-SHORTEST, LONGEST = 0.2, 5.0  # predicted seconds of a bundle: Dask takes about a millisecond to hand one out
+SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle, and more for a crowd of workers:
+RATE = 200.0  # bundles a second at the most, for Dask takes about a millisecond to hand one out
 AT_HAND = 3  # bundles a worker has waiting
+CONNECT = "10s"  # for a scheduler to answer
 ASK_SECONDS = 2.0  # between questions for how many workers there are
+NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # Dask would take port 8787 in any case
 SAME_BITS = ("numpy", "numba", "networkx")  # what numbers depend on, beside swarmcensus and Python
 LOST = "the cluster is gone: what was finished is kept, and the same command goes on with it"
 Whole = Annotated[int, Field(strict=True, ge=1)]
@@ -82,9 +85,11 @@ class Queue(BaseModel):
             "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
             "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
             "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
-            "scheduler_options": {"dashboard": False, "dashboard_address": None}, "silence_logs": "CRITICAL",
+            "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL",
         }  # fmt: skip
-        return kind(**{k: v for k, v in common.items() if v is not None}, **named)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # OAR's, of what `options` may say
+            return kind(**{k: v for k, v in common.items() if v is not None}, **named)
 
 
 class Workers:
@@ -96,7 +101,7 @@ class Workers:
         `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones.
         """
         self.client, self._expected, self._renew = client, expected, renew
-        self._asked, self._there = time.monotonic(), expected
+        self._asked, self._there = time.monotonic(), sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
         client.set_metadata(self._key, zlib.compress(pickle.dumps(payload_of(study)), 1))
         self._executor = client.get_executor(pure=False)
@@ -120,7 +125,8 @@ class Workers:
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should be, of so many seconds of work."""
-        return min(max(work / (EACH * max(self._expected, self._there)), SHORTEST), LONGEST)
+        count = max(self._expected, self._there)
+        return min(max(work / (EACH * count), SHORTEST), max(LONGEST, count / RATE))
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Have a bundle run by a worker."""
@@ -204,8 +210,8 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             try:
                 cluster: Any = distributed.LocalCluster(  # type: ignore[no-untyped-call]
-                    n_workers=expected, threads_per_worker=1, dashboard_address=None, silence_logs="CRITICAL",
-                    local_directory=scratch,
+                    n_workers=expected, threads_per_worker=1, silence_logs="CRITICAL", local_directory=scratch,
+                    dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
             except (OSError, RuntimeError) as error:
                 raise InputError(f"--cluster {where}: no processes could be started: {error}") from error
@@ -225,11 +231,11 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             renew = functools.partial(cluster.scale, jobs=queue.jobs)
             renew()
         try:
-            client: Any = distributed.Client(cluster, timeout="10s", set_as_default=False)  # type: ignore[no-untyped-call]
+            client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
         stack.enter_context(client)
-        pool = Workers(client, study, max(expected, sum(client.nthreads().values())), renew)
+        pool = Workers(client, study, expected, renew)
         try:
             yield pool
         finally:
