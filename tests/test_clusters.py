@@ -92,7 +92,11 @@ def scheduler():
 
 def processes(count):
     return distributed.LocalCluster(
-        n_workers=count, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"
+        n_workers=count,
+        threads_per_worker=1,
+        host="127.0.0.1",
+        dashboard_address="127.0.0.1:0",
+        silence_logs="CRITICAL",
     )
 
 
@@ -172,7 +176,9 @@ def test_a_study_with_another_edge_list_is_another_study(here, scheduler):
 
 
 def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
-    text = MOVING.replace("trials = 3", 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}')
+    text = MOVING.replace(
+        "trials = 3", 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
+    )
     ruled = study(text)
     assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
 
@@ -232,9 +238,9 @@ def test_a_trial_that_fails_fails_alone(here, scheduler):
     text = FIXED.replace("robots   = 12", "robots = 20").replace('["ring", "scale-free", ', "[").replace(
         '["links.csv"]', '"ring"'
     ).replace("fill_ratio = 0.55", "fill_ratio = [0.3, 0.32]").replace("local = true", "")  # fmt: skip
-    with pytest.warns(UserWarning, match=r"setting \d+, trial \d+"):
+    with pytest.warns(UserWarning, match=r"setting \d: .* fails in trial \d of ring.*ZeroDivisionError"):
         here_ = sc.run(study(text), jobs=2)
-    with pytest.warns(UserWarning, match=r"setting \d+, trial \d+"):
+    with pytest.warns(UserWarning, match=r"setting \d: .* fails in trial \d of ring.*ZeroDivisionError"):
         there = run(study(text), cluster=scheduler)
     assert 0 < len(json.loads(there.attrs["failed"])) < 24
     assert there.attrs["failed"] == here_.attrs["failed"]
@@ -326,11 +332,12 @@ def ends(group):
     return False
 
 
-def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm):
+def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
-    with dask.config.set({"distributed.deploy.lost-worker-timeout": "500ms"}):
-        data = run(study(LONG), cluster="slurm.toml", progress=end)
+    monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
+    monkeypatch.setattr(clusters, "GRACE_SECONDS", 0.5)
+    data = run(study(LONG), cluster="slurm.toml", progress=end)
     assert end.done
     assert len(slurm()) == 2
     assert same(data, sc.run(study(LONG), jobs=2))
@@ -352,6 +359,7 @@ def test_a_job_asks_for_what_the_file_says(here):
     [("pbs", "-A swarms", ""), ("sge", "-P swarms", ""), ("lsf", "-P swarms", ""), ("oar", "--project swarms", ""),
      ("moab", "-A swarms", ""), ("htcondor", None, '[options]\ndisk = "1GB"')],
 )  # fmt: skip
+@pytest.mark.filterwarnings("ignore:OAR Job memory reserved resources")
 def test_every_batch_system_gets_a_job_script(here, system, account, more):
     lines = ['system = "' + system + '"', "jobs = 1", "cores = 2", 'memory = "3GB"', 'interface = "lo"']
     lines += ['account = "swarms"', 'walltime = "00:30"'] if account else []
@@ -372,7 +380,7 @@ def test_every_batch_system_gets_a_job_script(here, system, account, more):
         ('system = "cron"\njobs = 2\ncores = 2\nmemory = "1GB"', "slurm"),
         ("jobs = ", "TOML"),
         ('system = "htcondor"\njobs = 1\ncores = 1\nmemory = "1GB"\npartition = "x"', "htcondor takes no queue"),
-        ('jobs = 1\ncores = 1\nmemory = "much"', "no jobs could be submitted"),
+        ('jobs = 1\ncores = 1\nmemory = "much"', "memory"),
         ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "none7"', "no jobs could be submitted"),
         ('jobs = 1\ncores = 1\nmemory = "1GB"\ninterface = "lo"\n[options]\ncolour = "red"', "takes no colour"),
     ],
@@ -406,9 +414,7 @@ def test_a_cluster_that_is_not_there_is_told_in_one_line(here, capsys, monkeypat
     assert said in capsys.readouterr().err.splitlines()[-1]
 
 
-@pytest.mark.parametrize(
-    ("module", "where"), [("distributed", "local:2"), ("dask_jobqueue", "slurm.toml")]
-)
+@pytest.mark.parametrize(("module", "where"), [("distributed", "local:2"), ("dask_jobqueue", "slurm.toml")])
 def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, where):
     Path("slurm.toml").write_text(SLURM)
     monkeypatch.setitem(sys.modules, module, None)
@@ -416,14 +422,14 @@ def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, wher
         run(study(FIXED), cluster=where)
 
 
-def test_dask_is_imported_only_when_it_is_asked_for(here):
+def test_a_plain_run_does_without_dask(here):
+    """It runs where Dask is not there to import; where it is, only xarray asks for it."""
     Path("s.toml").write_text(FIXED)
     code = (
-        "import sys; from swarmcensus.cli import main; assert main(['run', 's.toml']) == 0; "
-        "print([m for m in sys.modules if m.startswith(('dask', 'distributed'))])"
+        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli import main; "
+        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.clusters' not in sys.modules"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines()[-1] == "[]"
+    subprocess.run([sys.executable, "-c", code], check=True)
 
 
 def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):

@@ -37,6 +37,7 @@ RATE = 200.0  # bundles a second at the most, for Dask takes about a millisecond
 AT_HAND = 3  # bundles a worker has waiting
 CONNECT = "10s"  # for a scheduler to answer
 ASK_SECONDS = 2.0  # between questions for how many workers there are
+GRACE_SECONDS = 30.0  # without a worker after which a job that had one has ended
 NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # Dask would take port 8787 in any case
 SAME_BITS = ("numpy", "numba", "networkx")  # what numbers depend on, beside swarmcensus and Python
 LOST = "the cluster is gone: what was finished is kept, and the same command goes on with it"
@@ -56,7 +57,7 @@ class Queue(BaseModel):
     system: Literal["slurm", "pbs", "sge", "lsf", "htcondor", "oar", "moab"] = "slurm"
     jobs: Whole
     cores: Whole  # of each job: as many worker processes
-    memory: str  # of each job, as "16GB"
+    memory: Annotated[str, Field(pattern=r"^\d+(\.\d+)? ?[KMGT]i?B$")]  # of each job, as "16GB"
     walltime: str | None = None
     partition: str | None = None
     account: str | None = None
@@ -87,9 +88,29 @@ class Queue(BaseModel):
             "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
             "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL",
         }  # fmt: skip
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # OAR's, of what `options` may say
-            return kind(**{k: v for k, v in common.items() if v is not None}, **named)
+        return kind(**{k: v for k, v in common.items() if v is not None}, **named)
+
+
+class Jobs:
+    """The jobs of a batch system: one that was there and has ended, as at its walltime, is submitted anew."""
+
+    def __init__(self, cluster: Any, jobs: int) -> None:
+        """Submit so many."""
+        self.cluster, self.jobs = cluster, jobs
+        self._seen: dict[str, float] = {}  # when a job last had a worker
+        self.renew()
+
+    def renew(self) -> None:
+        """Look which are there, and submit those that lack."""
+        there = [str(worker["name"]) for worker in self.cluster.scheduler_info["workers"].values()]
+        now = time.monotonic()
+        for job in map(str, list(self.cluster.workers)):
+            if any(name == job or name.startswith(f"{job}-") for name in there):
+                self._seen[job] = now
+            elif now - self._seen.get(job, now) > GRACE_SECONDS:
+                del self._seen[job]
+                self.cluster.loop.add_callback(self.cluster.workers.pop(job).close)
+        self.cluster.scale(jobs=self.jobs)
 
 
 class Workers:
@@ -147,8 +168,9 @@ class Workers:
 
     def forget(self) -> None:
         """Have the scheduler forget the study, if it is there still."""
-        with contextlib.suppress(OSError, TimeoutError, CancelledError):
-            self.client.set_metadata(self._key, None)
+        if self.client.status == "running":
+            with contextlib.suppress(OSError, TimeoutError, CancelledError):
+                self.client.set_metadata(self._key, None)
 
 
 def versions() -> dict[str, str]:
@@ -228,8 +250,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
                 raise InputError(NEEDS) from None
             except (OSError, RuntimeError, ValueError) as error:
                 raise InputError(f"{where}: no jobs could be submitted: {error}") from error
-            renew = functools.partial(cluster.scale, jobs=queue.jobs)
-            renew()
+            renew = Jobs(cluster, queue.jobs).renew
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
         except (OSError, TimeoutError, ValueError) as error:
