@@ -3,6 +3,7 @@
 import contextlib
 import json
 import os
+import runpy
 import shutil
 import signal
 import subprocess
@@ -16,7 +17,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import clusters, tasks
+from swarmcensus import clusters
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.running import run
@@ -68,7 +69,7 @@ stop   = "moving"
 LONG = """
 name   = "long"
 seed   = 9
-trials = 400
+trials = 200
 
 [swarm]
 robots   = 100
@@ -253,7 +254,7 @@ def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
 
     with pytest.raises(Interrupted) as stopped:
         run(study(LONG), cluster=scheduler, progress=Once(stop), out="s.nc")
-    assert 0 < stopped.value.done < 1600
+    assert 0 < stopped.value.done < 800
     assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
     assert same(run(study(LONG), cluster=scheduler, out="s.nc"), sc.run(study(LONG), jobs=2))
 
@@ -466,3 +467,15 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
     assert late.width == clusters.AT_HAND
     assert late.note == "waiting for workers"
     assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.EACH)
+
+
+def test_the_simulated_scheduler_against_closed_forms():
+    makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
+    assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect
+    assert makespan([2.0] * 13, 4) == 8.0  # the last wave
+    assert makespan([2.0] * 12, 1) == 24.0
+    assert makespan([0.5] * 1000, 1000, dispatch=0.25) == 1000 * 0.25 + 0.5  # the scheduler is the limit
+    assert makespan([1.0] * 10, 1, dispatch=0.25, latency=0.5) == 10 * 1.75
+    assert makespan([5.0, 1.0, 1.0, 1.0], 2) == 5.0  # a long one first, short ones beside it
+    assert makespan([1.0] * 3, 2, late=8.0) == 3.0  # the second comes after 4 seconds, when nothing is left
+    assert makespan([1.0] * 8, 2, late=8.0) == 6.0

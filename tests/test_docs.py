@@ -12,6 +12,7 @@ import swarmcensus as sc
 from swarmcensus import conformance, results
 from swarmcensus.bodies import Body
 from swarmcensus.cli import main, parser
+from swarmcensus.clusters import Queue
 from swarmcensus.studies import Measure, Schedule, Study, Swarm, Tables, World, to_toml
 
 ROOT = Path(__file__).parents[1]
@@ -73,13 +74,16 @@ def test_python_runs(page, tmp_path, monkeypatch, capsys):
 
 @examples("toml")
 def test_toml_is_a_study_or_a_change_to_one(text):
-    """A block that is no whole study must turn a plain one into another that is right."""
+    """Or a cluster; a block that is no whole study must turn a plain one into another that is right."""
     tables = {
         "trials": 1,
         "swarm": {"robots": 10, "accuracy": 0.7},
         "world": {"topology": "ring", "fill_ratio": 0.55},
     }
     found = tomllib.loads(text)
+    if "jobs" in found:
+        Queue.model_validate(found)
+        return
     if not {"trials", "swarm", "world"} <= set(found):
         for key, value in found.items():
             tables[key] = tables[key] | value if isinstance(tables.get(key), dict) else value
@@ -216,3 +220,19 @@ def test_the_recorded_example_is_what_its_study_makes(tmp_path, monkeypatch, cap
     assert (example / "observations.csv").read_bytes() == (EXAMPLE / "observations.csv").read_bytes()
     assert (example / "links.csv").read_bytes() == (EXAMPLE / "links.csv").read_bytes()
     assert capsys.readouterr().out.endswith(shown[shown.index("minimalistic on") :])
+
+
+def test_the_clusters_page_lists_every_key_and_shows_its_job(monkeypatch):
+    page = ROOT / "docs" / "clusters.md"
+    text = page.read_text(encoding="utf-8")
+    assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == set(Queue.model_fields)
+    [toml], [shown] = blocks(page, "toml"), blocks(page, "text")
+    job = Queue.model_validate(tomllib.loads(toml) | {"interface": "lo"})
+    monkeypatch.setattr("os.makedirs", lambda path: None)
+    with job.start() as cluster:
+        script = cluster.job_script()
+    script = re.sub(r"tcp://\S+ --name \S+", "tcp://10.0.0.1:40211 --name SLURMCluster-0", script)
+    script = re.sub(r"^\S+ -m", "/home/me/venv/bin/python -m", script, flags=re.MULTILINE)
+    assert [line for line in script.replace(" lo", " ib0").splitlines() if line] == [
+        line for line in shown.splitlines() if line
+    ]

@@ -33,7 +33,7 @@ from swarmcensus.tasks import Bundle, Outcome, metrics_of, run_bundle
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 EACH = 4  # bundles a worker at the least, so that the last ones end together
 SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle, and more for a crowd of workers:
-RATE = 200.0  # bundles a second at the most, for Dask takes about a millisecond to hand one out
+RATE = 200.0  # bundles a second at the most, for Dask takes a few milliseconds to hand one out
 AT_HAND = 3  # bundles a worker has waiting
 CONNECT = "10s"  # for a scheduler to answer
 ASK_SECONDS = 2.0  # between questions for how many workers there are
@@ -122,7 +122,8 @@ class Workers:
         `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones.
         """
         self.client, self._expected, self._renew = client, expected, renew
-        self._asked, self._there = time.monotonic(), sum(client.nthreads().values())
+        self._asked = time.monotonic()
+        self._there: int = sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
         client.set_metadata(self._key, zlib.compress(pickle.dumps(payload_of(study)), 1))
         self._executor = client.get_executor(pure=False)
