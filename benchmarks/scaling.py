@@ -4,6 +4,7 @@ Measured here: a study on one and two threads and on one and two worker processe
 bundle. Simulated from that: how long the paper's studies with a hundred times their trials would take on many workers.
 """
 
+import argparse
 import heapq
 import time
 from concurrent.futures import FIRST_COMPLETED, ThreadPoolExecutor, wait
@@ -107,6 +108,7 @@ def bundles_of(tasks, count):
 
 
 def main():
+    argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter).parse_args()
     console = Console()
     study = Study.parse(SCALED)
     seconds_of(study.with_(trials=10), jobs=1)  # compiles
