@@ -1,5 +1,6 @@
 """What tests share."""
 
+import numpy as np
 import pytest
 
 import swarmcensus as sc
@@ -41,3 +42,9 @@ def small_file(small_results, tmp_path_factory):
     path = tmp_path_factory.mktemp("results") / "small.nc"
     sc.save(small_results, path)
     return path
+
+
+def beliefs_of(setting, study, trial):
+    """What each robot of a trial believes of its sensor, as `infer` takes it."""
+    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(study.seed, trial, 1))
+    return np.broadcast_to(b, setting.robots), np.broadcast_to(w, setting.robots)

@@ -14,6 +14,7 @@ from swarmcensus import brains, metrics
 from swarmcensus.engine import trials as engine
 from swarmcensus.engine.trials import Metrics, run_batch, segment_length
 from swarmcensus.traces import recording
+from tests.conftest import beliefs_of
 
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
@@ -69,9 +70,13 @@ def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, comp
         if setting.link_success < 1.0:
             continue
         readings, edges = recording(results, k, 1)
-        b, w, _, _ = setting.accuracies(study.seed, 1, 1)
         trace = sc.infer(
-            readings, edges, (b[0], w[0]), setting.observations_per_round, setting.brain, compiled=compiled
+            readings,
+            edges,
+            beliefs_of(setting, study, 1),
+            setting.observations_per_round,
+            setting.brain,
+            compiled=compiled,
         )
         again = sc.replay(results, k, 1)
         for name in (*setting.brain.memory, "estimate"):
@@ -85,8 +90,7 @@ def test_the_local_estimate_is_that_of_a_robot_that_hears_nobody(mixed):
     study, results = mixed
     for k, setting in some(study, 11):
         readings = engine.record_readings(setting, study.seed, 0)
-        b, w, _, _ = setting.accuracies(study.seed, 0, 1)
-        curves = sc.infer(readings, None, (b[0], w[0]), 1, setting.brain)["estimate"].values
+        curves = sc.infer(readings, None, beliefs_of(setting, study, 0), 1, setting.brain)["estimate"].values
         index = metrics.convergence(curves)
         n = setting.robots
         assert (results["local_convergence_step"].values[k, 0, :n] == index).all()

@@ -19,6 +19,7 @@ from swarmcensus.floors import Ground, floor_of, side_of
 from swarmcensus.patterns import MOST_PIXELS, Floor, parse_floor, read_image
 from swarmcensus.studies import to_toml_value
 from swarmcensus.traces import recording
+from tests.conftest import beliefs_of
 
 FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)
 SIGMAS = 5.0  # a true statement fails once in 1.7 million draws
@@ -352,8 +353,7 @@ def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(flo
         trace = sc.replay(results, k, 1)
         assert (results["final_estimate"].values[k, 1] == trace["estimate"].values[-1]).all()
         readings, messages = recording(results, k, 1)
-        b, w, _, _ = setting.accuracies(study.seed, 1, 1)
-        again = sc.infer(readings, messages, (b[0], w[0]), 1, setting.brain, compiled=k % 6 != 1)
+        again = sc.infer(readings, messages, beliefs_of(setting, study, 1), 1, setting.brain, compiled=k % 6 != 1)
         assert (again["estimate"].values == trace["estimate"].values).all()
         tile, place = trace["tile"].values[1:], trace["position"].values[1:]
         heading = trace["heading"].values[1:]

@@ -14,6 +14,7 @@ from swarmcensus.bodies import Body
 from swarmcensus.engine.random import address
 from swarmcensus.engine.walking import walk
 from swarmcensus.traces import recording
+from tests.conftest import beliefs_of
 
 GO = np.zeros(1, np.uint8)
 KEY = address(5, "walk")
@@ -202,8 +203,7 @@ def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(moving):
             assert results["correct"].values[k, c, 1] == metrics.correct(curves[checkpoint], 0.55)
         if setting.link_success == 1.0:
             readings, messages = recording(results, k, 1)
-            b, w, _, _ = setting.accuracies(study.seed, 1, 1)
-            again = sc.infer(readings, messages, (b[0], w[0]), 1, setting.brain, compiled=k % 8 != 0)
+            again = sc.infer(readings, messages, beliefs_of(setting, study, 1), 1, setting.brain, compiled=k % 8 != 0)
             assert (again["estimate"].values == curves).all()
 
 
@@ -276,7 +276,7 @@ def test_readings_come_from_the_tile_under_the_sensor(moving):
     [
         (("density = [1, 6]", ""), "world.density is missing"),
         (("[1, 6]", "[1, 600]"), "world.density = 600.0: the arena cannot hold 1 robots; the largest that can is"),
-        (("[1, 6]", "[0]"), "world.density[0] = 0: should be greater than 0"),
+        (("[1, 6]", "[0]"), "world.density[0] = 0: should be greater than or equal to 0.000000001"),
         (("message_delay = 0", "message_delay = -1"), "world.body.message_delay = -1: should be greater"),
         (("message_delay = 0", "sped = 1"), "unknown key world.body.sped: did you mean 'speed'"),
         (('"moving"', '"ring"'), "world.density is of robots that move"),

@@ -301,7 +301,7 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
         ("def steer(me):\n    return 1.0 / me.t, 0.0", "ZeroDivisionError"),
         ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 are right"),
         ("steer = 0.14", "steer is 0.14, not a function"),
-        ("steer = None", "steer is None, not a function"),
+        ("steer = None", "a constant is a number"),
     ],
 )
 def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, monkeypatch):
