@@ -532,3 +532,13 @@ def test_one_brain_under_two_names_is_refused_before_it_runs(here):
     with pytest.raises(InputError, match=r"'minimalistic' on .* and brain 'copy.py' on .* are one setting"):
         run(study(text), out="a.nc")
     assert sorted(p.name for p in here.iterdir()) == ["copy.py", "s.toml"]
+
+
+def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):
+    def vanish(progress):
+        if progress.done == progress.total:
+            shutil.rmtree("made")
+
+    assert same(run(study(), 1, vanish, out="made/a.nc"), whole)
+    assert same(sc.load("made/a.nc"), whole)
+    assert [p.name for p in Path("made").iterdir()] == ["a.nc"]

@@ -150,7 +150,7 @@ class Parts:
         if not listed(self.folder):
             self.clear()
             with contextlib.suppress(OSError):
-                (self.folder / "lock").unlink()
+                (self.folder / "lock").unlink(missing_ok=True)  # somebody may have removed the folder
                 self.folder.rmdir()
         self.lock.release()
 
