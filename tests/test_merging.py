@@ -183,3 +183,19 @@ def test_brains_of_ones_own_are_asked_for(tmp_path, monkeypatch, capsys):
 def test_bad_samples(sample, small_file, capsys):
     assert main(["verify", str(small_file), "--sample", sample]) == 2
     assert "should be a share above 0" in capsys.readouterr().err
+
+
+def test_what_only_some_of_merged_results_measured_is_no_difference():
+    results = [
+        ran(),
+        ran(robots_in_swarm=4, checkpoints_in_measure=[5, 20]),
+        ran(robots_in_swarm=6, local_in_measure=True, trials=2),
+    ]
+    merged = sc.merge(results)
+    assert sc.verify(merged, 1.0, jobs=2).differences == []
+    for name, where in (("correct", (0, 1, 3)), ("local_convergence_step", (1, 1, 0))):
+        changed = merged.copy(deep=True)
+        assert changed[name].values[where] not in (-1.0, np.nan)
+        changed[name].values[where] += 1
+        (found,) = sc.verify(changed, 1.0, jobs=2).differences
+        assert (found.setting, found.variable) == (where[0], name)

@@ -16,9 +16,11 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import results, shards
 from swarmcensus.cli import main
-from swarmcensus.errors import InputError
+from swarmcensus.errors import InputError, Interrupted
+from swarmcensus.resuming import hold
 from swarmcensus.running import run
 from swarmcensus.status import status
+from swarmcensus.values import Values, shapes
 
 STUDY = """
 name   = "resumed"
@@ -420,3 +422,123 @@ def test_results_and_shards_hold_no_pickles(here):
     run(study(), out="a.nc")
     assert b"cpickle" not in Path("a.nc").read_bytes().lower()
     assert results.load("a.nc")["fingerprint"].dtype.kind in "UO"
+
+
+def test_longer_settings_are_added_under_the_default_checkpoints(here):
+    text = STUDY.replace("checkpoints = [10, 60]", "")
+    run(study(text), 2, out="a.nc")
+    cut_off("b.nc", 20, text)
+    longer = study(text.replace("rounds = 60", "rounds = [60, 100]").replace("ticks  = 200", "ticks  = [200, 300]"))
+    undisturbed = sc.run(longer, jobs=2)
+    for name in ("a.nc", "b.nc"):
+        assert same(run(longer, 2, out=name), undisturbed)
+    shorter = study(text.replace("rounds = 60", "rounds = [60, 30]"))
+    run(study(text), 2, out="c.nc")
+    with pytest.raises(InputError, match=r"no decisions at round 30.*measure\.checkpoints .*50, 60"):
+        run(shorter, 2, out="c.nc")
+
+
+def test_decisions_that_only_some_merged_results_have_are_missed(here):
+    one, two = study(STUDY.replace("[3, 20]", "3")), study(STUDY.replace("[3, 20]", "20").replace("[10,", "[10, 20,"))
+    results.save(sc.merge([sc.run(one), sc.run(two)]), "m.nc")
+    with pytest.raises(InputError, match="no decisions at round 20"):
+        run(study(STUDY.replace("[10,", "[10, 20,")), out="m.nc")
+    assert same(run(study(), out="m.nc"), sc.run(study()))
+
+
+def test_shards_with_local_estimates_that_are_no_longer_asked_for(here):
+    text = STUDY.replace('"moving"', '"line"').replace("density    = 1", "")
+    cut_when(lambda p: p.work_done > 0.9 * p.work_total, study(text.replace("false", "true")), "a.nc")  # local is last
+    with pytest.raises(InputError, match="npz holds local_convergence_step, which this study does not ask for"):
+        run(study(text), out="a.nc")
+
+
+def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
+    one = study().settings()[:1]
+    done = Values(one, 2, 2, False)
+
+    class Falls(dict):
+        def items(self):
+            return [(name, Last() if name == "convergence_round" else values) for name, values in super().items()]
+
+    class Last:
+        @property
+        def shape(self):
+            raise KeyboardInterrupt
+
+    numbers = {name: np.zeros(shape) for name, shape in shapes(2, 3, 2, False).items()}
+    with pytest.raises(KeyboardInterrupt):
+        done.put(0, 0, Falls(numbers))
+    assert not done.done().any()
+    assert all((array[0] == 0).any() for name, array in done.arrays.items() if name != "convergence_round")
+
+
+def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
+    cut_off("a.nc", 40)
+    for left in ("a.nc.parts/.run-0123abcd.json", "a.nc.parts/.000009-0123abcd.npz", ".a-0123abcd.nc"):
+        Path(left).touch()
+    Path(".b-0123abcd.nc").touch()  # of another output, whose run may be at work
+    assert same(run(study(), out="a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == [".b-0123abcd.nc", "a.nc", "s.toml"]
+
+
+def test_a_fresh_run_that_was_cut_off_goes_on_and_replaces_the_output(here, whole):
+    run(study(seed=8, trials=2), out="a.nc")
+    found = cut_when(lambda p: p.done >= 40, study(), "a.nc", fresh=True)
+    lines = []
+    assert same(run(study(), out="a.nc", say=lines.append), whole)
+    assert f"in {found} shards" in lines[0]
+    assert same(sc.load("a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+def cut_when(holds, one, out, **options):
+    def die(progress):
+        if holds(progress):
+            raise Cut
+
+    with pytest.raises(Cut):
+        run(one, 1, die, out=out, **options)
+    return len(shards.listed(shards.folder_of(Path(out))))
+
+
+def test_a_fresh_run_that_is_stopped_at_once_leaves_the_output(here, whole):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    run(study(), out="a.nc")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.running._run_stages", stop)
+        with pytest.raises(Interrupted):
+            run(study(seed=8), out="a.nc", fresh=True)
+    assert same(run(study(), out="a.nc"), whole)
+    assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
+
+
+def test_links_to_one_output_lock_each_other(here):
+    Path("real").mkdir()
+    Path("a.nc").symlink_to("real/b.nc")
+    assert shards.folder_of(Path("a.nc")) == here / "real/b.nc.parts"
+    with (
+        hold(Path("a.nc"), study(), [], [], False, print),
+        pytest.raises(InputError, match="another run"),
+    ):
+        run(study(), out="real/b.nc")
+
+
+def test_one_brain_under_two_names_is_refused_before_it_runs(here):
+    shutil.copy(sc.brains.load("minimalistic").path, "copy.py")
+    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "copy.py"]')
+    with pytest.raises(InputError, match=r"'minimalistic' on .* and brain 'copy.py' on .* are one setting"):
+        run(study(text), out="a.nc")
+    assert sorted(p.name for p in here.iterdir()) == ["copy.py", "s.toml"]
+
+
+def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):
+    def vanish(progress):
+        if progress.done == progress.total:
+            shutil.rmtree("made")
+
+    assert same(run(study(), 1, vanish, out="made/a.nc"), whole)
+    assert same(sc.load("made/a.nc"), whole)
+    assert [p.name for p in Path("made").iterdir()] == ["a.nc"]

@@ -3,6 +3,7 @@
 import contextlib
 import errno
 import os
+import re
 import secrets
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,6 +34,16 @@ def whole(path: str | Path) -> Iterator[Path]:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def remove_leftovers(path: str | Path) -> None:
+    """Remove what processes that were killed while they wrote `path` left beside it; nobody else may be writing it."""
+    place = Path(os.path.realpath(path))
+    temporary = re.compile(rf"\.{re.escape(place.stem)}-[0-9a-f]{{8}}{re.escape(place.suffix)}")
+    with contextlib.suppress(OSError):
+        for left in place.parent.iterdir():
+            if temporary.fullmatch(left.name):
+                left.unlink(missing_ok=True)
 
 
 def _to_disk(path: Path) -> None:

@@ -2,12 +2,14 @@
 
 import contextlib
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Hashable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from swarmcensus import __version__, results
 from swarmcensus.errors import InputError
@@ -15,7 +17,7 @@ from swarmcensus.files import check_writable
 from swarmcensus.settings import Setting
 from swarmcensus.shards import Identity, Parts, listed
 from swarmcensus.studies import Study
-from swarmcensus.values import LOCAL, VARIABLES, Columns, Values
+from swarmcensus.values import LOCAL, MISSING, VARIABLES, Columns, Values
 
 HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
 
@@ -62,8 +64,9 @@ class Holding:
             for one in shard.found:
                 place = self._place(one.setting, path)
                 self._check_trials(_end(one.first, one.columns))
+                self._check_names(one.columns, values, path)
                 values.grow(_end(one.first, one.columns))
-                values.put(place, one.first, self._at_our_checkpoints(one.columns, shard.about["checkpoints"], path))
+                values.put(place, one.first, self._of_shard(one.columns, shard.about["checkpoints"], place, path))
         done = int(values.done().sum())
         if done:
             total = "" if self.study.until else f" of {self.study.trials * len(self.settings):,}"
@@ -81,6 +84,8 @@ class Holding:
     def finish(self, data: xr.Dataset) -> None:
         """Write the output whole, if there is anything new; then the shards are no longer needed."""
         old = self.old
+        if not data.attrs["trials_done"] and self.out.exists():
+            return  # begun anew, and stopped at once
         nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
         if nothing and all(old.attrs.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
@@ -92,7 +97,7 @@ class Holding:
         if fingerprint not in self._numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain been changed? {HINT}"
+                f"a brain, body, fault, edge list or image been changed? {HINT}"
             )
         return self._numbers[fingerprint]
 
@@ -119,34 +124,63 @@ class Holding:
         values.grow(int(trials.max()) + 1)
         if old.sizes["robot"] > max(values.robots):
             raise InputError(f"{self.out} holds larger swarms than this study. {HINT}")
+        self._check_names(list(old), values, self.out)
         for name in (*VARIABLES, *LOCAL):
-            if name in old and name not in values.arrays:
-                raise InputError(f"{self.out} holds {name}, which this study does not ask for. {HINT}")
             if name in old and name != "correct":
                 robots = [np.arange(n) for n in old[name].shape[2:]]
                 values.arrays[name][np.ix_(rows, trials, *robots)] = old[name].values
-        known = old["checkpoint"].values.tolist()
-        taken = self._at_our_checkpoints({"correct": old["correct"].values.swapaxes(0, 1)}, known, self.out)
-        ours = np.arange(len(taken["correct"]))
-        values.arrays["correct"][np.ix_(rows, ours, trials)] = taken["correct"].swapaxes(0, 1)
+        taken = self._at_our_checkpoints(
+            old["correct"].values, old["checkpoint"].values, old["rounds"].values,
+            old["convergence_round"].values[:, :, 0] != MISSING, self.out,
+        )  # fmt: skip
+        values.arrays["correct"][np.ix_(rows, np.arange(taken.shape[1]), trials)] = taken
 
-    def _at_our_checkpoints(self, taken: Columns, known: Sequence[int], path: Path) -> Columns:
-        """The same with `correct` at this study's checkpoints. Raises InputError where one was not looked at."""
-        ours = self.study.checkpoints
-        if "correct" not in taken or list(known) == ours:
+    def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
+        for name in LOCAL:
+            if name in names and name not in values.arrays:
+                raise InputError(f"{path} holds {name}, which this study does not ask for. {HINT}")
+
+    def _of_shard(self, taken: Columns, known: list[int], place: int, path: Path) -> Columns:
+        if "correct" not in taken or known == self.study.checkpoints:
             return taken
-        longest = max(s.rounds for s in self.settings)
-        lacking = [c for c in ours if c not in known and c <= longest]
-        if lacking:
+        correct, rounds = taken["correct"][np.newaxis], np.array([self.settings[place].rounds])
+        done = np.ones((1, correct.shape[2]), np.bool_)
+        return taken | {"correct": self._at_our_checkpoints(correct, np.array(known), rounds, done, path)[0]}
+
+    def _at_our_checkpoints(
+        self, correct: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
+    ) -> NDArray[Any]:
+        """`correct`, (setting, checkpoint, trial), at this study's checkpoints; missing after a setting's last round.
+
+        Raises InputError where one was not looked at in a trial that is done.
+        """
+        ours = np.array(self.study.checkpoints)
+        taken = np.full((len(correct), ours.size, correct.shape[2]), np.nan)
+        taken[:, np.isin(ours, known)] = correct[:, np.isin(known, ours)]
+        reached = (ours <= rounds[:, np.newaxis])[:, :, np.newaxis]
+        lacking = np.flatnonzero((np.isnan(taken) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
+        if lacking.size:
             raise InputError(
-                f"{path} has no decisions at round {lacking[0]}, which is a checkpoint of this study. {HINT}"
+                f"{path} has no decisions at round {ours[lacking[0]]}, which is a checkpoint of this study: name in "
+                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {HINT}"
             )
-        return taken | {"correct": taken["correct"][[list(known).index(c) for c in ours]]}
+        return taken
 
 
 def _end(first: int, taken: Columns) -> int:
     name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
     return first + len(taken[name])
+
+
+def _check_distinct(settings: Sequence[Setting], fingerprints: Sequence[str]) -> None:
+    known: dict[str, Setting] = {}
+    for mark, setting in zip(fingerprints, settings, strict=True):
+        other = known.setdefault(mark, setting)
+        if other is not setting:
+            raise InputError(
+                f"brain {other.brain.name!r} on {other} and brain {setting.brain.name!r} on {setting} are one setting: "
+                "two brains, edge lists or images of the study are alike but for their names; leave one of them out"
+            )
 
 
 @contextlib.contextmanager
@@ -161,14 +195,15 @@ def hold(
     """Hold an output as long as the block lasts; where that fails, what was finished stays in its shards.
 
     Raises InputError where another run holds it, or where it is damaged or of another study; with `fresh`, what is
-    there is left aside.
+    there is left aside, also by the runs that go on after this one was cut off.
     """
     check_writable(out)
+    _check_distinct(settings, fingerprints)
     with Parts(out, identity_of(study), study.checkpoints, fingerprints) as parts:
         if fresh:
-            parts.clear()
+            parts.begin_anew()
         old: xr.Dataset | None = None
-        if out.exists() and not fresh:
+        if out.exists() and not parts.replaces:
             try:
                 old = results.load(out)
             except InputError as error:

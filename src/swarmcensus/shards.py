@@ -23,7 +23,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
-from swarmcensus.files import whole
+from swarmcensus.files import remove_leftovers, whole
 from swarmcensus.tasks import Piece
 from swarmcensus.values import Columns, shapes
 
@@ -72,7 +72,8 @@ class Shard:
 
 
 def folder_of(out: Path) -> Path:
-    """Where the shards of a run that writes `out` are."""
+    """Where the shards of a run that writes `out` are: one folder for all links to one file."""
+    out = Path(os.path.realpath(out)) if out.is_symlink() else out
     return out.with_name(out.name + ".parts")
 
 
@@ -138,6 +139,8 @@ class Parts:
         self._cpu = time.process_time()
         for left in self.folder.glob(".*.npz"):  # of a run that was killed while it wrote
             left.unlink(missing_ok=True)
+        for path in (self.out, self.folder / "run.json"):
+            remove_leftovers(path)
         numbers = [int(match[1]) for path in listed(self.folder) if (match := NAME.fullmatch(path.name))]
         self._next = max(numbers, default=0) + 1
         return self
@@ -147,7 +150,7 @@ class Parts:
         if not listed(self.folder):
             self.clear()
             with contextlib.suppress(OSError):
-                (self.folder / "lock").unlink()
+                (self.folder / "lock").unlink(missing_ok=True)  # somebody may have removed the folder
                 self.folder.rmdir()
         self.lock.release()
 
@@ -214,9 +217,20 @@ class Parts:
         self._last, self._cpu = now, cpu
         self._next += 1
 
+    @property
+    def replaces(self) -> bool:
+        """Whether the shards are of a run that began anew: what the output holds is none of theirs."""
+        return (self.folder / "fresh").exists()
+
+    def begin_anew(self) -> None:
+        """Remove the shards, and remember that the output is to be replaced."""
+        self.clear()
+        (self.folder / "fresh").touch()
+
     def clear(self) -> None:
         """Remove the shards: what they hold is in the output, or not wanted."""
-        for path in (*listed(self.folder), self.folder / "run.json"):
+        # the mark goes first: with it, the output would not be taken over
+        for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json"):
             path.unlink(missing_ok=True)
 
 

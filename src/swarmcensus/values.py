@@ -79,8 +79,9 @@ class Values:
             )
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
-        """Store the numbers of some trials of a setting."""
-        for name, values in taken.items():
+        """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
+        marks = "convergence_round", "local_convergence_step"
+        for name, values in sorted(taken.items(), key=lambda item: item[0] in marks):
             array = self.arrays[name][setting]
             if name == "correct":
                 array[:, first : first + values.shape[1]] = values
