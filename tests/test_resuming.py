@@ -16,6 +16,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import results, shards
 from swarmcensus.cli import main
+from swarmcensus.engine import compiler
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.resuming import hold
 from swarmcensus.running import run
@@ -526,12 +527,43 @@ def test_links_to_one_output_lock_each_other(here):
         run(study(), out="real/b.nc")
 
 
-def test_one_brain_under_two_names_is_refused_before_it_runs(here):
+def test_a_brain_and_its_copy_are_two_settings(here):
+    """A first brain of one's own is often a copy of a shipped one, beside it in one study."""
     shutil.copy(sc.brains.load("minimalistic").path, "copy.py")
-    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "copy.py"]')
-    with pytest.raises(InputError, match=r"'minimalistic' on .* and brain 'copy.py' on .* are one setting"):
-        run(study(text), out="a.nc")
-    assert sorted(p.name for p in here.iterdir()) == ["copy.py", "s.toml"]
+    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "copy.py"]').replace(', "moving"', "")
+    text = text.replace("density    = 1\n", "")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.engine.compiler.compile_brain", compile_as_shipped(compiler.compile_brain))
+        data = run(sc.Study.parse(text), 1, out="a.nc")
+        assert same(run(sc.Study.parse(text), 1, out="a.nc"), data)
+    half = data.sizes["setting"] // 2
+    assert np.array_equal(data["final_estimate"][:half], data["final_estimate"][half:], equal_nan=True)
+
+
+def compile_as_shipped(compile_brain):
+    """A copy is the same code: there is no need to compile it."""
+    return lambda brain, name="kernel": compile_brain(sc.brains.load("minimalistic"), name)
+
+
+def test_a_mended_brain_does_not_cost_the_others(here, capsys):
+    source = sc.brains.load("minimalistic").source
+    text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "mine.py"]').replace(
+        '"full", "ring", "moving"', '"ring"'
+    )
+    Path("s.toml").write_text(text.replace("density    = 1\n", ""))
+    Path("mine.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks / 0.0\n", 1))
+    assert main(["run", "s.toml"]) == 2
+    assert "at mine.py, line" in capsys.readouterr().err
+    before = sc.load("s.nc")
+    Path("mine.py").write_text(source)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("swarmcensus.engine.compiler.compile_brain", compile_as_shipped(compiler.compile_brain))
+        assert main(["run", "s.toml"]) == 0
+    assert "found 48 of 96 trials" in capsys.readouterr().err
+    after = sc.load("s.nc")
+    assert after.attrs["trials_done"] == 96
+    assert "failed" not in after.attrs
+    assert np.array_equal(after["final_estimate"][:8], before["final_estimate"][:8], equal_nan=True)
 
 
 def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):

@@ -91,9 +91,10 @@ def _put(
             at = dict(zip(dims, differ[0].tolist(), strict=True))
             setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
             before = names[origin[setting, trial]]
+            mine, other = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
             raise InputError(
-                f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of the first, "
-                f"trial {trial}: {name} is {new[tuple(differ[0])]!r} and {old[tuple(differ[0])]!r}"
+                f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
+                f"{names[number]}, trial {trial}: {name} is {mine!r} and {other!r}"
             )
         array[where] = np.where(blank, old, new)
     done = np.argwhere(data["convergence_round"].values[:, :, 0] != MISSING)

@@ -116,6 +116,7 @@ class Holding:
         about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
         self.parts.identity.check(about, str(self.out), HINT)
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
+        old = old.isel(setting=_has_any(old))
         rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values], np.intp)
         trials = old["trial"].values
         if trials.size == 0:
@@ -167,20 +168,15 @@ class Holding:
         return taken
 
 
+def _has_any(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Settings of which any trial is done: the others hold nothing, as those of a brain that failed and was mended."""
+    names = ("convergence_round", "local_convergence_step")
+    return np.asarray(np.any([(data[n].values[:, :, 0] != MISSING).any(axis=1) for n in names if n in data], axis=0))
+
+
 def _end(first: int, taken: Columns) -> int:
     name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
     return first + len(taken[name])
-
-
-def _check_distinct(settings: Sequence[Setting], fingerprints: Sequence[str]) -> None:
-    known: dict[str, Setting] = {}
-    for mark, setting in zip(fingerprints, settings, strict=True):
-        other = known.setdefault(mark, setting)
-        if other is not setting:
-            raise InputError(
-                f"brain {other.brain.name!r} on {other} and brain {setting.brain.name!r} on {setting} are one setting: "
-                "two brains, edge lists or images of the study are alike but for their names; leave one of them out"
-            )
 
 
 @contextlib.contextmanager
@@ -198,7 +194,6 @@ def hold(
     there is left aside, also by the runs that go on after this one was cut off.
     """
     check_writable(out)
-    _check_distinct(settings, fingerprints)
     with Parts(out, identity_of(study), study.checkpoints, fingerprints) as parts:
         if fresh:
             parts.begin_anew()

@@ -158,6 +158,8 @@ def run(
         if out is not None:
             state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
             state.holding.fill(state.values)
+            done = int(state.values.done().sum())
+            state.holding.announce(done, study.trials * len(settings), 0.0)  # while it compiles, or waits for workers
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
         try:

@@ -63,8 +63,9 @@ class Setting:
         }
 
     def fingerprint(self, seed: int) -> str:
-        """The address of all that a trial's numbers depend on: alike in two studies where their results are."""
+        """The address of names and of all that a trial's numbers depend on: alike where settings are, in any study."""
         content = (
+            self.brain.name,
             self.brain.sha256,
             self.topology.content,
             self.robots,
@@ -77,7 +78,7 @@ class Setting:
             self.density,
             self.body and self.body.model_dump(),
             [fault.model_dump() for fault in self.faults],
-            self.floor and self.floor.content,
+            self.floor and [str(self.floor), self.floor.content],
         )
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
 
