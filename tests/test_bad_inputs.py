@@ -5,7 +5,7 @@ import os
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, clusters, files, recordings, results, studies
+from swarmcensus import brains, clusters, files, recordings, results, toml_text
 from swarmcensus.cli import main
 from swarmcensus.selecting import where
 from tests.conftest import SMALL
@@ -123,7 +123,7 @@ def test_parts_of_a_study_make_another():
 
 
 def test_texts_with_control_characters_are_toml():
-    assert studies.read_toml(studies.to_toml({"a b": '\x01\x7f\n"\\ü'}), "x") == {"a b": '\x01\x7f\n"\\ü'}
+    assert toml_text.read_toml(toml_text.to_toml({"a b": '\x01\x7f\n"\\ü'}), "x") == {"a b": '\x01\x7f\n"\\ü'}
 
 
 def test_a_long_comment_is_kept_with_the_results(tmp_path):

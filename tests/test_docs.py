@@ -13,7 +13,9 @@ from swarmcensus import conformance, results
 from swarmcensus.bodies import Body
 from swarmcensus.cli import main, parser
 from swarmcensus.clusters import Queue
-from swarmcensus.studies import Measure, Schedule, Study, Swarm, Tables, World, to_toml
+from swarmcensus.studies import Study
+from swarmcensus.study_tables import Measure, Schedule, Swarm, Tables, World
+from swarmcensus.toml_text import to_toml
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]

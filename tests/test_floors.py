@@ -17,7 +17,7 @@ from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.random import address, block, counter, unit
 from swarmcensus.floors import Ground, floor_of, side_of
 from swarmcensus.patterns import MOST_PIXELS, Floor, parse_floor, read_image
-from swarmcensus.studies import to_toml_value
+from swarmcensus.toml_text import to_toml_value
 from swarmcensus.traces import recording
 from tests.conftest import beliefs_of
 

@@ -25,7 +25,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import swarmcensus as sc
-from swarmcensus import brains, clusters, merging, recordings, results, shards, studies, traces
+from swarmcensus import brains, clusters, merging, recordings, results, shards, toml_text, traces
 from swarmcensus.cli import main
 from swarmcensus.selecting import where
 from swarmcensus.values import VARIABLES
@@ -259,13 +259,13 @@ def test_study_tables(tables):
 @fuzz(700, STUDY)
 def test_study_texts(tables):
     try:
-        text = studies.to_toml(tables)
+        text = toml_text.to_toml(tables)
         text.encode()
     except UnicodeEncodeError:
         return
     study = taken_or_refused(sc.Study.parse, text)
     if study is not None:
-        assert repr(tomllib.loads(studies.to_toml(tomllib.loads(text)))) == repr(tomllib.loads(text))
+        assert repr(tomllib.loads(toml_text.to_toml(tomllib.loads(text)))) == repr(tomllib.loads(text))
         _check_study(study)
 
 
@@ -302,14 +302,14 @@ def test_any_bytes_as_a_study_or_a_cluster(data):
 )
 def test_cluster_files(tables):
     with folder() as here:
-        (here / "c.toml").write_text(studies.to_toml(tables), encoding="utf-8", errors="replace")
+        (here / "c.toml").write_text(toml_text.to_toml(tables), encoding="utf-8", errors="replace")
         taken_or_refused(clusters.read_queue, here / "c.toml")
 
 
 @fuzz(8, plain_study())
 def test_tiny_studies_live_their_whole_life(tables):
     with folder() as here:
-        (here / "s.toml").write_text(studies.to_toml(tables))
+        (here / "s.toml").write_text(toml_text.to_toml(tables))
         assert command("run", "s.toml", "--jobs", 1) == 0
         assert command("status", "s.nc") == 0
         assert command("verify", "s.nc", "--all", "--jobs", 1) == 0
@@ -419,7 +419,7 @@ def small(tmp_path_factory):
         "world": {"topology": ["ring", {"name": "pair", "edges": [[0, 1]]}], "fill_ratio": 0.55},
         "schedule": {"rounds": 3},
     }  # fmt: skip
-    (here / "s.toml").write_text(studies.to_toml(tables))
+    (here / "s.toml").write_text(toml_text.to_toml(tables))
     study = sc.Study.load(here / "s.toml")
     sc.save(sc.run(study, jobs=1), here / "s.nc")
     with pytest.MonkeyPatch.context() as patch:  # a run that is cut off just before it writes its results

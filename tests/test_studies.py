@@ -3,7 +3,7 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import studies
+from swarmcensus import toml_text
 from tests.conftest import SMALL
 
 CONTEXT = "studies/x.toml: "
@@ -103,5 +103,5 @@ def test_unreadable_files(tmp_path):
 
 
 def test_toml_values():
-    assert studies.to_toml_value('a"b\\c\n') == '"a\\"b\\\\c\\n"'
-    assert studies.to_toml_value({"a": [1, 2.5, True]}) == "{a = [1, 2.5, true]}"
+    assert toml_text.to_toml_value('a"b\\c\n') == '"a\\"b\\\\c\\n"'
+    assert toml_text.to_toml_value({"a": [1, 2.5, True]}) == "{a = [1, 2.5, true]}"

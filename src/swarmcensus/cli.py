@@ -5,16 +5,15 @@ import os
 import sys
 import time
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from swarmcensus import __version__
 from swarmcensus.errors import InputError, Interrupted
+from swarmcensus.options import parser
 
 DIFFER = 1  # results that do not come out again as stored
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
-PICTURES = ("scatter", "decisions", "curves", "heatmap", "beliefs", "arena", "film")
 ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
     ("first", "last", "every", "fps"), ("film",)
 )  # options of `plot` that mean something to these kinds
@@ -22,7 +21,7 @@ ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
-    options = parser().parse_args(arguments)
+    options = parser(COMMANDS).parse_args(arguments)
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
@@ -62,125 +61,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _complain(what: object) -> None:
     """One line, whatever is in it."""
     print("swarmcensus:", " ".join(str(what).split("\n")), file=sys.stderr)
-
-
-def parser() -> argparse.ArgumentParser:
-    """All commands and their options."""
-    top = argparse.ArgumentParser(
-        prog="swarmcensus",
-        description="Robot swarms with lying sensors agree on how much of a floor is black.",
-        epilog="'swarmcensus COMMAND --help' tells more. Begin with: swarmcensus reproduce",
-    )
-    top.add_argument("--version", action="version", version=f"swarmcensus {__version__}")
-    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
-
-    def command(name: str, run: Callable[[Any], int | None], text: str) -> argparse.ArgumentParser:
-        sub = commands.add_parser(name, help=text, description=text)
-        sub.set_defaults(run=run)
-        return sub
-
-    sub = command("reproduce", reproduce, "Run the paper's evaluation; draw its figures; check its claims.")
-    sub.add_argument("--out", type=Path, default=Path("reproduction"), help="folder to write (default: %(default)s)")
-    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4, fig5 or claims")
-    _add_run_options(sub)
-
-    sub = command("run", run, "Run a study file; write its results as netCDF.")
-    sub.add_argument("study", type=Path, metavar="STUDY.toml")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study file's name with .nc, here")
-    _add_run_options(sub)
-    sub.add_argument("--share", type=_share, metavar="K/N", help="run the K-th of N parts of the trials, to merge")
-    sub.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, as tcp://host:8786")
-    sub.add_argument("--cluster", metavar="WHERE", help="local:4 (processes here), or a TOML file (docs/clusters.md)")
-
-    sub = command("status", status, "Say how far a study is that runs, or was cut off, and when it ends.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-
-    sub = command("merge", merge, "Put results together whose settings or trials differ.")
-    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True)
-
-    sub = command("verify", verify, "Run trials of a results file again and compare them bit for bit.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    which = sub.add_mutually_exclusive_group()
-    which.add_argument(
-        "--sample", type=float, default=0.01, metavar="SHARE", help="of the trials (default: %(default)s)"
-    )
-    which.add_argument("--all", action="store_true", help="every trial")
-    sub.add_argument("--brain", action="append", default=[], metavar="FILE", help="a brain file of one's own, if used")
-    sub.add_argument("--seed", type=_from_zero, help="of the choice, to make the same one again")
-    sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core)")
-
-    sub = command("plot", plot, "Draw a results file.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--kind", choices=PICTURES, default="scatter", help="what to draw (default: %(default)s)")
-    sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
-    sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
-    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
-    sub.add_argument("--trial", type=int, default=0, help="the trial of curves, arena or film (default: %(default)s)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
-    sub.add_argument("--tick", type=_from_zero, help="when the arena is drawn (default: the last)")
-    sub.add_argument("--robot", type=_from_zero, help="whose radio range the arena shows (default: 0)")
-    sub.add_argument("--first", type=_from_zero, help="the tick that a film begins at (default: 1)")
-    sub.add_argument("--last", type=_from_zero, help="the tick that it ends at (default: 600 ticks)")
-    sub.add_argument("--every", type=_from_one, help="ticks from frame to frame (default: 2)")
-    sub.add_argument("--fps", type=_from_one, help="frames a second (default: 20)")
-    sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="default: RESULTS-KIND.png and .svg (also .pdf), or .mp4 (also .gif)"
-    )
-
-    sub = command("export", export, "Write results as a table: one row a robot and trial.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--to", choices=("csv", "parquet"), default="csv")
-    sub.add_argument("--where", metavar="EXPR", help="settings to export, as 'accuracy == 0.675'")
-    sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")
-
-    sub = command("replay", replay, "Run one trial of a results file again and show every round of it.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--setting", type=int, required=True)
-    sub.add_argument("--trial", type=int, required=True)
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="every robot's memory after every round")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="every robot's estimate against rounds")
-    sub.add_argument("--recording", type=Path, metavar="FOLDER", help="the trial as observations.csv and links.csv")
-
-    sub = command("infer", infer, "Run a brain on recorded observations and links instead of a simulated world.")
-    sub.add_argument("observations", type=Path, metavar="OBSERVATIONS.csv")
-    sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges, or messages: step, sender, receiver")
-    sub.add_argument("--accuracy", required=True, help="0.8 (b = w), 0.9,0.6 (b, w), or a CSV with a row a robot")
-    sub.add_argument("--every", type=int, metavar="STEPS", help="steps in a round (default: 10; 1 for messages)")
-    sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
-    sub.add_argument("--out", type=Path, metavar="FILE.csv|nc", help="default: OBSERVATIONS-trace.csv, here")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
-
-    sub = command("brains", brains, "List the shipped brains, or check a brain file.")
-    sub.add_argument("--check", metavar="FILE", help="run a brain file through the conformance suite")
-    return top
-
-
-def _add_run_options(sub: argparse.ArgumentParser) -> None:
-    sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core); the numbers do not depend on it")
-    sub.add_argument("--trials", type=_from_one, help="instead of the study's own number")
-    sub.add_argument("--seed", type=_from_zero, help="instead of the study's own")
-    sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with what --out holds")
-
-
-def _share(text: str) -> tuple[int, int]:
-    k, slash, n = text.partition("/")
-    if not (slash and k.isdigit() and n.isdigit()):
-        raise argparse.ArgumentTypeError(f"{text!r}: should be such as 1/4")
-    return int(k), int(n)
-
-
-def _from_one(text: str) -> int:
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 1")
-    return int(text)
-
-
-def _from_zero(text: str) -> int:
-    if not text.isdigit():
-        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 0")
-    return int(text)
 
 
 def reproduce(options: argparse.Namespace) -> int:
@@ -441,3 +321,6 @@ def brains(options: argparse.Namespace) -> int:
     from swarmcensus.conformance import check
 
     return 0 if checks(options.check, check(options.check)) else 2
+
+
+COMMANDS = {run.__name__: run for run in (run, reproduce, merge, status, verify, plot, export, replay, infer, brains)}

@@ -27,8 +27,10 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from swarmcensus import __version__, brains
 from swarmcensus.errors import InputError
 from swarmcensus.settings import Setting
-from swarmcensus.studies import Study, explain, read_toml
+from swarmcensus.studies import Study
+from swarmcensus.study_tables import explain
 from swarmcensus.tasks import Bundle, Outcome, metrics_of, run_bundle
+from swarmcensus.toml_text import read_toml
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 EACH = 4  # bundles a worker at the least, so that the last ones end together

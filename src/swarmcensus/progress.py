@@ -68,7 +68,11 @@ def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
     if not progress.work_done or not elapsed:
         return "", ""
     left = elapsed * (progress.work_total - progress.work_done) / progress.work_done
-    minutes, seconds = divmod(round(left), 60)
+    return f"{progress.done / elapsed:,.0f}/s", f"{clock(left)} left"
+
+
+def clock(seconds: float) -> str:
+    """Seconds as 1:02:03, or 2:03."""
+    minutes, seconds = divmod(round(seconds), 60)
     hours, minutes = divmod(minutes, 60)
-    clock = f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
-    return f"{progress.done / elapsed:,.0f}/s", f"{clock} left"
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from swarmcensus import shards
 from swarmcensus.errors import InputError
+from swarmcensus.progress import clock
 from swarmcensus.results import load
 
 
@@ -35,7 +36,7 @@ class Status:
             out.append(f"running: {self.running}")
             if self.seconds_left is not None:
                 end = time.strftime("%Y-%m-%d %H:%M", time.localtime(time.time() + self.seconds_left))
-                out.append(f"about {_clock(self.seconds_left)} left: ends {end}")
+                out.append(f"about {clock(self.seconds_left)} left: ends {end}")
         elif self.done < self.total:
             out.append("not running: the same swarmcensus run goes on from here")
         out += [f"{path} is damaged: what it held will be run again" for path in self.damaged]
@@ -81,9 +82,3 @@ def _of_run(out: Path, folder: Path) -> Status:
     running = holder if shards.is_busy(folder) else ""
     left = max(0.0, (work - worked) * wall / worked) if running and worked else None
     return Status(name, settings, found, total, running, left, damaged, 0, rule)
-
-
-def _clock(seconds: float) -> str:
-    minutes, seconds = divmod(round(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"
