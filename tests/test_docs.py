@@ -111,7 +111,7 @@ def test_commands_parse(text):
     assert list(commands(text))
     for program, *arguments in commands(text):
         if program == "swarmcensus":
-            parser().parse_args(arguments)
+            parser(COMMANDS).parse_args(arguments)
         else:
             assert program in OTHER_PROGRAMS
 
