@@ -11,7 +11,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import conformance, results
 from swarmcensus.bodies import Body
-from swarmcensus.cli import main, parser
+from swarmcensus.cli import COMMANDS, main, parser
 from swarmcensus.clusters import Queue
 from swarmcensus.studies import Study
 from swarmcensus.study_tables import Measure, Schedule, Swarm, Tables, World
