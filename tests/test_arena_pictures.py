@@ -262,7 +262,12 @@ def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
     assert not seen[19:, blind == 20].any()
     assert seen[19:, blind == -1].any(axis=0).all()
     write_trace(trace.drop_vars("link"), tmp_path / "t.csv")
-    assert "stops" not in (tmp_path / "t.csv").read_text().splitlines()[0]
+    names = (tmp_path / "t.csv").read_text().splitlines()[0].split(",")
+    assert "stops" not in names
+    assert {"x", "position_x", "position_y"} <= set(names)  # the brain has a field x of its own
+    table = np.genfromtxt(tmp_path / "t.csv", delimiter=",", names=True)
+    np.testing.assert_array_equal(table["x"], trace["x"].values.ravel())
+    np.testing.assert_array_equal(table["position_x"], trace["position"].sel(axis="x").values.ravel())
     write_trace(trace, tmp_path / "t.nc")
     with xr.open_dataset(tmp_path / "t.nc", engine="h5netcdf") as kept:
         np.testing.assert_array_equal(kept["stops"], trace["stops"])

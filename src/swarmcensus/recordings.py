@@ -112,7 +112,7 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
         flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
         if "position" in trace:
             for axis in ("x", "y"):
-                flat[axis] = trace["position"].sel(axis=axis, drop=True)
+                flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
         with whole(path) as beside:
             flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
     else:
