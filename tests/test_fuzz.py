@@ -26,6 +26,7 @@ from hypothesis import strategies as st
 
 import swarmcensus as sc
 from swarmcensus import brains, clusters, merging, recordings, results, shards, toml_text, traces
+from swarmcensus.bodies import Body
 from swarmcensus.cli import main
 from swarmcensus.selecting import where
 from swarmcensus.values import VARIABLES
@@ -146,7 +147,7 @@ FAULT = st.fixed_dictionaries(
      "stop": st.sampled_from(["talking", "sensing", "moving", ["talking", "sensing"]]) | ANY},
 )  # fmt: skip
 SIZES = st.sampled_from([1e-12, 1e-9, 1e-3, 0.05, 0.1, 0.7, 2.0, 1e9, 1e12]) | SCALAR
-BODY = st.dictionaries(st.sampled_from([*sc.studies.Body.model_fields, "size"]), SIZES | ANY, max_size=2)
+BODY = st.dictionaries(st.sampled_from([*Body.model_fields, "size"]), SIZES | ANY, max_size=2)
 
 
 @st.composite
