@@ -467,7 +467,7 @@ def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
         def shape(self):
             raise KeyboardInterrupt
 
-    numbers = {name: np.zeros(shape) for name, shape in shapes(2, 3, 2, False).items()}
+    numbers = {name: np.zeros(shape) for name, shape in shapes(2, 3, 2, local=False, estimates=False).items()}
     with pytest.raises(KeyboardInterrupt):
         done.put(0, 0, Falls(numbers))
     assert not done.done().any()

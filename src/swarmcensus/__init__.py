@@ -13,6 +13,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from swarmcensus.errors import InputError, Interrupted
     from swarmcensus.merging import merge
+    from swarmcensus.remeasuring import remeasure
     from swarmcensus.results import load, save
     from swarmcensus.running import run
     from swarmcensus.studies import Study
@@ -26,12 +27,25 @@ _HOME = {
     "infer": "traces",
     "load": "results",
     "merge": "merging",
+    "remeasure": "remeasuring",
     "replay": "traces",
     "run": "running",
     "save": "results",
     "verify": "verifying",
 }
-__all__ = ["InputError", "Interrupted", "Study", "infer", "load", "merge", "replay", "run", "save", "verify"]
+__all__ = [
+    "InputError",
+    "Interrupted",
+    "Study",
+    "infer",
+    "load",
+    "merge",
+    "remeasure",
+    "replay",
+    "run",
+    "save",
+    "verify",
+]
 
 
 def __getattr__(name: str) -> Any:

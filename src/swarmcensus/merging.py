@@ -10,7 +10,7 @@ import xarray as xr
 
 from swarmcensus.errors import InputError
 from swarmcensus.results import load
-from swarmcensus.values import LOCAL, MISSING, VARIABLES
+from swarmcensus.values import EVERY, MISSING
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
 
@@ -63,7 +63,7 @@ def _blank(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
             values = [datasets[k][name].values[place] for k, place in marks.values()]
             coordinates[str(name)] = ("setting", np.array(values, dtype=object if isinstance(values[0], str) else None))
     variables: dict[str, Any] = {}
-    for name, (dims, kind, *_) in (VARIABLES | LOCAL).items():
+    for name, (dims, kind, *_) in EVERY.items():
         holders = [d for d in datasets if name in d]
         if holders:
             blank = MISSING if np.issubdtype(kind, np.integer) else np.nan
@@ -78,7 +78,7 @@ def _put(
     """Copy one dataset to its place. Raises InputError where it disagrees with what is there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
     ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
-    for name, (dims, *_) in (VARIABLES | LOCAL).items():
+    for name, (dims, *_) in EVERY.items():
         if name not in data:
             continue
         where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])

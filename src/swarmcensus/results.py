@@ -18,7 +18,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import LOCAL, MISSING, PER_ROBOT, VARIABLES, Values
+from swarmcensus.values import EVERY, MISSING, PER_ROBOT, VARIABLES, Values
 
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 FORMAT = "swarmcensus results 1"
@@ -42,8 +42,8 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         column = [c[key] for c in columns]
         coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
     variables: dict[str, Any] = {}
-    for name, (dims, _, units, meaning) in (VARIABLES | (LOCAL if study.measure.local else {})).items():
-        array = values.arrays[name]
+    for name, array in values.arrays.items():
+        dims, _, units, meaning = EVERY[name]
         comment = {"comment": f"{MISSING}: no such robot, or not run"} if array.dtype.kind == "i" else {}
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
     variables["fingerprint"] = (
@@ -133,7 +133,7 @@ def load(path: str | Path) -> xr.Dataset:
 def _wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as `dataset` makes it, in words; None where nothing is."""
     kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
-    for name, (dims, kind, *_) in (VARIABLES | LOCAL).items():
+    for name, (dims, kind, *_) in EVERY.items():
         if name in data and (data[name].dims != dims or data[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
@@ -239,7 +239,7 @@ def must_be_read(brain: Any) -> None:
 
 def to_frame(data: xr.Dataset) -> Any:
     """Results in long form: a pandas table with one row a robot and trial."""
-    per_robot = [n for n in (*VARIABLES, *LOCAL) if n in data and data[n].dims == PER_ROBOT]
+    per_robot = [n for n in EVERY if n in data and data[n].dims == PER_ROBOT]
     size = data["robots"].values
     mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
     mask = np.broadcast_to(mask[:, np.newaxis, :], data["final_estimate"].shape)

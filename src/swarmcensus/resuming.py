@@ -17,7 +17,7 @@ from swarmcensus.files import check_writable
 from swarmcensus.settings import Setting
 from swarmcensus.shards import Identity, Parts, listed
 from swarmcensus.studies import Study
-from swarmcensus.values import LOCAL, MISSING, VARIABLES, Columns, Values
+from swarmcensus.values import ESTIMATES, EVERY, MISSING, OPTIONAL, Columns, Values
 
 HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
 
@@ -126,40 +126,48 @@ class Holding:
         if old.sizes["robot"] > max(values.robots):
             raise InputError(f"{self.out} holds larger swarms than this study. {HINT}")
         self._check_names(list(old), values, self.out)
-        for name in (*VARIABLES, *LOCAL):
-            if name in old and name != "correct":
-                robots = [np.arange(n) for n in old[name].shape[2:]]
-                values.arrays[name][np.ix_(rows, trials, *robots)] = old[name].values
-        taken = self._at_our_checkpoints(
-            old["correct"].values, old["checkpoint"].values, old["rounds"].values,
-            old["convergence_round"].values[:, :, 0] != MISSING, self.out,
-        )  # fmt: skip
-        values.arrays["correct"][np.ix_(rows, np.arange(taken.shape[1]), trials)] = taken
+        done = old["convergence_round"].values[:, :, 0] != MISSING
+        for name in (name for name in EVERY if name in old):
+            taken, dims = old[name].values, EVERY[name][0]
+            if "checkpoint" in dims:
+                taken = self._at_our_checkpoints(taken, old["checkpoint"].values, old["rounds"].values, done, self.out)
+            places = {"setting": rows, "trial": trials}
+            where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
+            values.arrays[name][np.ix_(*where)] = taken
 
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
-        for name in LOCAL:
+        for name in OPTIONAL:
             if name in names and name not in values.arrays:
                 raise InputError(f"{path} holds {name}, which this study does not ask for. {HINT}")
+        for name in ESTIMATES:
+            if name not in names and name in values.arrays and "correct" in names:
+                raise InputError(f"{path} has no {name}, which this study asks for. {HINT}")
 
     def _of_shard(self, taken: Columns, known: list[int], place: int, path: Path) -> Columns:
         if "correct" not in taken or known == self.study.checkpoints:
             return taken
-        correct, rounds = taken["correct"][np.newaxis], np.array([self.settings[place].rounds])
-        done = np.ones((1, correct.shape[2]), np.bool_)
-        return taken | {"correct": self._at_our_checkpoints(correct, np.array(known), rounds, done, path)[0]}
+        rounds, done = np.array([self.settings[place].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
+        looked = [name for name in taken if "checkpoint" in EVERY[name][0]]
+        return taken | {
+            name: self._at_our_checkpoints(taken[name][np.newaxis], np.array(known), rounds, done, path)[0]
+            for name in looked
+        }
 
     def _at_our_checkpoints(
-        self, correct: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
+        self, looked: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
     ) -> NDArray[Any]:
-        """`correct`, (setting, checkpoint, trial), at this study's checkpoints; missing after a setting's last round.
+        """What was `looked` at, (setting, checkpoint, trial ...), at this study's checkpoints.
+
+        It is missing after a setting's last round.
 
         Raises InputError where one was not looked at in a trial that is done.
         """
         ours = np.array(self.study.checkpoints)
-        taken = np.full((len(correct), ours.size, correct.shape[2]), np.nan)
-        taken[:, np.isin(ours, known)] = correct[:, np.isin(known, ours)]
+        taken = np.full((len(looked), ours.size, *looked.shape[2:]), np.nan)
+        taken[:, np.isin(ours, known)] = looked[:, np.isin(known, ours)]
         reached = (ours <= rounds[:, np.newaxis])[:, :, np.newaxis]
-        lacking = np.flatnonzero((np.isnan(taken) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
+        first = taken.reshape(*taken.shape[:3], -1)[..., 0]  # of the robots, if it is of each
+        lacking = np.flatnonzero((np.isnan(first) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
         if lacking.size:
             raise InputError(
                 f"{path} has no decisions at round {ours[lacking[0]]}, which is a checkpoint of this study: name in "

@@ -150,7 +150,7 @@ def run(
     marks = [setting.fingerprint(study.seed) for setting in settings]
     first = next(study.stages())
     state = State(
-        study, settings, Values(settings, first, len(study.checkpoints), study.measure.local),
+        study, settings, Values(settings, first, len(study.checkpoints), study.measure.local, study.measure.estimates),
         progress or (lambda _: None), None, np.full(len(settings), np.nan),
         slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
     )  # fmt: skip
@@ -203,9 +203,9 @@ def recompute(
 ) -> Values:
     """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
     jobs = jobs or os.cpu_count() or 1
-    values = Values(settings, wanted.shape[1], len(study.checkpoints), local)
+    values = Values(settings, wanted.shape[1], len(study.checkpoints), local, study.measure.estimates)
     state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
-    tasks = list(plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS))
+    tasks = plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     with _pool(state, jobs, None) as pool:
         if _work(state, bundled(tasks, BUNDLE_SECONDS), pool):
@@ -294,7 +294,7 @@ def _run_stages(state: State, pool: Pool) -> bool:
         some = pool.bundle_seconds(
             sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
         )
-        tasks = list(plan(state.settings, lacking, local, some))
+        tasks = plan(state.settings, lacking, local, some)
         state.done, state.total = int((mine & ~lacking).sum()), int(mine.sum())
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
         if state.holding:

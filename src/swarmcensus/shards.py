@@ -253,7 +253,7 @@ def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> I
         if min(first, trials - 1, robots - 1) < 0:
             raise ValueError("no trials")
         taken = {}
-        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local).items():
+        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, "estimates" in flat).items():
             size = int(np.prod(shape))
             taken[name] = flat[name][used[name] : used[name] + size].reshape(shape)
             used[name] += size

@@ -46,11 +46,12 @@ class Study:
         if count > MOST_SETTINGS:
             raise InputError(f"{where}: its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
         settings = self.settings()
-        values = len(settings) * self.trials * max(self.swarm.robots)
+        kept = len(self.checkpoints) if self.measure.estimates else 1
+        values = len(settings) * self.trials * max(self.swarm.robots) * kept
         if values > MOST_VALUES:
             raise InputError(
                 f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
-                f"{MOST_VALUES:,} is the most: fewer trials, settings or robots"
+                f"{MOST_VALUES:,} is the most: fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
             )
         if len(set(settings)) < len(settings):
             seen: set[Setting] = set()

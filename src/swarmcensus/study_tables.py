@@ -134,12 +134,13 @@ class Schedule(_Table):
 
 
 class Measure(_Table):
-    """What is kept: convergence within delta, decisions among bins at checkpoints, the local estimate or not."""
+    """What is kept: convergence within delta, decisions among bins at checkpoints; local estimates, all estimates."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
     checkpoints: _grid(Whole) | None = None  # type: ignore[valid-type]
     local: Annotated[bool, Field(strict=True)] = False
+    estimates: Annotated[bool, Field(strict=True)] = False
     truth: Literal["nominal", "floor"] = "nominal"
 
 

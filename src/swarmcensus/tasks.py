@@ -16,6 +16,8 @@ from swarmcensus.studies import Study
 from swarmcensus.values import Columns, columns
 
 RIDERS_BYTES = 256_000_000  # of curves that the minds on one walk may fill
+EARLY = 10  # of so many trials of a setting, one is run before those of others go on: for an early picture
+WORTH = 5e-3  # seconds of a setting from which that is worth its cost, of a tenth of a millisecond
 
 
 @dataclass(frozen=True)
@@ -67,14 +69,19 @@ Wanted = NDArray[np.bool_]  # (setting, trial)
 def metrics_of(study: Study) -> Metrics:
     """What a study measures."""
     measure = study.measure
-    return Metrics(measure.delta, measure.bins, tuple(study.checkpoints), measure.truth == "floor")
+    return Metrics(measure.delta, measure.bins, tuple(study.checkpoints), measure.truth == "floor", measure.estimates)
 
 
-def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
-    """The tasks for all trials that are `wanted`, each of about so many seconds, in the order of the settings.
+def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> list[Task]:
+    """The tasks for all trials that are `wanted`, each of about so many seconds at the most.
 
+    Some trials of every setting come before more of any: a run that is cut off has a picture of the whole study.
     `local` is what is wanted of local estimates.
     """
+    return sorted(_tasks(settings, wanted, local, seconds), key=lambda task: task.first)
+
+
+def _tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
     # nearly always all of them: to look at each setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
@@ -137,9 +144,12 @@ def _split(
     cost = seconds(setting, kind == "local")
     size = max(1, int(long / cost))
     for begin, end in stretches:
-        for first in range(begin, end, size):
-            count = min(size, end - first)
+        early = -(-(end - begin) // EARLY) if cost * (end - begin) >= WORTH else 0
+        first = begin
+        while first < end:
+            count = min(size, end - first, early or size)
             yield Task(kind, numbers, first, count, cost * count)
+            first, early = first + count, 0
 
 
 def run_bundle(

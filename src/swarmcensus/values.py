@@ -21,6 +21,13 @@ LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
     "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
 }
+ESTIMATES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+    "estimates": (
+        ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
+    ),
+}  # fmt: skip
+OPTIONAL = LOCAL | ESTIMATES  # what a study need not ask for
+EVERY = VARIABLES | OPTIONAL
 MISSING = -1  # for whole numbers; NaN for the others
 
 Columns = dict[str, NDArray[Any]]
@@ -34,7 +41,8 @@ def columns(batch: Batch, local: bool) -> Columns:
             "local_convergence_error": batch.error,
         }
     filled = batch.true_fill_ratio
-    return {
+    kept = {} if batch.kept is None else {"estimates": batch.kept}
+    return kept | {
         "convergence_round": batch.convergence.astype(np.int32),
         "convergence_error": batch.error,
         "final_estimate": batch.final,
@@ -43,21 +51,25 @@ def columns(batch: Batch, local: bool) -> Columns:
     }
 
 
-def shapes(trials: int, robots: int, checkpoints: int, local: bool) -> dict[str, tuple[int, ...]]:
+def shapes(trials: int, robots: int, checkpoints: int, local: bool, estimates: bool) -> dict[str, tuple[int, ...]]:
     """The shapes of those."""
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
-    return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in (LOCAL if local else VARIABLES).items()}
+    names = LOCAL if local else VARIABLES | (ESTIMATES if estimates else {})
+    return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in names.items()}
 
 
 class Values:
     """Arrays of the dataset's shapes, missing values where nothing has run yet."""
 
-    def __init__(self, settings: Sequence[Setting], trials: int, checkpoints: int, local: bool) -> None:
+    def __init__(
+        self, settings: Sequence[Setting], trials: int, checkpoints: int, local: bool, estimates: bool = False
+    ) -> None:
         """Make room for so many trials."""
         self.robots = [s.robots for s in settings]
         sizes = {"setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": checkpoints}
         self.arrays: Columns = {}
-        for name, (dims, kind, *_) in (VARIABLES | (LOCAL if local else {})).items():
+        names = VARIABLES | (LOCAL if local else {}) | (ESTIMATES if estimates else {})
+        for name, (dims, kind, *_) in names.items():
             shape = [sizes[d] for d in dims]
             self.arrays[name] = np.full(shape, MISSING if np.issubdtype(kind, np.integer) else np.nan, kind)
 
@@ -72,7 +84,7 @@ class Values:
         if more <= 0:
             return
         for name, array in self.arrays.items():
-            axis = (VARIABLES | LOCAL)[name][0].index("trial")
+            axis = EVERY[name][0].index("trial")
             blank = MISSING if array.dtype.kind == "i" else np.nan
             self.arrays[name] = np.pad(
                 array, [(0, more * (k == axis)) for k in range(array.ndim)], constant_values=blank
@@ -85,6 +97,9 @@ class Values:
             array = self.arrays[name][setting]
             if name == "correct":
                 array[:, first : first + values.shape[1]] = values
+            elif name == "estimates":
+                _, trials, robots = values.shape
+                array[:, first : first + trials, :robots] = values
             elif name == "true_fill_ratio":
                 array[first : first + len(values)] = values
             else:

@@ -14,7 +14,7 @@ from swarmcensus.results import Brains, load, must_be_read, studies_of
 from swarmcensus.running import Progress, recompute
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import LOCAL, MISSING, VARIABLES, Values
+from swarmcensus.values import EVERY, LOCAL, MISSING, Values
 
 
 @dataclass(frozen=True)
@@ -115,17 +115,18 @@ def _compare(
     out = []
     for row, trial in np.argwhere(columns).tolist():
         where = {"setting": places[row], "trial": int(np.flatnonzero(trials == trial)[0])}
-        for name in (name for name in (*VARIABLES, *LOCAL) if name in data):
+        for name in (name for name in EVERY if name in data):
             stored = np.atleast_1d(data[name].isel(where).values)
-            found = _fitted(again, name, row, trial, known, stored.size)
+            found = _fitted(again, name, row, trial, known, data.sizes["robot"])
             if name in LOCAL and data["local_convergence_step"].isel(where)[0] == MISSING:
                 continue  # not asked for by the one of merged studies that ran this trial
-            if name == "correct":
+            if name in ("correct", "estimates"):
                 found = np.where(np.isnan(stored), np.nan, found)  # nor these checkpoints
-            differ = np.flatnonzero(~((stored == found) | ((stored != stored) & (found != found))))
+            differ = np.argwhere(~((stored == found) | ((stored != stored) & (found != found))))
             if differ.size:
+                at = tuple(differ[0])
                 number = int(data["setting"].values[places[row]])
-                out.append(Difference(number, trial, name, stored[differ[0]].item(), found[differ[0]].item()))
+                out.append(Difference(number, trial, name, stored[at].item(), found[at].item()))
                 break
     return out
 
@@ -135,6 +136,12 @@ def _fitted(values: Values, name: str, row: int, trial: int, known: list[int], s
     if name == "correct":
         column = values.arrays[name][row, :, trial]
         return np.array([column[k] if k >= 0 else np.nan for k in known])
+    if name == "estimates":
+        out = np.full((len(known), size), np.nan)
+        asked = [k >= 0 for k in known]
+        kept = values.arrays[name][row, [k for k in known if k >= 0], trial, :size]
+        out[asked, : kept.shape[1]] = kept
+        return out
     if name == "true_fill_ratio":
         return values.arrays[name][row, [trial]]
     array = values.arrays[name][row, trial]

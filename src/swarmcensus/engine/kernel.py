@@ -183,14 +183,15 @@ def advance_alone(
 def simulate(
     blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds,
     read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
-    delta, bin_low, bin_high, checkpoints, where, value, final, correct, stop,
+    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
     Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
     all trials or one for each. `memory` (robot), `outbox` (2 robots, message), `rows` (index, robot) and
     `snapshots` (segment, robot) are room to work in. With `local`, robots hear nobody and `rounds` counts single
-    observations. Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
+    observations. `kept` (checkpoint or 0, trial, robot) is filled with estimates at the checkpoints, if it has room.
+    Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
     convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
     same bits.
     """
@@ -250,6 +251,8 @@ def simulate(
                             for i in range(robots):
                                 x = rows[checkpoints[c] - first, i]
                                 right += bin_low <= x < bin_high
+                                if kept.shape[0] > 0:
+                                    kept[c, trial, i] = x
                             correct[c, trial] = right / robots
                 if s == segments - 1:
                     for i in range(robots):

@@ -62,12 +62,14 @@ class Rider:
         error = np.abs(value - truth)
         low, high = right_bin(truth, metrics.bins)
         right = np.full((len(metrics.checkpoints), 1), np.nan)
+        kept = np.full((len(metrics.checkpoints), 1, robots), np.nan)
         for c, checkpoint in enumerate(metrics.checkpoints):
             if checkpoint <= len(self.rows):
-                row = self.rows[checkpoint - 1]
+                row = kept[c, 0] = self.rows[checkpoint - 1]
                 right[c, 0] = np.mean((row >= low) & (row < high))
         filled = np.array([true_fill_ratio])
-        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled)
+        estimates = kept if metrics.estimates else None
+        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates)
 
 
 def run_ride(

@@ -26,18 +26,21 @@ class Metrics:
     bins: int
     checkpoints: tuple[int, ...]
     on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
+    estimates: bool = False  # each robot's estimate is kept at the checkpoints
 
 
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
-    fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial)."""
+    fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
+    where they are kept, estimates at the checkpoints (checkpoint, trial, robot)."""
 
     convergence: np.ndarray
     error: np.ndarray
     final: np.ndarray
     correct: np.ndarray
     true_fill_ratio: np.ndarray | None = None
+    kept: np.ndarray | None = None
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
@@ -67,6 +70,7 @@ def run_batch(
     where, value, final = np.zeros(shape, np.int64), np.zeros(shape), np.zeros(shape)
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
+    kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
     try:
         links = setting.links(seed, first, trials)
     except ValueError as error:
@@ -87,7 +91,7 @@ def run_batch(
         links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
         np.stack([setting.stops(seed, first + t) for t in range(trials)]),
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
-        where, value, final, correct, stop,
+        where, value, final, correct, kept, stop,
     )  # fmt: skip
     try:
         finished = kernel.simulate(*arguments)
@@ -97,7 +101,10 @@ def run_batch(
         ) from error
     except Exception as error:
         raise blame(setting, first, trials, error) from error
-    return Batch(where, np.abs(value - setting.fill_ratio), final, correct) if finished else None
+    if not finished:
+        return None
+    estimates = kept if metrics.estimates else None
+    return Batch(where, np.abs(value - setting.fill_ratio), final, correct, kept=estimates)
 
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:

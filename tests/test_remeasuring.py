@@ -1,0 +1,147 @@
+"""Kept estimates: what they are, and other bins and deltas asked of them instead of a new run."""
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+
+FIXED = {
+    "seed": 3,
+    "trials": 3,
+    "swarm": {"robots": [4, 9], "accuracy": [0.7, 0.95]},
+    "world": {"topology": ["full", "ring"], "fill_ratio": 0.55},
+    "schedule": {"rounds": [20, 40], "observations_per_round": 5},
+}
+MOVING = {
+    "seed": 3,
+    "trials": 2,
+    "swarm": {"robots": [5, 8], "accuracy": 0.9},
+    "world": {"topology": "moving", "density": 4, "fill_ratio": 0.55, "floor": ["tiles", "half"]},
+    "schedule": {"ticks": 60},
+}
+
+
+def measured(tables, **measure):
+    return sc.run(sc.Study(**tables, measure=measure), jobs=2)
+
+
+@pytest.fixture(scope="module", params=[FIXED, MOVING], ids=["network", "moving"])
+def tables(request):
+    return request.param
+
+
+@pytest.fixture(scope="module")
+def kept(tables):
+    return measured(tables, estimates=True, checkpoints=list(range(1, 61 if tables is MOVING else 41)))
+
+
+def test_estimates_are_those_of_the_curves(kept):
+    for setting in kept["setting"].values:
+        trace = sc.replay(kept, int(setting), 1)
+        one = kept["estimates"].sel(setting=setting, trial=1).values
+        rounds, robots = trace.sizes["round"] - 1, trace.sizes["robot"]
+        assert np.array_equal(one[:rounds, :robots], trace["estimate"].values[1:])
+        assert np.isnan(one[rounds:]).all()
+        assert np.isnan(one[:, robots:]).all()
+
+
+def test_to_keep_estimates_changes_no_other_number(tables, kept):
+    plain = measured(tables, checkpoints=kept["checkpoint"].values.tolist())
+    xr.testing.assert_identical(plain.drop_attrs(deep=False), kept.drop_vars("estimates").drop_attrs(deep=False))
+
+
+@pytest.mark.parametrize("truth", ["nominal", "floor"])
+def test_other_bins_and_deltas_are_what_a_run_would_have_measured(tables, kept, truth):
+    if truth == "floor" and tables is FIXED:
+        pytest.skip("fixed networks have no floor")
+    measure = {"checkpoints": kept["checkpoint"].values.tolist(), "truth": truth}
+    if truth == "floor":
+        kept = measured(tables, estimates=True, **measure)
+    asked = sc.remeasure(kept, delta=0.05, bins=7)
+    run = measured(tables, delta=0.05, bins=7, **measure)
+    assert np.array_equal(asked["correct"], run["correct"], equal_nan=True)
+    late = run["convergence_round"].values > 0  # the state before any observation is no checkpoint
+    assert late.sum() > 0.9 * (run["convergence_round"].values >= 0).sum()
+    for name in ("convergence_round", "convergence_error"):
+        assert np.array_equal(asked[name].values[late], run[name].values[late])
+    assert (asked.attrs["delta"], asked.attrs["bins"]) == (0.05, 7)
+    assert kept.attrs["bins"] == 10, "the results asked of stay as they are"
+
+
+def test_of_few_checkpoints_convergence_is_the_first_from_which_on_all_are_near(kept):
+    few = kept.isel(checkpoint=slice(4, None, 5))
+    asked = sc.remeasure(few, delta=0.03)
+    for k in range(few.sizes["setting"]):
+        rounds, robots = int(few["rounds"][k]), int(few["robots"][k])
+        reached = few["checkpoint"].values[few["checkpoint"].values <= rounds]
+        curves = few["estimates"].isel(setting=k, trial=0).sel(checkpoint=reached).values[:, :robots]
+        for robot, curve in enumerate(curves.T):
+            near = [c for c in range(len(curve)) if all(abs(curve[c:] - curve[c]) < 0.03)]
+            found = {n: asked[n].values[k, 0, robot] for n in ("convergence_round", "convergence_error")}
+            assert found["convergence_round"] == reached[near[0]]
+            assert found["convergence_error"] == abs(curve[near[0]] - 0.55)
+
+
+def test_trials_that_are_missing_stay_missing(kept):
+    cut = kept.copy(deep=True)
+    for name in ("estimates", "correct", "convergence_error", "final_estimate"):
+        cut[name].loc[{"trial": 1}] = np.nan
+    cut["convergence_round"].loc[{"trial": 1}] = -1
+    asked = sc.remeasure(cut, delta=0.2, bins=3)
+    assert (asked["convergence_round"].sel(trial=1) == -1).all()
+    assert np.isnan(asked["correct"].sel(trial=1)).all()
+    assert np.isfinite(asked["correct"].sel(trial=0, checkpoint=20)).all()
+
+
+def test_nothing_asked_is_nothing_changed(kept):
+    assert sc.remeasure(kept) is kept
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"bins": 0}, "bins = 0: should be greater than or equal to 1"),
+        ({"delta": 0.0}, "delta = 0.0: should be greater than 0"),
+        ({"delta": float("nan")}, "delta = nan"),
+        ({"bins": 2.5}, "bins = 2.5: should be a valid integer"),
+    ],
+)
+def test_what_cannot_be_asked_is_refused(kept, asked, said):
+    with pytest.raises(sc.InputError, match=said):
+        sc.remeasure(kept, **asked)
+
+
+def test_results_without_estimates_say_how_to_get_them(small_results):
+    with pytest.raises(sc.InputError, match=r"estimates = true under \[measure\] and run again"):
+        sc.remeasure(small_results, bins=5)
+
+
+def test_kept_estimates_are_resumed_verified_and_merged(tmp_path, monkeypatch):
+    tables = FIXED | {"measure": {"estimates": True, "checkpoints": [1, 20, 40]}}
+    out = tmp_path / "kept.nc"
+    whole = sc.run(sc.Study(**tables), jobs=1)
+    first = sc.run(sc.Study(**tables), jobs=1, share=(1, 3))
+    rest = [sc.run(sc.Study(**tables), jobs=1, share=(k, 3)) for k in (2, 3)]
+    sc.save(first, out)
+    resumed = sc.run(sc.Study(**tables), jobs=1, out=out)
+    merged = sc.merge([first, *rest])
+    for data in (resumed, merged, sc.load(out)):
+        assert np.array_equal(data["estimates"], whole["estimates"], equal_nan=True)
+    assert not sc.verify(out, 1.0).differences
+    wrong = whole.copy(deep=True)
+    wrong["estimates"].values[2, 0, 1, 3] += 1e-9
+    (difference,) = sc.verify(wrong, 1.0).differences
+    assert (difference.setting, difference.trial, difference.variable) == (2, 1, "estimates")
+    with pytest.raises(sc.InputError, match="holds estimates, which this study does not ask for"):
+        sc.run(sc.Study(**FIXED, measure={"checkpoints": [1, 20, 40]}), jobs=1, out=out)
+    sc.save(measured(FIXED, checkpoints=[1, 20, 40]), tmp_path / "plain.nc")
+    with pytest.raises(sc.InputError, match="has no estimates, which this study asks for"):
+        sc.run(sc.Study(**tables), jobs=1, out=tmp_path / "plain.nc")
+
+
+def test_estimates_count_among_the_values_to_keep():
+    tables = {"trials": 1000, "swarm": {"robots": 10_000, "accuracy": 0.7}, "world": FIXED["world"]}
+    sc.Study(**tables)
+    with pytest.raises(sc.InputError, match=r"is the most: fewer trials, settings, checkpoints or robots"):
+        sc.Study(**tables, measure={"estimates": True, "checkpoints": list(range(1, 1001))})
