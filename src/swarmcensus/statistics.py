@@ -8,6 +8,7 @@ sensors nearly always), and drawing trials jointly is right whether they share m
 """
 
 import math
+from collections.abc import Callable
 from statistics import NormalDist
 
 import numpy as np
@@ -17,6 +18,7 @@ RESAMPLES = 1000
 LEVEL = 0.95
 SEED = 2023
 FEWEST = 6  # with fewer trials, all lie on one side of the true median in more than 1 of 20 cases: 2 / 2^5
+ROUNDING = 1e-12  # relative: values that differ by less are equal
 
 Floats = NDArray[np.float64]
 
@@ -35,22 +37,26 @@ def resample(trials: int, resamples: int = RESAMPLES, seed: int = SEED) -> Float
 def medians(values: Floats, counts: Floats) -> Floats:
     """The median over all trials and robots of `values` (trial, robot), for each row of `counts` (resample, trial).
 
-    Values are sorted once and a resample weighs them: its median is where its weights add up to a half, found by
-    bisection, for all resamples at once. Values must not be NaN.
+    Values are sorted once and a resample weighs them: its median is where its weights add up to a half. Which block of
+    values that is in is found by bisection, for all resamples at once, then the place within the block. With blocks as
+    long as there are trials, memory is O(values + resamples x trials). Values must not be NaN.
     """
     trials, robots = values.shape
     order = np.argsort(values, axis=None, kind="stable")
-    ordered = values.ravel()[order]
-    seen = np.cumsum(order[:, np.newaxis] // robots == np.arange(trials), axis=0, dtype=np.float32)
-    weights = counts.astype(np.float32)  # whole numbers below 2^24: exact
+    ordered, of_trial = values.ravel()[order], (order // robots).reshape(robots, trials)  # a block a row
+    among = np.array([np.bincount(block, minlength=trials) for block in of_trial], dtype=np.float64)
+    seen = np.cumsum(among, axis=0)
+    rows = np.arange(len(counts))
 
     def ranked(rank: int) -> Floats:
-        low, high = np.zeros(len(counts), np.intp), np.full(len(counts), ordered.size - 1)
-        for _ in range(ordered.size.bit_length()):
+        low, high = np.zeros(len(counts), np.intp), np.full(len(counts), robots - 1)
+        for _ in range(robots.bit_length()):
             middle = (low + high) // 2
-            beyond = np.einsum("ij,ij->i", weights, seen[middle]) > rank
+            beyond = np.einsum("ij,ij->i", counts, seen[middle]) > rank  # whole numbers: exact
             low, high = np.where(beyond, low, middle + 1), np.where(beyond, middle, high)
-        return np.asarray(ordered[low])
+        before = np.einsum("ij,ij->i", counts, seen[low] - among[low])
+        within = np.cumsum(counts[rows[:, np.newaxis], of_trial[low]], axis=1)
+        return np.asarray(ordered[low * trials + np.argmax(before[:, np.newaxis] + within > rank, axis=1)])
 
     return (ranked((ordered.size - 1) // 2) + ranked(ordered.size // 2)) / 2
 
@@ -72,11 +78,8 @@ def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, flo
 
 def share_interval(hits: int, tries: int) -> tuple[float, float, float]:
     """The share hits / tries and its 95 % score interval, which says something of 30 in 30 too. Wilson, 1927."""
-    z2 = 1.959963984540054**2
-    share = hits / tries
-    middle = (share + z2 / (2 * tries)) / (1 + z2 / tries)
-    half = math.sqrt(z2 * (share * (1 - share) + z2 / (4 * tries)) / tries) / (1 + z2 / tries)
-    return share, max(0.0, middle - half), min(1.0, middle + half)
+    share, z2 = hits / tries, 1.959963984540054**2
+    return share, _wilson(share, tries, z2, -1), _wilson(share, tries, z2, 1)
 
 
 def interval_of(
@@ -85,9 +88,9 @@ def interval_of(
     """The "median" or "mean" over trials and robots of `values` (trial, robot), and its interval over trials.
 
     With `share`, values are shares in [0, 1], or 0 and 1, and their mean is a proportion. No interval has the width 0:
-    see docs/intervals.md for what stands in for a spread that was not seen, and for the coverage that was measured.
-    The interval is NaN for fewer than 6 trials, and all three are where a value is missing. Time is O(n log n) and
-    memory O(n) for n values. Raises ValueError for another statistic.
+    where trials are equal, docs/intervals.md says what stands in for the spread that was not seen. The interval is NaN
+    for fewer than 6 trials, and the value too where one is missing. Time is O(n log n) and memory O(n) for n values.
+    Raises ValueError for another statistic.
     """
     if statistic not in ("median", "mean"):
         raise ValueError(f"statistic = {statistic!r}: should be 'median' or 'mean'")
@@ -99,73 +102,104 @@ def interval_of(
     if statistic == "median":
         return value, *_median_ends(values, level)
     by_trial = values.mean(axis=1)
-    if share:
-        return value, *_share_ends(by_trial, level)
-    half = _student(len(values) - 1, level) * math.sqrt(by_trial.var(ddof=1) / len(values))
-    half = half or _unseen(len(values), level)
-    return value, value - half, value + half
+    return value, *(_share_ends(by_trial, level) if share else _mean_ends(by_trial, level))
 
 
 def _normal(level: float) -> float:
-    """How many standard errors hold the middle `level` of a normal distribution."""
+    """How many standard errors to both sides hold the middle `level` of a normal distribution."""
     return NormalDist().inv_cdf((1 + level) / 2)
 
 
-def _student(freedom: float, level: float) -> float:
-    """The same of Student's t, to 0.3 % from 5 degrees of freedom on. Gaver and Kafadar, 1984."""
+def _student(trials: int, level: float) -> float:
+    """The same where the standard error is estimated from so many: Student's t. Gaver and Kafadar, 1984."""
+    freedom = trials - 1
     return math.sqrt(freedom * math.expm1(_normal(level) ** 2 * (freedom - 1.5) / (freedom - 1) ** 2))
 
 
 def _unseen(trials: int, level: float) -> float:
     """The largest share of trials that may differ from the others and yet not be among so many."""
-    return float(1 - (1 - level) ** (1 / trials))
+    return -math.expm1(math.log1p(-level) / trials)
+
+
+def _equal(values: Floats) -> bool:
+    """Whether they differ by no more than rounding does."""
+    return bool(np.ptp(values) <= ROUNDING * np.abs(values).max())
+
+
+def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
+    """Student's interval of the mean of (trial,), both ends moved by its skewness. Hall, 1992, "On the removal of
+    skewness by transformation", with Student's quantiles in place of the normal ones.
+    """
+    trials, mean = len(by_trial), float(by_trial.mean())
+    if _equal(by_trial):
+        half = _unseen(trials, level)
+        return mean - half, mean + half
+    error = float(by_trial.std(ddof=1)) / math.sqrt(trials)
+    skew = float(((by_trial - mean) ** 3).mean() / by_trial.std() ** 3) / math.sqrt(trials)
+
+    def straight(errors: float) -> float:
+        return 3 / skew * (float(np.cbrt(1 + skew * (errors - skew / 6))) - 1) if abs(skew) > 1e-6 else errors
+
+    beyond = _student(trials, level)
+    return mean - straight(beyond) * error, mean - straight(-beyond) * error
+
+
+def _wilson(share: float, tries: float, z2: float, side: int) -> float:
+    """The lower (-1) or the upper (1) end of Wilson's score interval."""
+    middle = (share + z2 / (2 * tries)) / (1 + z2 / tries)
+    half = math.sqrt(z2 * (share * (1 - share) + z2 / (4 * tries)) / tries) / (1 + z2 / tries)
+    return min(1.0, max(0.0, middle + side * half))
+
+
+def _tries(by_trial: Floats, level: float) -> float:
+    """How many independent tries tell as much of a share as its means by trial (trial,), no fewer than the trials.
+
+    Robots that err together count as one try, those that err alone as one each: tries = trials / design effect,
+    the variance of a trial over that of a single try (Kish, 1965). That is known no better than the trials are many
+    that make up the variance, and is drawn to 1, its largest value, where these are few.
+    """
+    trials, share = len(by_trial), float(by_trial.mean())
+    if _equal(by_trial):
+        return trials
+    squares = (by_trial - share) ** 2
+    total = float(squares.sum())
+    bearing = total**2 / float((squares**2).sum())  # so many trials of the mean square make up the variance
+    effect = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
+    return max(1.0, (_normal(level) / _student(trials, level)) ** 2 / effect) * trials
 
 
 def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:
-    """Wilson's interval of the mean of a share (trial,), over as many independent tries as its spread tells of.
-
-    Robots that err together count as one try, those that err alone as one each: tries = trials / design effect,
-    where the design effect is the variance of a trial over that of a single try. It is known no better than the trials
-    are many that make up the variance, so that it is drawn to 1, its largest value, where these are few.
+    """Wilson's interval of the mean of a share (trial,), with an upper end from share of a try more, and a lower one
+    from 1 - share of a try less: nearly the interval of Clopper and Pearson, which holds at shares near 0 and 1 too.
     """
-    trials = len(by_trial)
-    share = float(by_trial.mean())
-    squares = (by_trial - share) ** 2
-    total = float(squares.sum())
-    tries: float = trials
-    if total > 0.0:
-        bearing = total**2 / float((squares**2).sum())  # trials, each of the mean square, would make up the variance
-        effect = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
-        tries = max(tries, trials / effect * (_normal(level) / _student(trials - 1, level)) ** 2)
-    z2 = _normal(level) ** 2
-    middle = (share + z2 / (2 * tries)) / (1 + z2 / tries)
-    half = math.sqrt(z2 * (share * (1 - share) + z2 / (4 * tries)) / tries) / (1 + z2 / tries)
-    return max(0.0, middle - half), min(1.0, middle + half)
+    share, tries, z2 = float(by_trial.mean()), _tries(by_trial, level), _normal(level) ** 2
+    fewer, more = max(0.0, share - (1 - share) / tries), min(1.0, share + share / tries)
+    return _wilson(fewer, tries, z2, -1), _wilson(more, tries, z2, 1)
 
 
 def _median_ends(values: Floats, level: float) -> tuple[float, float]:
-    """All m with which the data agree: the interval of the share of values below m, at most m, does not exclude 1/2."""
-    ordered = np.sort(values, axis=None)
+    """All m for which the shares of values below m, and up to m, are not clearly on one side of 1/2. Woodruff, 1952."""
+    ordered, z = np.sort(values, axis=None), _normal(level)
 
-    def too_low(m: float) -> bool:
-        return _share_ends((values <= m).mean(axis=1), level)[1] < 0.5
-
-    def too_high(m: float) -> bool:
-        return _share_ends((values < m).mean(axis=1), level)[0] > 0.5
+    def clearly_less(share: NDArray[np.bool_]) -> bool:
+        by_trial = share.mean(axis=1)
+        tries = _tries(by_trial, level)
+        return float(by_trial.mean()) + (0.5 + z * math.sqrt(tries) / 2) / tries < 0.5
 
     half = ordered.size // 2
-    first, last = 0, half  # the smallest that is not too low is in [first, last]
-    while first < last:
-        middle = (first + last) // 2
-        first, last = (middle + 1, last) if too_low(ordered[middle]) else (first, middle)
-    low = ordered[first]
-    first, last = half - 1, ordered.size - 1  # the largest that is not too high
-    while first < last:
-        middle = (first + last + 1) // 2
-        first, last = (first, middle - 1) if too_high(ordered[middle]) else (middle, last)
-    high = ordered[first]
-    if low == high:  # many values are equal: between them and the next ones nothing was seen
-        others = ordered[ordered != low]
-        half_width = np.abs(others - low).min() / 2 if others.size else _unseen(len(values), level)
-        low, high = low - half_width, high + half_width
+    low = ordered[_first(0, half, lambda k: not clearly_less(values <= ordered[k]))]
+    high = ordered[_first(half, ordered.size, lambda k: clearly_less(values >= ordered[k])) - 1]
+    if _equal(np.array([low, high])):  # many values are equal: between them and the next ones nothing was seen
+        gaps = np.abs(ordered - low)
+        gaps = gaps[gaps > ROUNDING * abs(low)]
+        room = gaps.min() / 2 if gaps.size else _unseen(len(values), level)
+        low, high = low - room, high + room
     return float(low), float(high)
+
+
+def _first(start: int, end: int, holds: Callable[[int], bool]) -> int:
+    """The first of start .. end - 1 for which something holds that goes on to hold; `end` if there is none."""
+    while start < end:
+        middle = (start + end) // 2
+        start, end = (start, middle) if holds(middle) else (middle + 1, end)
+    return start
