@@ -2,6 +2,7 @@
 
 import itertools
 import re
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import swarmcensus as sc
 from swarmcensus import statistics
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError
-from swarmcensus.precision import GROWTH, Until
+from swarmcensus.precision import GROWTH, Until, look_level
 from swarmcensus.running import run
 
 WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
@@ -48,12 +49,9 @@ def test_each_setting_gets_what_it_needs(rule, variable):
         values = data[variable].values[k]
         values = values[1, :, np.newaxis] if variable == "correct" else values
         for stage in [s for s in stages if s <= trials]:
-            counts = statistics.resample(stage)
-            if "median" in rule:
-                drawn = statistics.medians(values[:stage].astype(float), counts)
-            else:
-                drawn = statistics.means(values[:stage].mean(axis=1), counts)
-            _, low, high = statistics.interval(drawn)
+            _, low, high = statistics.interval_of(
+                values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage)
+            )
             # it stops at the first look at which the interval is narrow enough, and at no other
             assert ((high - low) / 2 <= width) == (stage == trials and trials < stages[-1]) or stage == stages[-1]
         assert data["half_width"].values[k] == pytest.approx((high - low) / 2, rel=1e-12)
@@ -104,19 +102,38 @@ def test_looks_grow_by_a_quarter():
     assert list(Until(until="final_estimate mean +- 1", at_least=9, at_most=9).stages()) == [9]
 
 
-def test_coverage_of_the_interval_that_it_ends_with():
-    """Of normal trials the interval that is narrow enough still holds the mean, a little less often than it says."""
-    rng = np.random.default_rng(8)
-    rule = Until(until="final_estimate mean +- 0.25", at_least=30, at_most=400)
-    hits = 0
-    for _ in range(200):
-        values = rng.normal(size=(400, 1))
-        for trials in rule.stages():
-            if rule.holds(rule.half_width(values[:trials])):
-                break
-        assert 30 <= trials < 200  # 1.96 / sqrt(n) = 0.25 at 61
-        hits += abs(values[:trials].mean()) <= rule.half_width(values[:trials])
-    assert 0.88 <= hits / 200 <= 0.99  # nominally 0.95; four standard errors are 0.06
+def test_thirty_equal_trials_do_not_say_that_all_are_equal():
+    """The interval of 30 trials that are all right, or all alike, has a width: up to one in ten may be otherwise."""
+    right = Until(until="correct@10 mean +- 0.02")
+    assert right.half_width(np.ones((30, 1))) > 0.05
+    assert right.holds(right.half_width(np.ones((200, 1))))
+    for rule in ("convergence_round median +- 0.01", "convergence_error mean +- 0.01"):
+        alike = Until(until=rule)
+        for value in (0.0, 0.1, 17.0):
+            assert alike.half_width(np.full((30, 20), value)) > 0.05
+
+
+def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
+    levels = [look_level(trials) for trials in (6, 10, 30, 100, 1000)]
+    assert levels == sorted(levels, reverse=True)
+    assert 0.98 < levels[0] < 0.99
+    assert 0.95 < levels[-1] < 0.951
+    values = np.random.default_rng(3).normal(size=(30, 4))
+    rule = Until(until="final_estimate mean +- 1")
+    _, low, high = statistics.interval_of(values, "mean")
+    assert rule.half_width(values) > (high - low) / 2
+
+
+@pytest.mark.parametrize("statistic", ["median", "mean"])
+def test_a_look_needs_memory_of_the_order_of_its_values(statistic):
+    """400 trials of 250 robots are 0.8 MB; each against each trial would be hundreds."""
+    values = np.random.default_rng(4).normal(size=(400, 250))
+    rule = Until(until=f"final_estimate {statistic} +- 1")
+    tracemalloc.start()
+    rule.half_width(values)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 5 * values.nbytes
 
 
 @pytest.mark.parametrize(

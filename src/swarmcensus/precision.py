@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from swarmcensus import statistics
 
+EARLY = 20  # trials: a look at so many may err half as often as one that is the last
 GROWTH = 1.25  # trials of a setting from look to look: at most a quarter are more than were needed
 RULE = re.compile(
     r"\s*(?P<variable>[a-z_]+)(?:@(?P<checkpoint>\d+))?\s+(?P<statistic>median|mean)\s*(?:\+-|±)\s*"
@@ -21,8 +22,19 @@ FORM = '"convergence_error median +- 0.001", or of convergence_round, final_esti
 Fewest = Annotated[int, Field(strict=True, ge=statistics.FEWEST, lt=2**31)]
 
 
+def look_level(trials: int) -> float:
+    """The level of the interval that is looked at after so many trials, so that 95 % of those that end a run hold.
+
+    To stop where an interval happens to be narrow favours those of too small a spread. That is a matter of few
+    trials, for the spread of many is known (Chow and Robbins, 1965), and so a look may err the less often the fewer
+    they are. `EARLY` was chosen by benchmarks/intervals.py.
+    """
+    return 1 - (1 - statistics.LEVEL) * trials / (trials + EARLY)
+
+
 class Until(BaseModel):
-    """A rule: run trials until half the 95 % bootstrap interval over trials is at most so wide.
+    """A rule: run trials until half the 95 % interval over trials is at most so wide, for all that it is looked at
+    again and again.
 
     It is looked at after `at_least` trials and then whenever there are a quarter more, so that how many are run
     depends on the trials alone and not on who ran them.
@@ -76,19 +88,17 @@ class Until(BaseModel):
             trials = int(trials * GROWTH) + 1
         yield self.at_most
 
-    def half_width(self, values: NDArray[np.float64]) -> float:
-        """Half the 95 % interval of the statistic of `values` (trial, robot), (trial, 1) of a rule on `correct`.
+    def interval(self, values: NDArray[np.float64]) -> tuple[float, float]:
+        """The interval of the statistic of `values` (trial, robot), (trial, 1) of a rule on `correct`.
 
         NaN where a value is missing.
         """
-        if np.isnan(values).any():
-            return float("nan")
-        counts = statistics.resample(len(values))
-        if self._part("statistic") == "median":
-            statistic = statistics.medians(values, counts)
-        else:
-            statistic = statistics.means(values.mean(axis=1), counts)
-        _, low, high = statistics.interval(statistic)
+        statistic, share = str(self._part("statistic")), self.variable == "correct"
+        return statistics.interval_of(values, statistic, share, look_level(len(values)))[1:]
+
+    def half_width(self, values: NDArray[np.float64]) -> float:
+        """Half the width of that interval."""
+        low, high = self.interval(values)
         return (high - low) / 2.0
 
     def holds(self, half_width: float) -> bool:

@@ -123,7 +123,8 @@ def _unseen(trials: int, level: float) -> float:
 
 def _equal(values: Floats) -> bool:
     """Whether they differ by no more than rounding does."""
-    return bool(np.ptp(values) <= ROUNDING * np.abs(values).max())
+    least, most = float(values.min()), float(values.max())
+    return most - least <= ROUNDING * max(-least, most)
 
 
 def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
@@ -165,15 +166,17 @@ def _tries(by_trial: Floats, level: float) -> float:
     total = float(squares.sum())
     bearing = total**2 / float((squares**2).sum())  # so many trials of the mean square make up the variance
     effect = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
-    return max(1.0, (_normal(level) / _student(trials, level)) ** 2 / effect) * trials
+    return trials * max(1.0, (_normal(level) / _student(trials, level)) ** 2 / effect)
 
 
 def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:
-    """Wilson's interval of the mean of a share (trial,), with an upper end from share of a try more, and a lower one
-    from 1 - share of a try less: nearly the interval of Clopper and Pearson, which holds at shares near 0 and 1 too.
+    """Wilson's interval of the mean of a share (trial,), with both ends moved outwards for tries being whole and for
+    the skewness of their number (Cai, 2005): nearly the exact one of Clopper and Pearson, near 0 and 1 too.
     """
     share, tries, z2 = float(by_trial.mean()), _tries(by_trial, level), _normal(level) ** 2
-    fewer, more = max(0.0, share - (1 - share) / tries), min(1.0, share + share / tries)
+    lean = (z2 - 1) / 6 * (2 * share - 1)
+    fewer = max(0.0, share - max(0.0, 0.5 - lean) / tries)
+    more = min(1.0, share + max(0.0, 0.5 + lean) / tries)
     return _wilson(fewer, tries, z2, -1), _wilson(more, tries, z2, 1)
 
 
@@ -184,7 +187,7 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
     def clearly_less(share: NDArray[np.bool_]) -> bool:
         by_trial = share.mean(axis=1)
         tries = _tries(by_trial, level)
-        return float(by_trial.mean()) + (0.5 + z * math.sqrt(tries) / 2) / tries < 0.5
+        return bool(by_trial.mean() + (0.5 + z * math.sqrt(tries) / 2) / tries < 0.5)
 
     half = ordered.size // 2
     low = ordered[_first(0, half, lambda k: not clearly_less(values <= ordered[k]))]
