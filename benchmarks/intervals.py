@@ -20,7 +20,7 @@ from swarmcensus.statistics import interval_of
 STARTS = (6, 10, 30, 100)  # trials at the first look
 LATER = 4  # times as many trials as at the first look are needed, in the median
 AT_MOST = 16  # times as many are run at most
-TIMES = 1000
+TIMES = 800
 ROBOTS = 100  # of a share
 FEWER = 5  # of a median or mean
 SHARES = (0.5, 0.8, 0.95, 0.98, 0.99, 0.999)
