@@ -165,7 +165,7 @@ def _tries(by_trial: Floats, level: float) -> float:
     squares = (by_trial - share) ** 2
     total = float(squares.sum())
     bearing = total**2 / float((squares**2).sum())  # so many trials of the mean square make up the variance
-    effect = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
+    effect: float = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
     return trials * max(1.0, (_normal(level) / _student(trials, level)) ** 2 / effect)
 
 
