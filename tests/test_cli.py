@@ -91,10 +91,10 @@ def test_brains(here, capsys):
     ("change", "said"),
     [
         (("robots", "robot"), "study file hello.toml: unknown key swarm.robot"),
-        (("= 6", '= "six"'), 'swarm.robots[0] = "six": should be a valid integer'),
+        (("= 6", '= "six"'), 'swarm.robots = "six": should be a valid integer'),
         (("[0.7, 0.9]", "[]"), "swarm.accuracy = []: should be a list of at least one"),
-        (("[0.7, 0.9]", "1.7"), "swarm.accuracy[0] = 1.7: a sensor accuracy lies in [0, 1]"),
-        (("= 20", "= -20"), "schedule.rounds[0] = -20: should be greater"),
+        (("[0.7, 0.9]", "1.7"), "swarm.accuracy = 1.7: a sensor accuracy lies in [0, 1]"),
+        (("= 20", "= -20"), "schedule.rounds = -20: should be greater"),
         (
             ('"ring"', '{name = "x", edges = [[0, 6]]}'),
             "edge (0, 6) of topology 'x' leads to a robot that is not there",

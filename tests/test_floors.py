@@ -478,8 +478,8 @@ floor = FLOOR
 @pytest.mark.parametrize(
     ("floor", "said"),
     [
-        ('"checks"', 'world.floor[0] = "checks": a floor is one of "tiles", "half", {clusters = 0.2}'),
-        ("3", "world.floor[0] = 3: a floor is one of"),
+        ('"checks"', 'world.floor = "checks": a floor is one of "tiles", "half", {clusters = 0.2}'),
+        ("3", "world.floor = 3: a floor is one of"),
         ("{clusters = 0.2, stripes = 1}", "a floor is one of"),
         ("{clusters = 0}", "clusters have a length in metres, above 0 and at most 1000"),
         ("{clusters = true}", "clusters have a length in metres"),
@@ -518,7 +518,7 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
 
 def test_a_floor_goes_with_robots_that_move():
     fixed = PLAIN.replace('"moving"', '"ring"').replace("density = 2\n", "").replace("FLOOR", '"half"')
-    with pytest.raises(sc.InputError, match="is under robots that move"):
+    with pytest.raises(sc.InputError, match="world.floor is of robots that move"):
         sc.Study.parse(fixed)
     with pytest.raises(sc.InputError, match=r"measure.truth = .*'nominal' or 'floor'"):
         sc.Study.parse(PLAIN.replace("FLOOR", '"half"') + '[measure]\ntruth = "tiles"\n')

@@ -15,7 +15,16 @@ def side(robots: int, density: float, body: Body) -> float:
     return math.sqrt(robots * math.pi * body.radio_range**2 / density)
 
 
+def density(robots: int, side: float, body: Body) -> float:
+    """The swarm density of an arena of this inner side in metres."""
+    return robots * math.pi * body.radio_range**2 / side**2
+
+
+def smallest_side(robots: int, body: Body) -> float:
+    """The inner side of the smallest arena that still holds its robots with room to move."""
+    return max(math.sqrt(robots * math.pi * body.radius**2 / COVERED), 4.0 * body.radius)
+
+
 def largest_density(robots: int, body: Body) -> float:
     """The largest density at which the arena still holds its robots with room to move."""
-    narrowest = max(math.sqrt(robots * math.pi * body.radius**2 / COVERED), 4.0 * body.radius)
-    return robots * math.pi * body.radio_range**2 / narrowest**2
+    return density(robots, smallest_side(robots, body), body)

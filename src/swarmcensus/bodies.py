@@ -4,12 +4,28 @@ import math
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
+from swarmcensus.times import parse_time
+
+
+def _plain_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("a number is wanted, not a truth value")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_plain_number)]
 # beyond these, squares and quotients of lengths and times would leave what floating point can hold
-Positive = Annotated[float, Field(gt=0.0, ge=1e-9, le=1e9)]
-Least = Annotated[float, Field(ge=0.0, le=1e9)]
-Place = Annotated[float, Field(ge=-1e9, le=1e9)]
+Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]
+Least = Annotated[Number, Field(ge=0.0, le=1e9)]
+Place = Annotated[Number, Field(ge=-1e9, le=1e9)]
+
+
+def _delay(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str) and "tick" in info.data:  # else the tick is what is wrong
+        return parse_time(value).ticks(info.data["tick"], least=0)
+    return value
 
 
 class Body(BaseModel):
@@ -25,18 +41,18 @@ class Body(BaseModel):
     wheel_distance: Positive = 0.1054  # m
     radius: Positive = 0.0704  # m
     tick: Positive = 0.1  # s
-    wheel_lag: Annotated[float, Field(ge=0.0, le=1.0)] = 0.1  # of a tick, until new wheel speeds take hold
+    wheel_lag: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1  # of a tick, until new wheel speeds take hold
     straight_mean: Positive = 15.0  # ticks of a straight run: floor of an exponential
     turn_most: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 10  # ticks of a turn: uniform from 0
     proximity_range: Least = 0.12  # m from the body's edge, along 8 rays
     proximity_near: Least = 0.04  # m, below which a ray reads 1
     avoid_above: Positive = 0.01  # length of the mean reading from which there is an obstacle
-    avoid_within: Annotated[float, Field(gt=0.0, le=180.0)] = 100.0  # degrees from straight ahead
+    avoid_within: Annotated[Number, Field(gt=0.0, le=180.0)] = 100.0  # degrees from straight ahead
     sensor: tuple[Place, Place] = (0.0614, 0.010)  # m ahead and to the left: the ground sensor
     tile: Positive = 0.01  # m, the side of a floor tile
     radio_range: Positive = 0.7  # m between centres
     line_of_sight: bool = True
-    message_delay: Annotated[int, Field(strict=True, ge=0, le=1000)] = 1  # ticks
+    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000)] = 1  # ticks
 
     @property
     def numbers(self) -> np.ndarray:

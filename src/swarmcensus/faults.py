@@ -8,6 +8,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.modes import MOVING, NEVER, SENSING, TALKING
 from swarmcensus.engine.random import address
+from swarmcensus.times import OR_TIME
 
 PARTS = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 
@@ -24,7 +25,7 @@ class Fault(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    at: Annotated[int, Field(strict=True, ge=1, lt=2**31)]
+    at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME]
     robots: int | float
     stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
 

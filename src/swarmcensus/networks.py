@@ -7,8 +7,8 @@ generator will do as well.
 import csv
 import functools
 import hashlib
-import inspect
 import json
+import operator
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,15 +16,16 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus import generators
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 from swarmcensus.engine.random import address
 from swarmcensus.errors import InputError
+from swarmcensus.generators import WEIGHTS
 
 MOVING = "moving"  # robots that move hear whom they meet: see arena.py
 NAMED = ("full", "ring", "line", "scale-free", MOVING)
 DIGITS = 18  # of a number in an edge list: more would not fit 64 bits
-MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 FORMS = (
     f'one of {", ".join(NAMED)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
     'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
@@ -43,12 +44,16 @@ class Links:
 
 @dataclass(frozen=True)
 class Topology:
-    """A communication topology: a name of the paper's, a list of undirected edges, or a networkx generator."""
+    """A communication topology: a name of the paper's, a list of edges, or a networkx generator.
+
+    Of a directed edge (u, v), v hears u. A generator's graphs say themselves whether they are directed.
+    """
 
     name: str
     edges: tuple[tuple[int, int], ...] | None = None
     generator: tuple[str, str] | None = None  # the function's name, its arguments as JSON
     source: str = ""  # the edge list's file, for messages
+    directed: bool = False  # the edges
 
     def __str__(self) -> str:
         """The name, as in the dataset."""
@@ -63,12 +68,14 @@ class Topology:
         """As in a study file."""
         if self.generator is not None:
             return {"networkx": self.generator[0], **json.loads(self.generator[1])}
-        return self.name if self.edges is None else {"name": self.name, "edges": self.edges}
+        if self.edges is None:
+            return self.name
+        return {"name": self.name, "edges": self.edges} | ({"directed": True} if self.directed else {})
 
     @property
     def content(self) -> object:
         """What the random numbers of this topology depend on."""
-        return [self.name, self._digest, self.generator]
+        return [self.name, self._digest, self.generator, *(["directed"] if self.directed else [])]
 
     @functools.cached_property
     def _digest(self) -> str | None:
@@ -85,9 +92,7 @@ class Topology:
                     f"{robots} robots are numbered 0 to {robots - 1}"
                 )
         if self.generator:
-            if robots > MOST_GENERATED:
-                raise ValueError(f"{self.name}: networkx makes graphs of {MOST_GENERATED:,} robots at the most")
-            self._generate(robots, 0)
+            generators.check(*self.generator, robots)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
@@ -105,7 +110,7 @@ class Topology:
 
     @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
     def _links(self, robots: int) -> tuple[np.ndarray, np.ndarray]:
-        return _directed(self._fixed(robots))
+        return _heard(self._fixed(robots), self.directed)
 
     def _fixed(self, robots: int) -> np.ndarray:
         if self.edges is not None:
@@ -116,40 +121,18 @@ class Topology:
     def _random(self, robots: int, key: np.ndarray, trial: int) -> tuple[np.ndarray, np.ndarray]:
         if self.generator:
             number = int(np.random.SeedSequence([*map(int, key), trial]).generate_state(1)[0])
-            return _directed(self._generate(robots, number))
+            edges, directed = generators.edges_of(*self.generator, robots, number)
+            return _heard(edges, directed)
         return compile_world().random_tree(key, trial, robots)  # type: ignore[no-any-return]
 
-    def _generate(self, robots: int, seed: int) -> np.ndarray:
-        import networkx
 
-        assert self.generator
-        name, arguments = self.generator
-        function = getattr(networkx, name, None)
-        if not name.endswith("_graph") or not callable(function):
-            raise ValueError(f"networkx has no graph generator {name!r}")
-        keywords: dict[str, Any] = {"n": robots, **json.loads(arguments)}
-        try:
-            if "seed" in inspect.signature(function).parameters:
-                keywords["seed"] = seed
-            graph = function(**keywords)
-        except Exception as error:
-            raise ValueError(f"networkx.{name} with {robots} robots and {arguments} fails: {error}") from error
-        if graph.number_of_nodes() != robots:
-            raise ValueError(f"networkx.{name} gives {graph.number_of_nodes()} robots instead of {robots}")
-        return np.array(_numbered(graph), np.int64).reshape(-1, 2)
-
-
-def _numbered(graph: Any) -> list[tuple[int, int]]:
-    number = {node: k for k, node in enumerate(graph.nodes)}
-    return [(number[a], number[b]) for a, b, *_ in graph.edges if a != b]
-
-
-def _directed(edges: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Undirected edges as directed links (receivers, senders), each once, sorted by receiver and sender."""
+def _heard(edges: np.ndarray, directed: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Edges as links (receivers, senders), each once, sorted by receiver and sender."""
     if not edges.size:
         return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
     n = np.int64(edges.max()) + 1
-    links = np.sort(np.concatenate([edges @ [n, 1], edges @ [1, n]]))
+    heard = edges @ [1, n]  # receiver n + sender, of (sender, receiver)
+    links = np.sort(heard if directed else np.concatenate([edges @ [n, 1], heard]))
     links = links[np.append(True, links[1:] != links[:-1])]
     return (links // n).astype(np.uint32), (links % n).astype(np.uint32)
 
@@ -164,11 +147,7 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
     if isinstance(value, str):
         if value in NAMED:
             return Topology(value)
-        if value in known:
-            return Topology(_file_name(value), _edges(known[value]), source=value)
-        if not (base / value).is_file():
-            raise ValueError(f"a topology is {FORMS}; there is no file {base / value}")
-        return Topology(_file_name(value), _edges(read_edges(base / value)), source=value)
+        return _of_file(value, False, base, known)
     if isinstance(value, Mapping):
         if "networkx" in value:
             arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
@@ -178,41 +157,66 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
                 raise ValueError("a generator's arguments are numbers, texts and lists")
             text = ",".join(f"{k}={v}" for k, v in arguments.items())
             return Topology(f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments)))
-        if set(value) == {"name", "edges"}:
+        directed = value.get("directed", False)
+        if not isinstance(directed, bool):
+            raise ValueError("directed is true or false")
+        if set(value) - {"directed"} == {"name", "edges"}:
             if value["name"] in NAMED:
                 raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")
-            return Topology(str(value["name"]), _edges(value["edges"]))
-    if hasattr(value, "edges") and hasattr(value, "nodes"):
-        name = str(getattr(value, "name", "") or "graph")
-        return Topology(f"{name} graph" if name in NAMED else name, _edges(_numbered(value)))
+            return Topology(str(value["name"]), _edges(value["edges"], directed), directed=directed)
+        if set(value) - {"directed"} == {"file"} and isinstance(value["file"], str):
+            return _of_file(value["file"], directed, base, known)
+    if hasattr(value, "nodes") and hasattr(value, "is_directed"):
+        name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
+        name = f"{name} graph" if name in NAMED else name
+        return Topology(name, _edges(generators.numbered(value), directed), directed=directed)
     raise ValueError(f"a topology is {FORMS}")
+
+
+def _of_file(path: str, directed: bool, base: Path, known: Mapping[str, Any]) -> Topology:
+    if path not in known and not (base / path).is_file():
+        raise ValueError(f"a topology is {FORMS}; there is no file {base / path}")
+    pairs = known[path] if path in known else read_edges(base / path, weights=False)
+    return Topology(_file_name(path), _edges(pairs, directed), source=path, directed=directed)
 
 
 def _file_name(path: str) -> str:
     return Path(path).name if Path(path).stem in NAMED else Path(path).stem
 
 
-def _edges(pairs: Iterable[Any]) -> tuple[tuple[int, int], ...]:
+def _edges(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
     try:
-        edges = {(min(i, j), max(i, j)) for i, j in pairs}
-        if not all(isinstance(i, int) and i >= 0 for edge in edges for i in edge):
-            raise TypeError
-    except (TypeError, ValueError):
+        rows = [_pair(row) for row in pairs]
+    except TypeError:
         raise ValueError("edges are pairs of robot numbers, from 0: [[0, 1], [1, 2]]") from None
-    loops = [i for i, j in edges if i == j]
+    loops = [i for i, j in rows if i == j]
     if loops:
         raise ValueError(f"edge ({loops[0]}, {loops[0]}) joins a robot to itself")
-    return tuple(sorted(edges))
+    return tuple(sorted(set(rows if directed else [(min(row), max(row)) for row in rows])))
 
 
-def read_edges(path: Path) -> list[tuple[int, ...]]:
-    """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError."""
+def _pair(row: Any) -> tuple[int, int]:
+    if len(row) == 3:
+        raise ValueError(f"edge {list(row)} has three numbers: {WEIGHTS}")
+    i, j = row if len(row) == 2 else (-1, -1)
+    if isinstance(i, bool) or isinstance(j, bool) or min(i, j) < 0:
+        raise TypeError
+    return operator.index(i), operator.index(j)
+
+
+def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:
+    """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError.
+
+    Without `weights`, a third column is refused.
+    """
     rows: list[tuple[int, ...]] = []
     try:
         with path.open(newline="", encoding="utf-8-sig") as file:
             for number, row in enumerate(csv.reader(file), start=1):
                 if not row or (number == 1 and is_header(row)):
                     continue
+                if len(row) == 3 and not weights:
+                    raise InputError(f"{path}, line {number}: {','.join(row)!r} has a third column: {WEIGHTS}")
                 if not all(_is_whole(cell) for cell in row) or (rows and len(row) != len(rows[0])):
                     raise InputError(f"{path}, line {number}: {','.join(row)!r}: not a row of whole numbers >= 0")
                 rows.append(tuple(int(cell) for cell in row))

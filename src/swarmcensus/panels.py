@@ -20,6 +20,7 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "brain": "{}",
     "robots": "N = {:,.0f}",
     "density": "D = {:g}",
+    "side": "L = {:g} m",
     "fill_ratio": "f = {:g}",
     "floor": "floor {}",
     "rounds": "C = {:,.0f}",
@@ -63,9 +64,10 @@ def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",)) 
 def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
     """Return every setting's value of each coordinate that has several; None is a value that says nothing."""
     names = [*CAPTIONS, *sorted(str(name) for name in results.coords if name not in CAPTIONS)]
+    other = told(results)
     varying = {}
     for name in names:
-        if name not in results.coords or results[name].dims != ("setting",) or name == "setting":
+        if name not in results.coords or results[name].dims != ("setting",) or name in ("setting", other):
             continue
         values = results[name].values.tolist()
         if name == "assumed_accuracy" and len(set(values)) > 1:
@@ -77,6 +79,14 @@ def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
         if name not in apart_from and len(set(values)) > 1:
             varying[name] = values
     return varying
+
+
+def told(results: xr.Dataset) -> str:
+    """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
+    if not {"density", "side"} <= results.coords.keys():
+        return ""
+    texts = {name: {f"{value:.12g}" for value in results[name].values.tolist()} for name in ("side", "density")}
+    return max(texts, key=lambda name: (len(texts[name]), len("".join(texts[name]))))
 
 
 def truth_of(trace: xr.Dataset) -> float:

@@ -23,6 +23,7 @@ from swarmcensus.values import EVERY, MISSING, PER_ROBOT, VARIABLES, Values
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 FORMAT = "swarmcensus results 1"
 TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
+MAYBE = ("side",)  # older files lack it
 NUMBERS = ("robots", "density", "fill_ratio", "link_success", "rounds", "observations_per_round")
 ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
@@ -50,11 +51,13 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         "setting", np.array(fingerprints, dtype=object),
         {"long_name": "the address of all that a setting's numbers depend on"},
     )  # fmt: skip
-    for topology in study.world.topology:
+    for topology in study.topologies:
         if topology.source:
+            says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
+                "long_name": "undirected edges"}  # fmt: skip
             variables[f"edges_{topology.name}"] = (
                 (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
-                {"long_name": "undirected edges", "source": topology.source},
+                says | {"source": topology.source},
             )  # fmt: skip
     for picture in study.pictures:
         variables[f"floor_{picture.name}"] = (
@@ -76,9 +79,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "delta": study.measure.delta,
         "bins": study.measure.bins,
         "truth": study.measure.truth,
-        "brains": json.dumps(
-            {b.name: {"sha256": b.sha256, "source": b.source} for b in study.swarm.brain}, sort_keys=True
-        ),
+        "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         "machine": f"{platform.system()} {platform.machine()}",
@@ -133,6 +134,7 @@ def load(path: str | Path) -> xr.Dataset:
 def _wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as `dataset` makes it, in words; None where nothing is."""
     kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
+    kinds |= {name: "iuf" for name in MAYBE if name in data}
     for name, (dims, kind, *_) in EVERY.items():
         if name in data and (data[name].dims != dims or data[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
@@ -204,9 +206,9 @@ def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
             known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    context = {"edges": edges, "brains": known, "images": images}
+    context = {"edges": edges, "brains": known, "images": images, "kept": True}
     studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
-    for used in (brain for study in studies for brain in study.swarm.brain):
+    for used in (brain for study in studies for brain in study.brains):
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return studies

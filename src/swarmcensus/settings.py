@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarmcensus import arena
 from swarmcensus.bodies import Body
 from swarmcensus.brains import Brain
 from swarmcensus.engine.random import address
@@ -42,7 +43,7 @@ class Setting:
         what = f"accuracy {self.accuracy}, f = {self.fill_ratio}"
         if self.body is not None:
             floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
-            return f"{where}, D = {self.density}, {what}{floor}, {self.rounds} ticks"
+            return f"{where}, D = {float(f'{self.density:.6g}')}, {what}{floor}, {self.rounds} ticks"
         return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
 
     @property
@@ -53,6 +54,7 @@ class Setting:
             "topology": str(self.topology),
             "robots": self.robots,
             "density": np.nan if self.density is None else self.density,
+            "side": self.side,
             "accuracy": str(self.accuracy),
             "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
             "fill_ratio": self.fill_ratio,
@@ -61,6 +63,13 @@ class Setting:
             "rounds": self.rounds,
             "observations_per_round": self.observations_per_round,
         }
+
+    @property
+    def side(self) -> float:
+        """The inner side of the arena in metres, to as many digits as survive its density; NaN on fixed networks."""
+        if self.body is None or self.density is None:
+            return np.nan
+        return float(f"{arena.side(self.robots, self.density, self.body):.12g}")
 
     def fingerprint(self, seed: int) -> str:
         """The address of names and of all that a trial's numbers depend on: alike where settings are, in any study."""

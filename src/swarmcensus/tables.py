@@ -11,6 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from swarmcensus.conformance import Check
+from swarmcensus.panels import told
 
 MOST_SETTINGS = 40
 
@@ -31,6 +32,7 @@ def summary(data: xr.Dataset) -> None:
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
+    columns.pop(told(data), None)
     shown = [k for k, values in columns.items() if k != "setting" and len(np.unique(values)) > 1]
     table = _table(
         ("setting", True),

@@ -3,14 +3,12 @@
 import json
 import re
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from pydantic import (
-    BaseModel,
-)
+from pydantic import BaseModel
 
 from swarmcensus import brains
 from swarmcensus.errors import InputError
@@ -38,9 +36,25 @@ def to_toml(data: Mapping[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def plain(value: Any) -> Any:
+    """A study's tables with lists for ranges, tuples and arrays, and Python's own numbers for those of NumPy."""
+    if hasattr(value, "to_numpy"):  # of pandas and xarray
+        value = value.to_numpy()
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {k: _pairs(v) if k == "edges" else plain(v) for k, v in value.items()}
+    return [plain(v) for v in value] if isinstance(value, list | tuple | range) else value
+
+
+def _pairs(edges: Any) -> Any:
+    """Edges as a list, whatever gives them; their numbers are looked at where they are read."""
+    return list(edges) if isinstance(edges, Iterable) and not isinstance(edges, str | list | np.ndarray) else edges
+
+
 def _fields(table: Mapping[str, Any] | BaseModel) -> dict[str, Any]:
     """A table's keys and values, but for those that were not given."""
-    pairs = table if isinstance(table, BaseModel) else table.items()
+    pairs = ((k, v) for k, v in table if k in table.model_fields_set) if isinstance(table, BaseModel) else table.items()
     return {k: v for k, v in pairs if v is not None}
 
 
@@ -66,7 +80,7 @@ def to_toml_value(value: Any) -> str:
         return to_toml_value(value.name)
     if isinstance(value, Floor | Accuracy | Misjudgement | Spread):
         return to_toml_value(value.form)
-    if hasattr(value, "edges") and hasattr(value, "nodes"):
+    if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         value = parse_topology(value, Path(), {})
     if isinstance(value, Topology):
         return to_toml_value(value.form)

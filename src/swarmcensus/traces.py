@@ -108,8 +108,8 @@ def recording(
 ) -> tuple[np.ndarray, np.ndarray]:
     """What the robots of one trial saw and who heard whom, as `infer` takes it.
 
-    Returns readings (step, robot), 1 black, and undirected edges (edge, 2); of robots that move, messages
-    (message, 3) of step, sender, receiver. Raises InputError.
+    Returns readings (step, robot), 1 black, and undirected edges (edge, 2); of robots that move and of directed
+    links, messages (message, 3) of step, sender, receiver. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
     if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
@@ -121,8 +121,12 @@ def recording(
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
     links = found.links(study.seed, trial, 1)
     if links.senders.size or found.robots == 1 or found.topology.name != "full":
-        edges = np.stack([links.receivers, links.senders], axis=1)
-        edges = edges[edges[:, 0] < edges[:, 1]].astype(np.int64)
+        pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
+        if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
+            steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1
+            messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
+            return record_readings(found, study.seed, trial), messages
+        edges = pairs[pairs[:, 0] < pairs[:, 1]]
     else:
         edges = np.array(list(itertools.combinations(range(found.robots), 2)))
     return record_readings(found, study.seed, trial), edges

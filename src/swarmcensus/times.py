@@ -1,0 +1,67 @@
+"""Times with a unit, such as "17 min": robots that move live by a clock, which ticks every so many seconds."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import WrapValidator
+
+UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
+TIME = re.compile(r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*")
+NEAR = 1e-9  # of a number of ticks: how far from a whole one is rounding
+MOST = 2**31 - 1
+
+
+@dataclass(frozen=True)
+class Time:
+    """A time as a study gives it: a number of seconds, minutes or hours."""
+
+    number: float
+    unit: str
+
+    def __str__(self) -> str:
+        """As in a study file."""
+        return f"{self.number:.12g} {self.unit}"
+
+    def ticks(self, tick: float, least: int = 1) -> int:
+        """How many ticks of so many seconds. Raises ValueError, naming the nearest, where that is no whole number."""
+        count = self.number * UNITS[self.unit] / tick
+        if not count <= MOST:
+            raise ValueError(f"that is {count:.3g} ticks: {MOST} at the most")
+        whole = round(count)
+        if whole >= least and abs(count - whole) <= min(NEAR * count, 1e-3):
+            return whole
+        around = sorted({max(least, math.floor(count)), max(least, math.ceil(count))})
+        near = " and ".join(f'"{Time(n * tick / UNITS[self.unit], self.unit)}" ({n})' for n in around)
+        raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: the nearest whole ones are {near}")
+
+
+def parse_time(text: str) -> Time:
+    """Read a time such as "90 s", "17 min" or "1.5 h". Raises ValueError."""
+    found = TIME.fullmatch(text)
+    if found is None:
+        raise ValueError('should be a whole number, or a time such as "17 min" (s, min or h)')
+    return Time(float(found[1]), found[2])
+
+
+def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
+    if isinstance(value, Time):
+        return value
+    return parse_time(value) if isinstance(value, str) else whole(value)
+
+
+OR_TIME = WrapValidator(_time_or)  # of a whole number that may be a time, until its ticks are known
+
+
+def in_ticks(value: Any, tick: float | None, key: str) -> int:
+    """A whole number as it is, a time in ticks; `tick` is None where rounds are counted. Raises ValueError."""
+    if not isinstance(value, Time):
+        return int(value)
+    if tick is None:
+        raise ValueError(f'{key} = "{value}": the rounds of fixed networks have no clock: should be a whole number')
+    try:
+        return value.ticks(tick)
+    except ValueError as error:
+        raise ValueError(f'{key} = "{value}": {error}') from None
