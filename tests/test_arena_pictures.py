@@ -245,7 +245,8 @@ faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = [
 
 
 def faulty_scene(faults):
-    found = sc.Study.parse(faults + STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"'))
+    text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
+    found = sc.Study.parse(faults + text)
     return found, *scene_of(sc.run(found, jobs=1), 0, 1)
 
 
@@ -472,6 +473,7 @@ def test_a_brain_of_ones_own_must_be_given(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(brains.load("legacy").source)
     text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")
+    text = text.replace("rounds = 40\n", "")
     Path("own.toml").write_text(text.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
     assert main(["run", "own.toml"]) == 0
     capsys.readouterr()

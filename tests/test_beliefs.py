@@ -107,6 +107,7 @@ def test_swarms_go_where_the_closed_form_says(topology):
     """
     world = topology if "\n" in topology else f'"{topology}"'
     text = STUDY.replace('["ring", "moving"]\ndensity = 10', world).replace("trials = 12", "trials = 40")
+    text = text.replace("rounds = 400\n" if "moving" in topology else "ticks = 2000\n", "")
     text = text.replace('{error = 0}, {error = 0.05}, {error = "N(0, 0.05)"}', "{error = 0}, {error = 0.05}")
     data = sc.run(sc.Study.parse(text.replace("0.95]", "0.4]")), jobs=2)
     sides = {"0.675": (0.675, 0.675), "black=0.9 white=0.7": (0.9, 0.7)}
@@ -137,6 +138,7 @@ def test_costs_are_medians_over_robots_and_trials(results):
 
 def test_beliefs_in_numbers_are_off_by_their_difference_and_errors_stop_at_0_and_1():
     text = STUDY.replace('"moving"', '"full"').replace("density = 10", "").replace("trials = 12", "trials = 1")
+    text = text.replace("ticks = 2000\n", "")
     accuracy = "accuracy = [0.675, {black = 0.9, white = 0.7}]"
     assumed = re.search(r"assumed_accuracy = .*", text)[0]
     assert accuracy in text

@@ -126,7 +126,7 @@ def test_networkx_generator(tmp_path):
     [
         ({"networkx": "read_gpickle"}, "no graph generator"),
         ({"networkx": "watts_strogatz_graph", "k": 40, "p": 0.1}, "fails"),
-        ({"networkx": "ladder_graph"}, "n is not the number of robots"),
+        ({"networkx": "ladder_graph"}, "20 robots instead of 10"),
     ],
 )
 def test_bad_generators(value, said, tmp_path):

@@ -28,13 +28,8 @@ def check(name: str, arguments: str, robots: int) -> None:
             nodes = _made(name, arguments, n, 0).number_of_nodes()
         except ValueError:
             continue  # too small for the other arguments
-        if given is None and nodes != n:
-            raise ValueError(
-                f"networkx.{name} gives {nodes} robots for n = {n}: its n is not the number of robots, so give n "
-                "yourself, or other arguments"
-            )
-        if nodes > robots:
-            raise ValueError(f"networkx.{name} gives {nodes} robots for n = {n} already, instead of {robots}")
+        if nodes > (4 * n + 16 if given is None else robots):
+            raise ValueError(f"networkx.{name} gives {nodes} robots for n = {n} already: give an n for {robots} robots")
     edges_of(name, arguments, robots, 0)
 
 

@@ -21,9 +21,9 @@ def _listed(value: object) -> object:
     return value if isinstance(value, list | tuple) else [value]
 
 
-def _tables(value: object) -> object:
+def _tables(value: object, info: ValidationInfo) -> object:
     if isinstance(value, Mapping):
-        raise ValueError("should be tables, each with a head in double brackets")
+        raise ValueError(f"should be a list of tables, each under [[{info.field_name}]]")
     return value
 
 

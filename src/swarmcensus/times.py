@@ -34,8 +34,8 @@ class Time:
         if whole >= least and abs(count - whole) <= min(NEAR * count, 1e-3):
             return whole
         around = sorted({max(least, math.floor(count)), max(least, math.ceil(count))})
-        near = " and ".join(f'"{Time(n * tick / UNITS[self.unit], self.unit)}" ({n})' for n in around)
-        raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: the nearest whole ones are {near}")
+        near = " or ".join(f'"{Time(n * tick / UNITS[self.unit], self.unit)}" ({n})' for n in around)
+        raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: should be a whole number, such as {near}")
 
 
 def parse_time(text: str) -> Time:
