@@ -518,7 +518,7 @@ def test_what_is_wrong_is_named(floor, said, tmp_path):
 
 def test_a_floor_goes_with_robots_that_move():
     fixed = PLAIN.replace('"moving"', '"ring"').replace("density = 2\n", "").replace("FLOOR", '"half"')
-    with pytest.raises(sc.InputError, match="world.floor is of robots that move"):
+    with pytest.raises(sc.InputError, match=r"world\.floor is of robots that move"):
         sc.Study.parse(fixed)
     with pytest.raises(sc.InputError, match=r"measure.truth = .*'nominal' or 'floor'"):
         sc.Study.parse(PLAIN.replace("FLOOR", '"half"') + '[measure]\ntruth = "tiles"\n')

@@ -126,10 +126,30 @@ SENSOR = SHARE | SPREAD | st.fixed_dictionaries({"black": SHARE | SPREAD, "white
 ROBOTS = st.integers(1, 3)
 EDGES = st.lists(st.tuples(st.integers(0, 2), st.integers(0, 2)).map(list), max_size=4)
 TOPOLOGY = st.sampled_from(["full", "ring", "line", "scale-free", "moving"]) | st.one_of(
-    st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}),
+    st.fixed_dictionaries({"name": TEXT, "edges": EDGES | ANY}, optional={"directed": st.booleans() | SCALAR}),
+    st.fixed_dictionaries({"file": TEXT}, optional={"directed": st.booleans()}),
     st.fixed_dictionaries(
-        {"networkx": st.sampled_from(["path_graph", "cycle_graph", "complete_graph", "gnp_random_graph", "x_graph"])},
-        optional={"p": SHARE | SCALAR, "k": SCALAR, "seed": SCALAR},
+        {
+            "networkx": st.sampled_from(
+                [
+                    "path_graph",
+                    "cycle_graph",
+                    "complete_graph",
+                    "gnp_random_graph",
+                    "x_graph",
+                    "random_k_out_graph",
+                    "hypercube_graph",
+                ]
+            )
+        },
+        optional={
+            "p": SHARE | SCALAR,
+            "k": SCALAR,
+            "seed": SCALAR,
+            "directed": st.booleans(),
+            "alpha": SHARE,
+            "n": st.integers(1, 3) | st.just(100),
+        },
     ),
 )
 FLOOR = st.sampled_from(
@@ -142,12 +162,13 @@ RULE = st.fixed_dictionaries(
     },
     optional={"at_least": st.integers(0, 20) | SCALAR, "at_most": st.integers(6, 40) | SCALAR},
 )
+TICKS = st.integers(1, 3) | st.sampled_from(["0.1 s", "0.2 s", "1 s", "0.005 min", "0.15 s", "1 h", "soon", "1e99 h"])
 FAULT = st.fixed_dictionaries(
-    {"at": st.integers(1, 4) | SCALAR, "robots": ROBOTS | SHARE | SCALAR,
+    {"at": TICKS | st.integers(1, 4) | SCALAR, "robots": ROBOTS | SHARE | SCALAR,
      "stop": st.sampled_from(["talking", "sensing", "moving", ["talking", "sensing"]]) | ANY},
 )  # fmt: skip
 SIZES = st.sampled_from([1e-12, 1e-9, 1e-3, 0.05, 0.1, 0.7, 2.0, 1e9, 1e12]) | SCALAR
-BODY = st.dictionaries(st.sampled_from([*Body.model_fields, "size"]), SIZES | ANY, max_size=2)
+BODY = st.dictionaries(st.sampled_from([*Body.model_fields, "size"]), SIZES | ANY | TICKS, max_size=2)
 
 
 @st.composite
@@ -160,32 +181,33 @@ def table(draw, keys, required=()):
     return made
 
 
+SWARM = {
+    "brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
+    "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE)),
+}  # fmt: skip
+WORLD = {
+    "topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE),
+    "density": mostly(st.floats(0.1, 10.0)), "side": mostly(st.floats(0.5, 5.0)), "floor": mostly(FLOOR),
+}  # fmt: skip
+SCHEDULE = {
+    "rounds": mostly(st.integers(1, 3)), "observations_per_round": mostly(st.integers(1, 12)), "ticks": mostly(TICKS)
+}  # fmt: skip
 STUDY = table(
     {
         "name": mostly(TEXT.filter(bool)),
         "seed": mostly(st.integers(0, 2**63 - 1)),
         "trials": mostly(st.integers(1, 2) | RULE),
-        "swarm": table(
-            {"brain": mostly(st.sampled_from(["minimalistic", "legacy"])), "robots": mostly(ROBOTS),
-             "accuracy": mostly(SENSOR), "assumed_accuracy": mostly(SENSOR | st.builds(lambda s: {"error": s}, SHARE))},
-            ("robots", "accuracy"),
-        ),
-        "world": table(
-            {"topology": mostly(TOPOLOGY), "fill_ratio": mostly(SHARE), "link_success": mostly(SHARE),
-             "density": mostly(st.floats(0.1, 10.0)), "floor": mostly(FLOOR), "body": BODY},
-            ("topology", "fill_ratio"),
-        ),
-        "schedule": table(
-            {"rounds": mostly(st.integers(1, 3)), "observations_per_round": mostly(st.integers(1, 12)),
-             "ticks": mostly(st.integers(1, 3))}, ("rounds", "ticks"),
-        ),
+        "swarm": table(SWARM, ("robots", "accuracy")),
+        "world": table(WORLD | {"body": BODY}, ("topology", "fill_ratio")),
+        "schedule": table(SCHEDULE),
         "measure": table(
             {"delta": mostly(st.floats(1e-9, 2.0)), "bins": mostly(st.integers(1, 20)), "truth": mostly(st.just("floor")),  # noqa: E501
-             "checkpoints": mostly(st.integers(1, 3)), "local": mostly(st.booleans())},
+             "checkpoints": mostly(TICKS), "local": mostly(st.booleans())},
         ),
         "faults": st.lists(FAULT, max_size=2) | ANY,
+        "case": st.lists(table(SWARM | WORLD | SCHEDULE), min_size=1, max_size=2) | ANY,
     },
-    ("trials", "swarm", "world", "schedule"),
+    ("trials", "swarm", "world"),
 )  # fmt: skip
 
 
@@ -206,16 +228,22 @@ def plain_study(draw, topology=("full", "ring", "line", "scale-free", "moving"))
             "fill_ratio": draw(one_or_more(st.sampled_from([0.0, 0.05, 0.5, 1.0]))),
             "link_success": draw(SHARE),
         },
-        "schedule": {"rounds": draw(st.integers(1, 3)), "ticks": draw(st.integers(1, 3))},
     }
+    moves, stands = "moving" in made["world"]["topology"], set(made["world"]["topology"]) != {"moving"}
+    made["schedule"] = {"rounds": draw(st.integers(1, 3))} if stands else {}
+    if moves:
+        made["schedule"]["ticks"] = draw(st.sampled_from([1, 3, "0.2 s", "0.3 s"]))
     if draw(st.booleans()):
         made["swarm"]["assumed_accuracy"] = draw(SENSOR | st.builds(lambda s: {"error": s}, SHARE | SPREAD))
-    if "moving" in made["world"]["topology"]:
-        made["world"] |= {"density": draw(st.floats(0.1, 10.0)), "floor": draw(st.sampled_from(["tiles", "half"]))}
+    if moves:
+        made["world"] |= {"floor": draw(st.sampled_from(["tiles", "half"]))}
+        made["world"] |= draw(st.builds(lambda d: {"density": d}, st.floats(0.1, 10.0)) | st.just({"side": 2.0}))
     else:
         made["measure"] = {"local": draw(st.booleans())}
     if draw(st.booleans()):
-        made["faults"] = [{"at": draw(st.integers(1, 4)), "robots": draw(SHARE.map(float)), "stop": "talking"}]
+        made["faults"] = [{"at": 1, "robots": draw(st.sampled_from([0, 0.0, 0.7, 1.0])), "stop": "talking"}]
+    if draw(st.booleans()):
+        made["case"] = [{"robots": draw(st.integers(4, 5))}, {"robots": 6, "fill_ratio": draw(SHARE)}]
     return made
 
 
@@ -274,7 +302,7 @@ def test_study_texts(tables):
 def test_plain_studies_are_taken(tables):
     study = sc.Study(**tables)
     _check_study(study)
-    parts = {"trials": study.trials, "seed": study.seed, "faults": study.faults}
+    parts = {"trials": study.trials, "seed": study.seed, "faults": study.faults, "case": study.case}
     again = sc.Study(**parts, swarm=study.swarm, world=study.world, schedule=study.schedule, measure=study.measure)
     assert [s.fingerprint(0) for s in again.settings()] == [s.fingerprint(0) for s in study.settings()]
     _check_study(again)

@@ -85,6 +85,7 @@ def test_first_robots_attach_in_proportion_to_degree(tmp_path):
 def test_edge_list_file(tmp_path):
     (tmp_path / "office.csv").write_text("from,to\n0,1\n1,2\n2,1\n")
     topology = parse("office.csv", tmp_path)
+    assert not topology.directed
     assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 2)))
     topology.check(3)
     with pytest.raises(ValueError, match=r"office.csv: edge \(1, 2\).*not there: 2 robots are numbered 0 to 1"):
@@ -110,6 +111,97 @@ def test_networkx_graph(tmp_path):
     graph = nx.petersen_graph()
     topology = parse(graph, tmp_path)
     assert nx.utils.graphs_equal(graph_of(links_of(topology, 10), 0, 10), nx.Graph(graph.edges))
+
+
+def heard(topology, robots, graph=0):
+    """Who hears whom, as pairs of sender and receiver."""
+    links = links_of(topology, robots, graph + 1)
+    part = slice(links.starts[graph], links.starts[graph + 1])
+    assert (np.diff(links.receivers[part].astype(int) * robots + links.senders[part]) > 0).all()  # as the engine wants
+    return set(zip(links.senders[part].tolist(), links.receivers[part].tolist(), strict=True))
+
+
+ONE_WAY = {(0, 1), (1, 2), (2, 0), (3, 0), (0, 3)}
+
+
+@pytest.mark.parametrize("kind", ["graph", "multigraph", "list", "array", "file"])
+def test_of_a_directed_edge_the_second_hears_the_first(kind, tmp_path):
+    rows = sorted(ONE_WAY)
+    (tmp_path / "office.csv").write_text("sender,receiver\n" + "".join(f"{u},{v}\n" for u, v in rows))
+    value = {
+        "graph": nx.DiGraph(rows),
+        "multigraph": nx.MultiDiGraph(rows + rows[:2]),
+        "list": {"name": "office", "edges": rows + rows[:2], "directed": True},
+        "array": {"name": "office", "edges": np.array(rows), "directed": True},
+        "file": {"file": "office.csv", "directed": True},
+    }[kind]
+    # a graph's nodes are numbered in its own order
+    number = {node: k for k, node in enumerate(value.nodes if "graph" in kind else range(4))}
+    topology = parse(value, tmp_path)
+    assert topology.directed
+    assert heard(topology, 4) == {(number[u], number[v]) for u, v in ONE_WAY}
+    again = parse(topology.form, tmp_path)
+    assert (again.edges, again.directed, again.content) == (topology.edges, True, topology.content)
+
+
+def test_the_same_edges_both_ways_are_another_topology(tmp_path):
+    one, both = (parse({"name": "x", "edges": [[0, 1]], "directed": d}, tmp_path) for d in (True, False))
+    assert heard(one, 2) == {(0, 1)}
+    assert heard(both, 2) == {(0, 1), (1, 0)}
+    assert one.content != both.content
+    assert both.content == parse({"name": "x", "edges": [[1, 0]]}, tmp_path).content
+
+
+@pytest.mark.parametrize(
+    ("form", "degree"),
+    [({"networkx": "gnp_random_graph", "p": 0.1, "directed": True}, None),
+     ({"networkx": "random_k_out_graph", "k": 3, "alpha": 1.0}, 3),
+     ({"networkx": "scale_free_graph"}, None)],
+)  # fmt: skip
+def test_generators_that_make_directed_graphs(form, degree, tmp_path):
+    topology = parse(form, tmp_path)
+    topology.check(40)
+    links = heard(topology, 40)
+    assert any((v, u) not in links for u, v in links)
+    assert all(u != v for u, v in links)
+    if degree:
+        assert np.bincount([u for u, _ in links], minlength=40).max() <= degree
+    assert heard(topology, 40, 1) != links
+
+
+def test_graphs_whose_edges_have_weights_are_refused(tmp_path):
+    graph = nx.path_graph(3)
+    graph[0][1]["weight"] = 1.0  # says nothing
+    assert parse(graph, tmp_path).edges == ((0, 1), (1, 2))
+    graph[1][2]["weight"] = 0.5
+    with pytest.raises(ValueError, match="the graph's edges have weights: links have no weights"):
+        parse(graph, tmp_path)
+    with pytest.raises(ValueError, match=r"edge \[0, 1, 0.5\] has three numbers: links have no weights"):
+        parse({"name": "x", "edges": [[0, 1, 0.5]]}, tmp_path)
+
+
+def test_parallel_edges_count_once_and_loops_are_refused(tmp_path):
+    assert parse(nx.MultiGraph([(0, 1), (0, 1), (1, 0)]), tmp_path).edges == ((0, 1),)
+    with pytest.raises(ValueError, match=r"edge \(0, 0\) joins a robot to itself"):
+        parse(nx.DiGraph([(0, 0)]), tmp_path)
+
+
+@pytest.mark.parametrize("value", [{"directed": 1}, {"directed": "yes"}, {"edge": []}, {"edges": [[0, True]]}])
+def test_other_forms_of_edge_lists_are_refused(value, tmp_path):
+    with pytest.raises(ValueError, match=r"true or false|a topology is|edges are pairs"):
+        parse({"name": "x", "edges": [[0, 1]]} | value, tmp_path)
+
+
+@pytest.mark.parametrize(
+    "form",
+    [{"networkx": "hypercube_graph"}, {"networkx": "hypercube_graph", "n": 100}, {"networkx": "sudoku_graph"},
+     {"networkx": "mycielski_graph", "n": 90}, {"networkx": "grid_2d_graph", "m": 10_000, "n": 10_000},
+     {"networkx": "margulis_gabber_galil_graph", "n": 100_000}, {"networkx": "dorogovtsev_goltsev_mendes_graph"}],
+    ids=lambda form: form["networkx"],
+)  # fmt: skip
+def test_graphs_that_would_never_be_made_are_refused_at_once(form, tmp_path):
+    with pytest.raises(ValueError, match=r"robots for n = \d+ already: give an n for 100 robots"):
+        parse(form, tmp_path).check(100)
 
 
 def test_networkx_generator(tmp_path):

@@ -152,7 +152,7 @@ def test_more_trials_and_settings_compute_only_what_is_missing(here):
 
 
 def test_local_estimates_may_be_asked_for_later(here):
-    fixed = STUDY.replace(', "moving"', "").replace("density    = 1\n", "")
+    fixed = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     run(study(fixed), 2, out="a.nc")
     local = fixed.replace("local       = false", "local = true")
     assert same(run(study(local), 2, out="a.nc"), sc.run(study(local), jobs=2))
@@ -245,6 +245,7 @@ def test_a_brain_that_has_changed_is_refused(here):
         STUDY.replace("robots   =", 'brain = "mine.py"\nrobots   =')
         .replace('"full", "ring", "moving"', '"ring"')
         .replace("density    = 1\n", "")
+        .replace("ticks  = 200\n", "")
     )
     Path("mine.py").write_text(source)
     Path("s.toml").write_text(text)
@@ -391,7 +392,7 @@ def test_a_trial_that_fails_fails_alone(here, capsys):
     Path("bad.py").write_text(bad)
     text = (
         STUDY.replace("robots   = [3, 20]", 'brain = ["minimalistic", "bad.py"]\nrobots = 20')
-        .replace('"full", "ring", "moving"', '"ring"').replace("density    = 1\n", "")
+        .replace('"full", "ring", "moving"', '"ring"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
         .replace("[0.55, 0.95]", "[0.3, 0.32]")
     )  # fmt: skip
     Path("s.toml").write_text(text)
@@ -448,7 +449,7 @@ def test_decisions_that_only_some_merged_results_have_are_missed(here):
 
 
 def test_shards_with_local_estimates_that_are_no_longer_asked_for(here):
-    text = STUDY.replace('"moving"', '"line"').replace("density    = 1", "")
+    text = STUDY.replace('"moving"', '"line"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     cut_when(lambda p: p.work_done > 0.9 * p.work_total, study(text.replace("false", "true")), "a.nc")  # local is last
     with pytest.raises(InputError, match="npz holds local_convergence_step, which this study does not ask for"):
         run(study(text), out="a.nc")
@@ -531,7 +532,7 @@ def test_a_brain_and_its_copy_are_two_settings(here):
     """A first brain of one's own is often a copy of a shipped one, beside it in one study."""
     shutil.copy(sc.brains.load("minimalistic").path, "copy.py")
     text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "copy.py"]').replace(', "moving"', "")
-    text = text.replace("density    = 1\n", "")
+    text = text.replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("swarmcensus.engine.compiler.compile_brain", compile_as_shipped(compiler.compile_brain))
         data = run(sc.Study.parse(text), 1, out="a.nc")
@@ -550,7 +551,7 @@ def test_a_mended_brain_does_not_cost_the_others(here, capsys):
     text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "mine.py"]').replace(
         '"full", "ring", "moving"', '"ring"'
     )
-    Path("s.toml").write_text(text.replace("density    = 1\n", ""))
+    Path("s.toml").write_text(text.replace("density    = 1\n", "").replace("ticks  = 200\n", ""))
     Path("mine.py").write_text(source.replace("    me.t += looks\n", "    me.t += looks / 0.0\n", 1))
     assert main(["run", "s.toml"]) == 2
     assert "at mine.py, line" in capsys.readouterr().err

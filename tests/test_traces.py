@@ -57,6 +57,28 @@ def test_messages_are_heard_at_their_step(compiled, every):
     assert (trace["estimate"].values == expected).all()
 
 
+def test_a_trial_on_directed_links_is_recorded_as_messages():
+    """And both the engine and CPython make the same of them, bit for bit."""
+    edges = [[0, 1], [1, 2], [2, 0], [3, 0], [0, 3]]
+    study = sc.Study(
+        trials=2, swarm={"robots": 5, "accuracy": 0.7, "brain": ["minimalistic", "legacy"]},
+        world={"topology": {"name": "office", "edges": edges, "directed": True}, "fill_ratio": 0.55},
+        schedule={"rounds": 7, "observations_per_round": 3},
+    )  # fmt: skip
+    results = sc.run(study, jobs=1)
+    for k, setting in enumerate(study.settings()):
+        readings, messages = recording(results, k, 1)
+        assert set(map(tuple, messages.tolist())) == {(3 * c + 2, u, v) for c in range(7) for u, v in edges}
+        again = sc.replay(results, k, 1)
+        assert again["estimate"].values[-1].tolist() == results["final_estimate"].values[k, 1].tolist()
+        for compiled in (True, False):
+            trace = sc.infer(readings, messages, 0.7, 3, setting.brain, compiled=compiled)
+            for name in (*setting.brain.memory, "estimate"):
+                assert (trace[name].values == again[name].values).all()
+        alone = sc.infer(readings, None, 0.7, 3, setting.brain)["estimate"].values
+        assert (alone[:, 4] == again["estimate"].values[:, 4]).all()  # nobody speaks to the last one
+
+
 def test_the_default_round_is_ten_steps_with_edges_and_one_with_messages():
     readings = np.ones((20, 2))
     assert sc.infer(readings, [[0, 1]], 0.8).sizes["round"] == 3

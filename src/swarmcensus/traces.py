@@ -126,7 +126,7 @@ def recording(
             steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1
             messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
             return record_readings(found, study.seed, trial), messages
-        edges = pairs[pairs[:, 0] < pairs[:, 1]]
+        edges = pairs[pairs[:, 0] > pairs[:, 1], ::-1]
     else:
         edges = np.array(list(itertools.combinations(range(found.robots), 2)))
     return record_readings(found, study.seed, trial), edges
