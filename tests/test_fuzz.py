@@ -278,14 +278,14 @@ def _check_study(study):
     assert again.measure == study.measure
 
 
-@fuzz(900, STUDY)
+@fuzz(650, STUDY)
 def test_study_tables(tables):
     study = taken_or_refused(lambda: sc.Study(**{k if k.isidentifier() else "x": v for k, v in tables.items()}))
     if study is not None:
         _check_study(study)
 
 
-@fuzz(700, STUDY)
+@fuzz(450, STUDY)
 def test_study_texts(tables):
     try:
         text = toml_text.to_toml(tables)
@@ -298,7 +298,7 @@ def test_study_texts(tables):
         _check_study(study)
 
 
-@fuzz(300, plain_study())
+@fuzz(180, plain_study())
 def test_plain_studies_are_taken(tables):
     study = sc.Study(**tables)
     _check_study(study)
@@ -335,7 +335,7 @@ def test_cluster_files(tables):
         taken_or_refused(clusters.read_queue, here / "c.toml")
 
 
-@fuzz(8, plain_study())
+@fuzz(7, plain_study())
 def test_tiny_studies_live_their_whole_life(tables):
     with folder() as here:
         (here / "s.toml").write_text(toml_text.to_toml(tables))

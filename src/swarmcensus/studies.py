@@ -15,7 +15,7 @@ from swarmcensus.networks import Topology
 from swarmcensus.patterns import Picture
 from swarmcensus.precision import Until
 from swarmcensus.settings import Setting
-from swarmcensus.study_checks import check, check_settings
+from swarmcensus.study_checks import all_settings, check
 from swarmcensus.study_tables import Tables, explain
 from swarmcensus.toml_text import plain, read_toml, to_toml
 
@@ -48,10 +48,9 @@ class Study:
             count = sum(grid.count for grid in self.grids)
             if count > MOST_SETTINGS:
                 raise ValueError(f"its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
-            check_settings(self.grids, [list(grid.settings(self.faults)) for grid in self.grids])
+            settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise InputError(f"{where}: {error}") from None
-        settings = self.settings()
         kept = len(self.checkpoints) if self.measure.estimates else 1
         values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
         if values > MOST_VALUES:

@@ -5,6 +5,7 @@ from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
 from swarmcensus import arena
+from swarmcensus.faults import Fault
 from swarmcensus.grids import SIZES, Grid
 from swarmcensus.precision import Until
 from swarmcensus.settings import Setting
@@ -161,14 +162,17 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
             )
 
 
-def check_settings(grids: Sequence[Grid], settings: Sequence[Sequence[Setting]]) -> None:
-    """Raise ValueError where a grid holds a setting twice, or a case no setting that is not there already."""
-    known: set[Setting] = set()
-    for grid, its in zip(grids, settings, strict=True):
-        seen = set(its)
-        if len(seen) < len(its):
-            twice = next(s for s in its if s not in seen or seen.remove(s))  # type: ignore[func-returns-value]
+def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setting]:
+    """Those of all grids, each once. Raises ValueError where one holds a setting twice, or nothing that is new."""
+    found: dict[Setting, None] = {}
+    for grid in grids:
+        settings = list(grid.settings(faults))
+        before = len(found)
+        own = dict.fromkeys(settings)
+        if len(own) < len(settings):
+            twice = next(s for s in settings if own.pop(s, s) is not None)
             raise ValueError(f"a value stands twice in a list, and so does the setting {twice}")
-        if seen <= known:
+        found = found | own if found else own
+        if len(found) == before:
             raise ValueError(f"{grid.case} adds no setting: all that it spans are there already")
-        known |= seen
+    return list(found)
