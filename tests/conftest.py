@@ -1,9 +1,14 @@
 """What tests share."""
 
+import os
+
 import numpy as np
 import pytest
 
 import swarmcensus as sc
+
+for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
+    os.environ.pop(told, None)  # what is printed should be what a plain pipe gets, here and in processes begun here
 
 SMALL = """
 name   = "small"

@@ -180,6 +180,29 @@ def test_a_folder_without_permission(here, capsys, monkeypatch):
     assert {p.name for p in here.iterdir()} == {"hello.toml"}
 
 
+@pytest.mark.parametrize("known", [True, False], ids=["a home that is a file", "a user without a home"])
+def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_behind(here, known):
+    """Interpreted, so that it is quick: where brains go is settled before they are compiled."""
+    (here / "hello.toml").write_text(HELLO.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "legacy"]'))
+    (here / "scratch").mkdir()
+    code = "import os, pwd, sys; from swarmcensus.cli import main"
+    if not known:  # as in a container that runs under a number
+        code += "\ndef nobody(_): raise KeyError\npwd.getpwuid = nobody"
+    kept = {k: v for k, v in os.environ.items() if k not in ("HOME", "XDG_CACHE_HOME", "SWARMCENSUS_CACHE")}
+    kept |= {"NUMBA_DISABLE_JIT": "1", "TMPDIR": str(here / "scratch")}
+    ran = subprocess.run(
+        [sys.executable, "-c", f"{code}\nsys.exit(main(['run', 'hello.toml', '--trials', '1']))"],
+        env=kept | ({"HOME": str(here / "hello.toml")} if known else {}),
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert ran.returncode == 0, ran.stderr
+    warned = [line for line in ran.stderr.splitlines() if "for this run alone" in line]
+    assert len(warned) == 1
+    assert ("hello.toml/.cache/swarmcensus cannot be used" if known else "there is no home folder") in warned[0]
+    assert sc.load("hello.nc").attrs["trials_done"] == 8
+    assert list((here / "scratch").iterdir()) == []
+
+
 def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     """A study of minutes; the interrupt comes once it is under way."""
     text = SMALL.replace("trials = 4", "trials = 100000").replace("rounds                 = 60", "rounds = 2000")

@@ -224,13 +224,13 @@ def test_the_recorded_example_is_what_its_study_makes(tmp_path, monkeypatch, cap
     assert capsys.readouterr().out.endswith(shown[shown.index("minimalistic on") :])
 
 
-def test_the_clusters_page_lists_every_key_and_shows_its_job(monkeypatch):
+def test_the_clusters_page_lists_every_key_and_shows_its_job(tmp_path, monkeypatch):
     page = ROOT / "docs" / "clusters.md"
     text = page.read_text(encoding="utf-8")
     assert set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE)) == set(Queue.model_fields)
     [toml], [shown] = blocks(page, "toml"), blocks(page, "text")
     job = Queue.model_validate(tomllib.loads(toml) | {"interface": "lo"})
-    monkeypatch.setattr("os.makedirs", lambda path: None)
+    monkeypatch.chdir(tmp_path)  # where the folder of its logs is made
     with job.start() as cluster:
         script = cluster.job_script()
     script = re.sub(r"tcp://\S+ --name \S+", "tcp://10.0.0.1:40211 --name SLURMCluster-0", script)

@@ -6,6 +6,7 @@ kernel, and of a few lines that fit the brain's fields to the kernel's arrays.
 """
 
 import atexit
+import contextlib
 import functools
 import hashlib
 import importlib.util
@@ -94,11 +95,28 @@ def blank(brain: Brain) -> np.ndarray:
 
 
 def cache_root() -> Path:
-    """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder."""
+    """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder. Raises OSError without a home."""
     if os.environ.get("SWARMCENSUS_CACHE"):
         return Path(os.environ["SWARMCENSUS_CACHE"])
-    base = os.environ.get("XDG_CACHE_HOME") or Path("~/.cache").expanduser()
-    return Path(base) / "swarmcensus"
+    if os.environ.get("XDG_CACHE_HOME"):
+        return Path(os.environ["XDG_CACHE_HOME"]) / "swarmcensus"
+    try:
+        return Path("~/.cache/swarmcensus").expanduser()
+    except RuntimeError:  # a container's user that no list of users knows
+        raise FileNotFoundError("~/.cache/swarmcensus") from None
+
+
+@functools.cache
+def _scratch() -> Path:
+    """A cache for this process alone, on a machine without a usable one; says so once."""
+    folder = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    try:
+        where = f"the cache {cache_root()} cannot be used"
+    except OSError:
+        where = "there is no home folder to keep a cache in"
+    warnings.warn(f"{where}: brains are compiled for this run alone. $SWARMCENSUS_CACHE can name a folder", stacklevel=2)
+    return folder
 
 
 def _glue(brain: Brain) -> str:
@@ -146,8 +164,10 @@ def compile_world(name: str = "world") -> types.ModuleType:
 
 def is_compiled(brain: Brain, function: str = "kernel.simulate") -> bool:
     """Whether a function around a brain is on disk as machine code."""
-    folder = cache_root() / _digest(_brain_files(brain))
-    return any((folder / "__pycache__").glob(f"{function}-*.nbc"))
+    with contextlib.suppress(OSError):
+        folder = cache_root() / _digest(_brain_files(brain))
+        return any((folder / "__pycache__").glob(f"{function}-*.nbc"))
+    return False
 
 
 def _source(name: str) -> str:
@@ -203,18 +223,18 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
             _write_once(folder, files)
         if os.access(folder, os.R_OK | os.W_OK | os.X_OK):
             return folder
-    except (OSError, RuntimeError):
+    except OSError:
         pass
-    alone = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
-    atexit.register(shutil.rmtree, alone, ignore_errors=True)
-    warnings.warn(f"the cache {cache_root()} cannot be used: brains are compiled for this run alone", stacklevel=2)
-    _write_once(alone / digest, files)
-    return alone / digest
+    folder = _scratch() / digest
+    if not folder.is_dir():
+        _write_once(folder, files)
+    return folder
 
 
 def forget(brain: Brain) -> Path:
     """Remove a brain's machine code from disk, where it turned out to be damaged; returns where it was."""
-    folder = cache_root() / _digest(_brain_files(brain))
+    files = _brain_files(brain)
+    folder = _folder(_digest(files), files)
     shutil.rmtree(folder, ignore_errors=True)
     compile_brain.cache_clear()
     return folder
