@@ -43,7 +43,8 @@ class Reader(html.parser.HTMLParser):
 
 
 def outcome(verdict, *details, **changes):
-    return Outcome(dataclasses.replace(CLAIM, **changes), verdict, details, "", details[0] if details else None)
+    why = changes.pop("explanation", "")
+    return Outcome(dataclasses.replace(CLAIM, **changes), verdict, details, "", details[0] if details else None, why)
 
 
 def a_page(tmp_path, *outcomes):

@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import xarray as xr
 
-from swarmcensus import measures, moving_claims
+from swarmcensus import explanations, measures, moving_claims
 from swarmcensus.evidence import ABOVE_ONE, ALIKE, BELOW_ONE, BELOW_ZERO, Claim, Evidence, Outcome, outcome
 
 TOPOLOGY, FREQUENCY, CONSENSUS = (
@@ -132,6 +132,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=ALIKE,
         measure=partial(measures.mixed_like_middle, fill=0.55),
         studies=("topologies",),
+        explanation=explanations.mixed(0.55),
     ),
     Claim(
         id="mixed-095",
@@ -144,9 +145,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=ALIKE,
         measure=partial(measures.mixed_like_middle, fill=0.95),
         studies=("topologies",),
-        explanation="The mean of U(0.525, 0.975) is 0.75, but robots are weighted by Fisher information, which "
-        "grows faster than accuracy, and most of all near f = 1. Its mean over the swarm is that of b = w = 0.78 "
-        "at f = 0.55, and that of b = w = 0.82 at f = 0.95.",
+        explanation=explanations.mixed(0.95),
     ),
     Claim(
         id="blacker-first-sparse",
@@ -172,11 +171,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=BELOW_ONE,
         measure=partial(measures.blacker_first, topologies=("full",)),
         studies=("topologies",),
-        explanation="The local estimate of Eq. 4 is cut off at 1, close to the truth here. So its errors are "
-        "one-sided, and no averaging over robots removes them: at b = w = 0.525 the mean that fully connected "
-        "robots agree on is about 0.28 too low after 100 observations, 0.10 after 1,000 and still 0.02 after "
-        "10,000, while 66 %, 47 % and 30 % of the local estimates are cut off. The swarm settles only as this "
-        "fades. In a sparse network each robot averages over few, and noise outweighs the bias.",
+        explanation=explanations.blacker_full,
     ),
     Claim(
         id="same-observations",

@@ -48,7 +48,7 @@ class Claim:
     measure: Callable[["Evidence", Range], Iterable[Detail]]
     studies: tuple[str, ...] = ()
     note: Callable[["Evidence"], str] = lambda _: ""  # what else there is to say of the data
-    explanation: str = ""  # what lies behind it where the claim does not hold
+    explanation: Callable[["Evidence", Sequence[Detail]], str] = lambda *_: ""  # what lies behind it where it fails
 
 
 @dataclass(frozen=True)
@@ -60,6 +60,7 @@ class Outcome:
     details: Sequence[Detail] = ()
     note: str = ""
     worst: Detail | None = field(default=None)
+    explanation: str = ""
 
     @property
     def holds(self) -> bool | None:
@@ -132,6 +133,7 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
     except Missing:
         return Outcome(claim, UNMEASURED)
     said = {d.verdict for d in details}
+    explanation = claim.explanation(evidence, details) if NO in said else ""
     undecided = f"{UNDECIDED} by {evidence.trials} trial{'s' * (evidence.trials != 1)}"
     verdict = FAILS if NO in said else undecided if OPEN in said else HOLDS
 
@@ -142,4 +144,4 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
 
     order = (NO, OPEN, YES)
     worst = min(details, key=lambda d: (order.index(d.verdict), room(d)))
-    return Outcome(claim, verdict, details, note, worst)
+    return Outcome(claim, verdict, details, note, worst, explanation)

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from swarmcensus import moving_measures
+from swarmcensus import explanations, moving_measures
 from swarmcensus.evidence import ALIKE, BELOW_ONE, BELOW_ZERO, Claim
 from swarmcensus.measures import ERROR, K
 
@@ -22,12 +22,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=BELOW_ONE,
         measure=partial(moving_measures.denser, name=K),
         studies=("moving",),
-        explanation="Good sensors do settle sooner in a crowd: on the blacker floor, b = w of 0.925 and 0.975 by a "
-        "third and more. The poorest, 0.525 and 0.575, settle half a percent later, at the very end of the run: K is "
-        "then when the last jump came. An estimate jumps when the robots around it change and the new ones have seen "
-        "otherwise, which in a crowd happens all the time: at 0.525 and f = 0.55, a robot's estimate moves by more "
-        "than 0.01 in one of the last ticks in ten at D = 10, and in one in seventy at D = 1. It is the better "
-        "estimate nonetheless.",
+        explanation=explanations.denser_first,
     ),
     Claim(
         id="denser-alike",
@@ -39,9 +34,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=ALIKE,
         measure=partial(moving_measures.denser, name=ERROR),
         studies=("moving",),
-        explanation="The swarm gains accuracy from density at least as much as speed: with sensors below 0.7 the "
-        "median error falls by a third or so, for each robot averages over more of them. In absolute terms one may "
-        "call it small: no median falls by more than 0.02, and from 0.625 on by no more than 0.005.",
+        explanation=explanations.denser_alike,
     ),
     Claim(
         id="blacker-first-moving",
@@ -117,10 +110,7 @@ CLAIMS: tuple[Claim, ...] = (
         right=(1.0, np.inf),
         measure=moving_measures.mixed_consensus,
         studies=("moving",),
-        explanation="It is a matter of moments, and of few robots: two with poor sensors, say, that at the last tick "
-        "hear each other and nobody else. Each then has only the other's poor estimate to go by, and with that it "
-        "falls into the bin beside the right one. Before they met they were right, and so they are again as soon as a "
-        "better sensor comes by.",
+        explanation=explanations.mixed_consensus,
     ),
     Claim(
         id="mixed-sooner-moving",

@@ -85,7 +85,7 @@ def expense(evidence: Evidence) -> str:
         slower = ratio(at(evidence, K, density, f, IMPAIRED), at(evidence, K, density, f, NUMBERS[-1]))
         _, low, high = statistics.interval(slower)
         said.append(f"{low:.1f} to {high:.1f} (D = {density:g}, f = {f})")
-    return f"The expense, K over that of b = w = {NUMBERS[-1]}, 95 %: {', '.join(said)}."
+    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * statistics.LEVEL:g} %: {', '.join(said)}."
 
 
 def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:

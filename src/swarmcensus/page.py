@@ -92,8 +92,8 @@ def _finding(outcome: Outcome) -> str:
             f"{outcome.count(NO)} on the wrong side, and {outcome.count(OPEN)} cannot be told. The {which}: "
             f"{escape(worst.setting)}, <b class=interval>{' '.join(measured(worst)).strip()}</b>.</p>"
         )
-    if outcome.holds is False and claim.explanation:
-        text += f"<p><b>What lies behind it.</b> {escape(claim.explanation)}</p>"
+    if outcome.explanation:
+        text += f"<p><b>What lies behind it.</b> {escape(outcome.explanation)}</p>"
     title = f'<a href="#{claim.id}">{escape(claim.title)}</a>'
     return f"<li><h3>{title}: {_badge(kind(outcome), outcome.verdict)}</h3>{text}</li>"
 
@@ -128,9 +128,10 @@ def _claims(done: Reproduction) -> str:
         "settings lie on the right side, <b>does not hold</b> where at least one lies wholly on the wrong side, and "
         "is <b>not decided</b> otherwise. So a claim "
         "over many settings is harder to uphold and easier to refute: if all of m settings sat right on the "
-        "threshold, about m / 40 would be called wrong by chance. That is why the settings are counted. Under a "
-        "claim, a drawing holds all of its settings in the order of the list below it: value and interval, and "
-        "shaded where they would bear the claim out. Quoted formulas are set as plain text.</p>"
+        f"threshold, about m / {2 / (1 - statistics.LEVEL):.0f} would be called wrong by chance. That is why the "
+        "settings are counted. Under a claim, a drawing holds all of its settings in the order of the list below it: "
+        "value and interval, and shaded where they would bear the claim out. Quoted formulas are set as plain "
+        "text.</p>"
         "<table class=claims><thead><tr><th>Verdict<th>The paper says<th>Measured<th>Value</tr></thead>"
         f"<tbody>{''.join(map(_row, done.claims))}</tbody></table>"
     )

@@ -1,4 +1,4 @@
-"""The paper's Figs. 2 to 5: which settings of which study each panel shows, and what is to be seen in it."""
+"""The paper's Figs. 2 to 5: which settings of which study each panel shows, and what to look at in it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class View:
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper: its panels, what is to be seen in it, and the claims that speak of it."""
+    """A figure of the paper: its panels, what to look at in it, and the claims that speak of it."""
 
     name: str
     title: str
@@ -68,9 +68,9 @@ FIGURES: tuple[PaperFigure, ...] = (
             _view("scale-free", "scale-free", 0.55),
         ),
         text=_DOTS + "Panel (a) counts single observations, 10,000 in all; (b) to (d) count communication rounds of 10 "
-        "observations each. Look for three things: medians move down and left as sensors get better; those of poor "
-        "sensors lie much higher in (a) than in the other panels; and fully connected robots settle many times sooner "
-        "than those on the ring and on the scale-free tree, which look alike. The paper shows the same four panels.",
+        "observations each. Three things to look at: whether medians move down and left as sensors get better; how "
+        "much higher those of poor sensors lie in (a) than in the other panels; and how much sooner the fully "
+        "connected settle than robots on the ring and on the scale-free tree. The paper shows the same four panels.",
         claims=(
             *("low-error-055", "full-agrees", "full-first", "ring-like-line", "informed-first", "helps-poor"),
             *("grows", "mixed-055"),
@@ -84,10 +84,10 @@ FIGURES: tuple[PaperFigure, ...] = (
             _view("f = 0.95, R = 10", "scale-free", 0.95),
             _view("f = 0.55, R = 1", "scale-free", 0.55, "same-rounds"),
         ),
-        text=_DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: the good sensors lie further left, "
-        "and a streak at errors of 0.04 to 0.05 holds poor sensors whose estimates are cut off at 1. In panel (b) "
-        "robots talk after every observation, and so have made a tenth of the observations by the last round: all "
-        "lie further right, and errors reach higher. The paper shows the same two panels.",
+        text=_DOTS + "Panel (a) is Fig. 2 (d) on a floor that is nearly all black: do good sensors lie further left? "
+        "Estimates that are cut off at 1 have the error 1 - f, and make a streak. In panel (b) robots talk after "
+        "every observation, and so have made a tenth of the observations by the last round: how much further right "
+        "do they lie, and how much higher do errors reach? The paper shows the same two panels.",
         claims=(
             *("low-error-095", "mixed-095", "blacker-first-sparse", "blacker-first-full"),
             *("same-observations", "same-rounds"),
@@ -106,10 +106,9 @@ FIGURES: tuple[PaperFigure, ...] = (
         text="If the swarm were asked after so long: the share of robots, over all trials, that pick the right one of "
         "ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond says that not one "
         "robot of any trial was wrong. Columns of (a) and (b), in communication rounds of 10 observations, stand "
-        "above those of (c) and (d), in ticks of one observation, after as many observations. In all four panels "
-        "swarms climb to the top but for the two poorest sensors. The heterogeneous swarm comes close early, and takes "
-        "long for the rest: the few robots that stay wrong have a poor sensor, and nobody else to hear but one that "
-        "has a poor sensor too. The paper shows the same four panels.",
+        "above those of (c) and (d), in ticks of one observation, after as many observations. Two things "
+        "to look at: which swarms climb to the top, and how early the heterogeneous one comes close, whose robots with "
+        "poor sensors depend on whom they hear. The paper shows the same four panels.",
         claims=(
             *("consensus", "sooner-right", "consensus-moving", "mixed-consensus-moving", "mixed-sooner-moving"),
             "like-tree-moving",
@@ -125,12 +124,12 @@ FIGURES: tuple[PaperFigure, ...] = (
             _moving("D = 1, f = 0.95", 1.0, 0.95),
             _moving("D = 10, f = 0.95", 10.0, 0.95),
         ),
-        text=_DOTS + "Time is in ticks of a tenth of a second, on a linear axis, for most estimates settle late. "
-        "Neighbours come and go: whenever they do, an estimate jumps towards what the new ones have seen, and settles "
-        "only as robots come to differ little. Look for three things: medians move left, and down, as sensors get "
-        "better; in the lower row, on the blacker floor, good sensors lie further left; and from left to right, as "
-        "the swarm gets denser, good sensors move left, and poor ones down. The poorest stand against the right edge "
-        "of all panels: they have not settled when the run ends. The paper shows the same four panels.",
+        text=_DOTS + "Time is in ticks of a tenth of a second, on a linear axis. Neighbours come and go: "
+        "whenever they do, an estimate jumps towards what the new ones have seen, and settles only as robots come to "
+        "differ little. Three things to look at: whether medians move left, and down, as sensors get better; whether "
+        "they lie further left in the lower row, on the blacker floor; and where they go from left to right, as the "
+        "swarm gets denser. Medians at the right edge are of swarms that have not settled when the run ends. The "
+        "paper shows the same four panels.",
         claims=(
             *("denser-first", "denser-alike", "blacker-first-moving", "blacker-closer-moving", "grows-moving"),
             "impaired-moving",

@@ -70,6 +70,7 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset]) -> st
                 "verdict": outcome.verdict,
                 **_values(outcome.worst),
                 "note": outcome.note,
+                "explanation": outcome.explanation,
                 "settings": [{**_values(detail), "verdict": detail.verdict} for detail in outcome.details],
             }
             for outcome in claims

@@ -115,7 +115,7 @@ def _scratch() -> Path:
         where = f"the cache {cache_root()} cannot be used"
     except OSError:
         where = "there is no home folder to keep a cache in"
-    warnings.warn(f"{where}: brains are compiled for this run alone. $SWARMCENSUS_CACHE can name a folder", stacklevel=2)
+    warnings.warn(f"{where}: brains are compiled for this run alone ($SWARMCENSUS_CACHE names another)", stacklevel=2)
     return folder
 
 
