@@ -4,6 +4,7 @@ import dataclasses
 import html.parser
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -183,7 +184,7 @@ def test_a_folder_that_cannot_be_written_is_found_out_before_anything_runs(tmp_p
         paper.reproduce(tmp_path / "out", trials=1)
 
 
-def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next(tmp_path, monkeypatch):
+def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_time(tmp_path, monkeypatch):
     whole, finished = paper.run, []
 
     def run(study, **options):
@@ -200,7 +201,18 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next(tmp_path, m
     assert files == ["data/same-rounds.nc", "data/topologies.nc"]
     assert results.load(tmp_path / "data" / "topologies.nc").sizes["trial"] == 1
     monkeypatch.undo()
-    paper.reproduce(tmp_path, trials=1, only="fig4", say=lambda _: None)
+    data = results.load(tmp_path / "data" / "topologies.nc")
+    results.save(data.assign_attrs(wall_seconds=100.0), tmp_path / "data" / "topologies.nc")
+    said = []
+    done = paper.reproduce(tmp_path, trials=1, only="fig4", say=said.append)
+    spent = [each.attrs["wall_seconds"] for each in done.datasets.values()]
+    assert max(spent) >= 100  # and not only what this call computed
+    assert done.seconds["simulate"] == pytest.approx(sum(spent), abs=0.001)
+    (line,) = (line for line in said if line.startswith("simulate: "))
+    assert re.fullmatch(rf"simulate: \d{{1,2}}\.\d s now, {sum(spent):.1f} s in all", line)
+    text = done.page.read_text(encoding="utf-8")
+    assert f"simulate {sum(spent):.1f} s" in text
+    assert "of all runs on their datasets together" in text
     assert not (tmp_path / "data" / "topologies.partial.nc").exists()
 
 

@@ -171,6 +171,8 @@ def _provenance(done: Reproduction) -> str:
             f"{data.attrs['library_versions']}; {data.attrs['machine']}"
         )
     facts["Time"] = ", ".join(f"{escape(stage)} {seconds:.1f} s" for stage, seconds in done.seconds.items())
+    if done.datasets:
+        facts["Time"] += "; that of simulations and studies is of all runs on their datasets together"
     studies = "".join(
         f"<tr><td>{escape(name)}<td>{data.sizes['setting']}<td>{data.sizes['trial']}<td>{data.attrs['seed']}"
         f"<td>{data.attrs['wall_seconds']:.1f} s"
