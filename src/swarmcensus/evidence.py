@@ -1,5 +1,6 @@
 """What a claim is judged by: medians and shares of settings, resampled by trial, and the verdict rule."""
 
+import contextlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -133,7 +134,9 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
     except Missing:
         return Outcome(claim, UNMEASURED)
     said = {d.verdict for d in details}
-    explanation = claim.explanation(evidence, details) if NO in said else ""
+    explanation = ""
+    with contextlib.suppress(Missing):  # a reason may need more data than the verdict does
+        explanation = claim.explanation(evidence, details) if NO in said else ""
     undecided = f"{UNDECIDED} by {evidence.trials} trial{'s' * (evidence.trials != 1)}"
     verdict = FAILS if NO in said else undecided if OPEN in said else HOLDS
 

@@ -73,7 +73,8 @@ def blacker_full(evidence: Evidence, details: Sequence[Detail]) -> str:
     later = max((d for d in details if d.verdict == NO), key=lambda d: d.value)
     accuracy = later.setting.removeprefix("full, ")
     rounds = [float(measures.at(evidence, K, "full", f, accuracy)[0]) for f in (0.55, 0.95)]
-    said = [f"Latest, b = w = {accuracy} settles after a median of {rounds[1]:g} rounds, not {rounds[0]:g}."]
+    swarm = accuracy if accuracy == MIXED else f"b = w = {accuracy}"
+    said = [f"Latest, {swarm} settles after a median of {rounds[1]:g} rounds, not {rounds[0]:g}."]
     said.append(
         "The local estimate of Eq. 4 is cut off at the ends, and the blacker floor lies close to one of them. So its "
         "errors there lean to one side, and no averaging over robots removes that."
