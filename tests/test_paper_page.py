@@ -110,8 +110,8 @@ def test_where_we_agree_names_the_numbers_of_its_settings():
     one, ten, black, both = (measured(errors[f"D = {d}, f = {f}"]) for f in (0.55, 0.95) for d in (1, 10))
     told = " ".join(TEXT.split())
     assert (
-        f"At *b* = *w* = 0.625 the median error is {one} at *D* = 1 and {ten} at *D* = 10 (*f* = 0.55), and {black} and "
-        f"{both} at *f* = 0.95"
+        f"At *b* = *w* = 0.625 the median error is {one} at *D* = 1 and {ten} at *D* = 10 (*f* = 0.55), "
+        f"and {black} and {both} at *f* = 0.95"
     ) in told
     (same,) = {measured(found) for setting, found in orders.items() if setting.startswith("convergence")}
     assert f"its rank correlation is {same} in all four" in told
