@@ -6,6 +6,7 @@ trace   = sc.replay(results, setting=3, trial=0)          # -> xarray.Dataset, e
 """
 
 import importlib
+import sys
 from typing import TYPE_CHECKING, Any
 
 __version__ = "0.1.0"
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from swarmcensus.results import load, save
     from swarmcensus.running import run
     from swarmcensus.studies import Study
+    from swarmcensus.summaries import summary
     from swarmcensus.traces import infer, replay
     from swarmcensus.verifying import verify
 
@@ -31,6 +33,7 @@ _HOME = {
     "replay": "traces",
     "run": "running",
     "save": "results",
+    "summary": "summaries",
     "verify": "verifying",
 }
 __all__ = [
@@ -44,6 +47,7 @@ __all__ = [
     "replay",
     "run",
     "save",
+    "summary",
     "verify",
 ]
 
@@ -51,7 +55,7 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     """Import on first use, so that the command line answers at once."""
     if name not in _HOME:
-        raise AttributeError(f"module 'swarmcensus' has no attribute {name!r}")
+        raise AttributeError(f"module 'swarmcensus' has no attribute {name!r}", name=name, obj=sys.modules[__name__])
     return getattr(importlib.import_module(f"swarmcensus.{_HOME[name]}"), name)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.errors import InputError, Interrupted
-from swarmcensus.options import parser
+from swarmcensus.options import MOST_ROWS, parser
 
 DIFFER = 1  # results that do not come out again as stored
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
@@ -88,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
     from swarmcensus.progress import reporting
     from swarmcensus.running import run as run_study
     from swarmcensus.studies import Study
-    from swarmcensus.tables import failures, summary
+    from swarmcensus.tables import failures, settings
 
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
@@ -115,7 +115,7 @@ def run(options: argparse.Namespace) -> int:
     except Interrupted as stopped:
         print(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on", file=sys.stderr)
         raise
-    summary(data)
+    settings(data, out)
     trials = f"up to {study.trials}" if study.until else str(study.trials)
     print(f"{out}: {data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
     return failures(data)
@@ -129,6 +129,26 @@ def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and "://" not in options.scheduler:
         raise InputError(f"--scheduler {options.scheduler}: should be an address, as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
+
+
+def show(options: argparse.Namespace) -> int:
+    """Print the summary of a results file."""
+    from swarmcensus import results, selecting, summaries, tables
+
+    stored = results.load(options.results)
+    data = selecting.where(stored, options.where)
+    if options.sort:
+        data = summaries.ordered(data, options.sort, options.reverse, options.checkpoint)
+    elif options.reverse:
+        raise InputError("--reverse goes with --sort")
+    if options.json:
+        few = data.isel(setting=slice(options.limit or None))
+        print(summaries.as_json(stored, few, options.checkpoint))
+        return 0
+    limit = MOST_ROWS if options.limit is None else options.limit
+    tables.settings(data, options.results, limit, options.checkpoint, tables.head(stored, options.results))
+    tables.failures(data)
+    return 0
 
 
 def status(options: argparse.Namespace) -> int:
@@ -323,4 +343,6 @@ def brains(options: argparse.Namespace) -> int:
     return 0 if checks(options.check, check(options.check)) else 2
 
 
-COMMANDS = {run.__name__: run for run in (run, reproduce, merge, status, verify, plot, export, replay, infer, brains)}
+COMMANDS = {
+    run.__name__: run for run in (run, reproduce, show, merge, status, verify, plot, export, replay, infer, brains)
+}

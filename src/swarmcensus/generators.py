@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.hints import did_you_mean
+
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
 TRIED = 24  # sizes tried from 1 on, before a graph of the size that is wanted is made
 WEIGHTS = "links have no weights: a message is heard or not (see link_success), and nobody's counts for more"
@@ -55,7 +57,8 @@ def _made(name: str, arguments: str, n: int, seed: int) -> Any:
 
     function = getattr(networkx, name, None)
     if not name.endswith("_graph") or not callable(function):
-        raise ValueError(f"networkx has no graph generator {name!r}")
+        meant = did_you_mean(name, (known for known in dir(networkx) if known.endswith("_graph")))
+        raise ValueError(f"networkx has no graph generator {name!r}{': ' * bool(meant)}{meant.rstrip()}")
     keywords: dict[str, Any] = {**json.loads(arguments), "n": n}
     try:
         if "seed" in inspect.signature(function).parameters:

@@ -22,6 +22,7 @@ from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 from swarmcensus.engine.random import address
 from swarmcensus.errors import InputError
 from swarmcensus.generators import WEIGHTS
+from swarmcensus.hints import did_you_mean
 
 MOVING = "moving"  # robots that move hear whom they meet: see arena.py
 NAMED = ("full", "ring", "line", "scale-free", MOVING)
@@ -175,7 +176,7 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
 
 def _of_file(path: str, directed: bool, base: Path, known: Mapping[str, Any]) -> Topology:
     if path not in known and not (base / path).is_file():
-        raise ValueError(f"a topology is {FORMS}; there is no file {base / path}")
+        raise ValueError(f"{did_you_mean(path, NAMED)}a topology is {FORMS}; there is no file {base / path}")
     pairs = known[path] if path in known else read_edges(base / path, weights=False)
     return Topology(_file_name(path), _edges(pairs, directed), source=path, directed=directed)
 

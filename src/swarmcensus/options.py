@@ -1,17 +1,43 @@
 """The options of every command of the command line."""
 
 import argparse
+import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import Any, NoReturn
 
 from swarmcensus import __version__
+from swarmcensus.hints import did_you_mean
 
+DIGITS = 18  # of a number, so that it fits into 64 bits
+MOST_ROWS = 40  # of a summary, unless one asks for more
 PICTURES = ("scatter", "decisions", "curves", "heatmap", "beliefs", "arena", "film")
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says what was probably meant."""
+
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
+        """Refuse what is not known here, where the options that are known here can be named."""
+        found, rest = super().parse_known_args(args, namespace)
+        if rest:
+            strange = next((one for one in rest if one.startswith("-")), rest[0])
+            hint = did_you_mean(
+                strange.partition("=")[0], (o for o in self._option_string_actions if o.startswith("--"))
+            )
+            self.error(f"unrecognized arguments: {' '.join(rest)}" + (f" ({hint.rstrip()})" if hint else ""))
+        return found, rest
+
+    def error(self, message: str) -> NoReturn:
+        """Say it, and where a choice is not known, which one is like it."""
+        wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
+        hint = did_you_mean(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ""
+        super().error(f"{message}: {hint.rstrip()}" if hint else message)
 
 
 def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.ArgumentParser:
     """All commands and their options; `runs` is what a command of each name calls."""
-    top = argparse.ArgumentParser(
+    top = Parser(
         prog="swarmcensus",
         description="Robot swarms with lying sensors agree on how much of a floor is black.",
         epilog="'swarmcensus COMMAND --help' tells more. Begin with: swarmcensus reproduce",
@@ -36,6 +62,17 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--share", type=_share, metavar="K/N", help="run the K-th of N parts of the trials, to merge")
     sub.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, as tcp://host:8786")
     sub.add_argument("--cluster", metavar="WHERE", help="local:4 (processes here), or a TOML file (docs/clusters.md)")
+
+    sub = command("show", "Print the summary of a results file: medians and right decisions, a row a setting.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--where", metavar="EXPR", help="settings to show, as 'topology == \"ring\" and robots == 100'")
+    sub.add_argument("--checkpoint", type=_from_zero, metavar="K", help="the round of 'right' (default: the last)")
+    sub.add_argument("--sort", metavar="COLUMN", help="as error, right, K or fill_ratio (default: as stored)")
+    sub.add_argument("--reverse", action="store_true", help="the other way round")
+    sub.add_argument(
+        "--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS}; of --json all)"
+    )
+    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
     sub = command("status", "Say how far a study is that runs, or was cut off, and when it ends.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
@@ -111,18 +148,20 @@ def _add_run_options(sub: argparse.ArgumentParser) -> None:
 
 def _share(text: str) -> tuple[int, int]:
     k, slash, n = text.partition("/")
-    if not (slash and k.isdigit() and n.isdigit()):
+    if not (slash and k.isdecimal() and n.isdecimal() and len(text) <= DIGITS):
         raise argparse.ArgumentTypeError(f"{text!r}: should be such as 1/4")
     return int(k), int(n)
 
 
 def _from_one(text: str) -> int:
-    if not text.isdigit() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 1")
-    return int(text)
+    return _whole(text, 1)
 
 
 def _from_zero(text: str) -> int:
-    if not text.isdigit():
-        raise argparse.ArgumentTypeError(f"{text!r}: should be a whole number from 0")
+    return _whole(text, 0)
+
+
+def _whole(text: str, least: int) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) <= DIGITS and int(text) >= least):
+        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a whole number from {least}")
     return int(text)

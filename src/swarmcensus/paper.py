@@ -18,6 +18,7 @@ from swarmcensus import claims, page, report
 from swarmcensus.errors import InputError
 from swarmcensus.evidence import Outcome
 from swarmcensus.files import check_writable, whole
+from swarmcensus.hints import did_you_mean
 from swarmcensus.paper_figures import FIGURES, PaperFigure
 from swarmcensus.running import Progress, run, work_of
 from swarmcensus.studies import Study
@@ -136,7 +137,9 @@ def _parts(only: str | Iterable[str] | None) -> list[str]:
     asked = [only] if isinstance(only, str) else list(only or PARTS)
     for part in asked:
         if part not in PARTS:
-            raise InputError(f"there is no part {part!r} of the paper: known are {', '.join(PARTS)}")
+            raise InputError(
+                f"there is no part {part!r} of the paper: {did_you_mean(part, PARTS)}known are {', '.join(PARTS)}"
+            )
     return [part for part in PARTS if part in asked]
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from PIL import Image, UnidentifiedImageError
 
 from swarmcensus.errors import InputError
+from swarmcensus.hints import did_you_mean
 
 LENGTHS = ("clusters", "stripes")  # kinds of floor that have a length
 MODES = ("threshold", "dither")
@@ -87,14 +88,15 @@ def parse_floor(value: object, base: Path, known: Mapping[str, np.ndarray]) -> F
     if isinstance(value, Mapping) and "image" in value and set(value) <= {"image", "mode"}:
         mode, source = value.get("mode", MODES[0]), value["image"]
         if mode not in MODES:
-            raise ValueError(f"the mode of an image is one of {', '.join(MODES)}")
+            raise ValueError(f"{did_you_mean(str(mode), MODES)}the mode of an image is one of {', '.join(MODES)}")
         if not isinstance(source, str):
             raise ValueError("an image is the path of a PNG file")
         grey = known[source] if source in known else read_image(base / source)
         grey = np.ascontiguousarray(grey, "<u2")
         digest = hashlib.blake2b(repr(grey.shape).encode() + grey.tobytes(), digest_size=16).hexdigest()
         return Floor("image", picture=Picture(Path(source).stem, digest, source, grey), mode=mode)
-    raise ValueError(f"a floor is {FORMS}")
+    meant = value if isinstance(value, str) else " ".join(map(str, value)) if isinstance(value, Mapping) else ""
+    raise ValueError(f"{did_you_mean(meant, ('tiles', 'half', *LENGTHS, 'image'))}a floor is {FORMS}")
 
 
 def read_image(path: Path) -> np.ndarray:

@@ -25,10 +25,14 @@ def measured(detail: Detail) -> tuple[str, str]:
     """A value and its interval as text, to two digits of the interval's width: "0.0413", "[0.0391, 0.0429]"."""
     if detail.interval is None:
         return f"{detail.value:.3g}", ""
-    low, high = detail.interval
+    return rounded(detail.value, *detail.interval)
+
+
+def rounded(value: float, low: float, high: float, digits: int = 2) -> tuple[str, str]:
+    """A number and its interval as text, to so many digits of the interval's width."""
     width = high - low
-    digits = min(max(1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
-    return f"{detail.value:.{digits}f}", f"[{low:.{digits}f}, {high:.{digits}f}]"
+    places = min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
+    return f"{value:.{places}f}", f"[{low:.{places}f}, {high:.{places}f}]"
 
 
 def kind(outcome: Outcome) -> str:
@@ -92,11 +96,12 @@ def _values(detail: Detail | None) -> dict[str, Any]:
 
 def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
     """Print the claims as a table, 80 columns wide or more: verdict, claim, and its worst setting."""
-    from rich.console import Console
     from rich.table import Table
     from rich.text import Text
 
-    console = console or Console()
+    from swarmcensus import terminal
+
+    console = console or terminal.console()
     table = Table(box=None, pad_edge=False, header_style="bold", padding=(0, 2, 0, 0))
     table.add_column("verdict", no_wrap=True)
     table.add_column("claim")

@@ -252,6 +252,7 @@ def to_frame(data: xr.Dataset) -> Any:
     columns: dict[str, Any] = {"setting": data["setting"].values[setting]}
     columns |= {str(k): c.values[setting] for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     columns |= {"trial": data["trial"].values[trial], "robot": data["robot"].values[robot]}
+    columns |= {"true_fill_ratio": data["true_fill_ratio"].values[setting, trial]}
     columns |= {n: data[n].values[mask] for n in per_robot}
     return pd.DataFrame(columns)
 

@@ -28,6 +28,7 @@ from swarmcensus.values import Values
 
 BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
 WAIT_SECONDS = 0.1
+MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and none beyond the cores helps
 
 
 @dataclass(frozen=True)
@@ -138,9 +139,7 @@ def run(
     A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
     which carries the dataset of what was done. Raises InputError where nothing could be run.
     """
-    jobs = jobs or os.cpu_count() or 1
-    if jobs < 1:
-        raise InputError(f"jobs = {jobs}: at least one thread is needed")
+    jobs = threads(jobs)
     if share is not None and (not 1 <= share[0] <= share[1] <= study.trials or study.until):
         raise InputError(
             f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
@@ -193,6 +192,18 @@ def run(
     return data
 
 
+def threads(jobs: int | None) -> int:
+    """How many threads to compute with: by default one a core. Raises InputError for none, or too many."""
+    cores = os.cpu_count() or 1
+    most = max(MOST_JOBS, cores)
+    jobs = cores if jobs is None else jobs
+    if not 1 <= jobs <= most:
+        raise InputError(
+            f"jobs = {jobs}: should be 1 to {most} threads; more than this machine has cores ({cores}) gain nothing"
+        )
+    return jobs
+
+
 def recompute(
     study: Study,
     settings: list[Setting],
@@ -202,7 +213,7 @@ def recompute(
     progress: Callable[[Progress], None] | None = None,
 ) -> Values:
     """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
-    jobs = jobs or os.cpu_count() or 1
+    jobs = threads(jobs)
     values = Values(settings, wanted.shape[1], len(study.checkpoints), local, study.measure.estimates)
     state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
     tasks = plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.errors import InputError
+from swarmcensus.hints import did_you_mean
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -67,11 +68,13 @@ def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np
     a, b = _value(left, known), _value(right, known)
     for one, other in ((a, b), (b, a)):  # an accuracy is text, for it may be a spread
         if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
-            return COMPARE[type(op)](*((_numbers(one), other) if one is a else (other, _numbers(one))))
+            return COMPARE[type(op)](*((numbers(one), other) if one is a else (other, numbers(one))))
     return COMPARE[type(op)](a, b)
 
 
-def _numbers(texts: np.ndarray) -> np.ndarray:
+def numbers(texts: np.ndarray) -> np.ndarray:
+    """Texts as numbers, NaN where one is none."""
+
     def number(text: str) -> float:
         try:
             return float(text)
@@ -84,7 +87,9 @@ def _numbers(texts: np.ndarray) -> np.ndarray:
 def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
     if isinstance(node, ast.Name):
         if node.id not in known:
-            raise ValueError(f"no coordinate {node.id!r}; known are {', '.join(sorted(known))}")
+            raise ValueError(
+                f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
+            )
         return known[node.id]
     try:
         value = ast.literal_eval(node)

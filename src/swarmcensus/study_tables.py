@@ -1,6 +1,5 @@
 """The tables and keys of a study file, and what is said where one is wrong."""
 
-import difflib
 import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self, get_args
@@ -9,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from swarmcensus.bodies import Body, Number
 from swarmcensus.faults import Fault
+from swarmcensus.hints import did_you_mean
 from swarmcensus.networks import MOVING
 from swarmcensus.precision import Until
 from swarmcensus.study_fields import (
@@ -146,8 +146,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
         known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
-        close = difflib.get_close_matches(str(first["loc"][-1]), known, n=1)
-        hint = f"did you mean {close[0]!r}? " if close else ""
+        hint = did_you_mean(str(first["loc"][-1]), known)
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
@@ -156,6 +155,9 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
     if not key:
         return f"{name}: {message}{more}"
     value = first["input"]
+    if first["type"] == "literal_error" and isinstance(value, str):
+        hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
+        message += f": {hint.rstrip()}" if hint else ""
     shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
     return f"{name}: {key} = {shown[:200]}: {message}{more}"
 

@@ -1,116 +1,174 @@
 """What the terminal shows: results, traces and brains as short tables."""
 
-import json
+import shlex
 import sys
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.console import Console
-from rich.markup import escape
 from rich.table import Table
+from rich.text import Text
 
 from swarmcensus.conformance import Check
-from swarmcensus.panels import told
+from swarmcensus.options import MOST_ROWS
+from swarmcensus.report import rounded
+from swarmcensus.statistics import FEWEST
+from swarmcensus.summaries import SHORT, done, failed_trials, summary
+from swarmcensus.terminal import UNFOLDED, console, table
 
-MOST_SETTINGS = 40
+COLUMNS = {
+    "K": (1.0, ".0f", 1),
+    "error": (1.0, ".4f", 2),
+    "right": (100.0, ".1f", 2),
+}  # unit, digits without and of an interval
 
 
-def _table(*columns: tuple[str, bool]) -> Table:
-    table = Table(box=None, pad_edge=False, header_style="bold")
-    for name, right in columns:
-        table.add_column(name, justify="right" if right else "left", overflow="fold")
-    return table
+def head(data: xr.Dataset, path: Path) -> str:
+    """What a results file is of, and how many of its trials are done."""
+    made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
+    trials = f"{int(done(data).sum()):,} of {data.attrs['trials_total']:,} trials done"
+    failed = len(failed_trials(data))
+    return (
+        f"{path}: {data.attrs['title']} ({made}): {data.sizes['setting']:,} settings, {trials}"
+        + f", {failed:,} failed" * (failed > 0)
+    )
 
 
-def summary(data: xr.Dataset) -> None:
-    """Medians over robots and trials of each setting, where the settings are few."""
-    console = Console()
-    rule = "half_width" in data  # then what each setting needed is what the run was for
-    if data.sizes["setting"] > MOST_SETTINGS and not rule:
-        return
+def settings(
+    data: xr.Dataset, path: Path, limit: int = MOST_ROWS, checkpoint: int | None = None, title: str = ""
+) -> None:
+    """A row a setting, `limit` of them at the most (0: all): medians over robots and trials, intervals over trials.
+
+    In a terminal that is too narrow, intervals stand below their values, and what a setting is in one column.
+    """
+    columns = _coordinates(data)
+    varied = [k for k, values in columns.items() if (values != values[0]).any()]
+    same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] not in ("", "nan")]
+    frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
+    out = console()
+    unfolded = out.options.update(max_width=UNFOLDED)
+    coordinates = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
+    rows = _rows(frame, coordinates, data.sizes["trial"])
+    if rows.__rich_measure__(out, unfolded).maximum > out.width:
+        rows = _rows(frame, coordinates, data.sizes["trial"], below=True)
+    if rows.__rich_measure__(out, unfolded).maximum > out.width:
+        each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
+        joined = [", ".join(f"{k} {value}" for k, value in zip(varied, values, strict=True)) for values in each]
+        rows = _rows(frame, {"setting": coordinates["setting"], "with": joined}, data.sizes["trial"], below=True)
+    if title:
+        out.print(title)
+    out.print(rows)
+    for line in [*_legend(data, frame), *([f"all with {', '.join(same)}"] if same else [])]:
+        out.print(line, style="dim")
+    if len(frame) < data.sizes["setting"]:
+        name, value = varied[0], columns[varied[0]][0]
+        some = f"{name} == {value}" if data[name].dtype.kind in "iuf" else f'{name} == "{value}"'
+        out.print(
+            f"{len(frame):,} of {data.sizes['setting']:,} settings; others: swarmcensus show {shlex.quote(str(path))} "
+            f"--where {shlex.quote(some)}, or --limit 0 for all",
+            soft_wrap=True,  # to be copied
+        )
+
+
+def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
+    """What the settings are, as text, but for what is as everywhere."""
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
+    del columns["setting"]
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
-    columns.pop(told(data), None)
-    shown = [k for k, values in columns.items() if k != "setting" and len(np.unique(values)) > 1]
-    table = _table(
-        ("setting", True),
-        *((k.replace("_", " "), False) for k in shown),
-        ("K", True),
-        ("error", True),
-        ("right", True),
-        *([("trials", True), ("+-", True)] if rule else []),
-    )
-    for k in range(data.sizes["setting"]):
-        one = data.isel(setting=k)
-        done = one["convergence_round"].values >= 0
-        rounds = one["rounds"].values
-        reached = np.flatnonzero(data["checkpoint"].values <= rounds)
-        correct = one["correct"].values[reached[-1]] if reached.size else np.full(1, np.nan)
-        right = f"{100 * np.nanmean(correct):.1f} %" if np.isfinite(correct).any() else "-"
-        table.add_row(
-            str(one["setting"].values),
-            *(escape(str(one[c].values)) for c in shown),
-            f"{np.median(one['convergence_round'].values[done]):.0f}" if done.any() else "-",
-            f"{np.median(one['convergence_error'].values[done]):.4f}" if done.any() else "-",
-            right,
-            *([str(done[:, 0].sum()), f"{one['half_width'].values:.2g}"] if rule else []),
-        )
-    console.print(table)
-    console.print(
-        "K: round of convergence, error: |x - f| at K (medians over robots and trials); "
-        "right: robots in the correct bin after the last round"
-        + (f"; +-: half the interval of {data['half_width'].attrs['rule']}" if rule else ""),
-        style="dim",
-    )
+    if (data["link_success"] == 1.0).all():
+        del columns["link_success"]
+    return columns
+
+
+def _rows(frame: Any, coordinates: dict[str, Any], trials: int, below: bool = False) -> Table:
+    """The table of a summary, intervals beside their values or below them."""
+    numbers = dict(_values(frame, name, below) for name in SHORT)
+    if "half_width" in frame or (frame["trials"] < trials).any():
+        numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
+    if frame["failed"].any():
+        numbers["failed"] = [f"{n:,}" for n in frame["failed"]]
+    if "half_width" in frame:
+        numbers["+-"] = [f"{width:.2g}" for width in frame["half_width"]]
+    heads = [(name, name == "setting") for name in coordinates] + [(name, True) for name in numbers]
+    return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
+
+
+def _values(frame: Any, name: str, below: bool) -> tuple[str, list[str]]:
+    """The head and the cells of a column of values with intervals."""
+    times, plain, digits = COLUMNS[name]
+    texts = []
+    for value, low, high in zip(*(times * frame[SHORT[name] + end] for end in ("", "_low", "_high")), strict=True):
+        if np.isnan(low):
+            texts.append(("-" if np.isnan(value) else f"{value:{plain}}", ""))
+        else:
+            texts.append(rounded(value, low, high, digits))
+    head = f"{name} %" if name == "right" else name
+    if not any(interval for _, interval in texts):
+        return head, [value for value, _ in texts]
+    if below:
+        return f"{head}\n[95 %]", [f"{value}\n{interval}" for value, interval in texts]
+    wide, wider = (max(map(len, column)) for column in zip((head, "[95 %]"), *texts, strict=True))
+    return f"{head:>{wide}} {'[95 %]':{wider}}", [f"{value:>{wide}} {interval:{wider}}" for value, interval in texts]
+
+
+def _legend(data: xr.Dataset, frame: Any) -> list[str]:
+    looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
+    when = f"after round {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
+    known = frame["convergence_round_low"].notna().any()
+    return [
+        "K: round of convergence, error: |x - f| at K (medians over robots and trials)",
+        f"right: robots in the correct bin {when}; "
+        + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        *([f"+-: half the interval of {data['half_width'].attrs['rule']}"] if "half_width" in data else []),
+    ]
 
 
 def failures(data: xr.Dataset) -> int:
     """What failed, a line a setting; the exit code: 2 if anything did."""
-    failed = json.loads(data.attrs.get("failed", "[]"))
     by_setting: dict[int, list[dict[str, Any]]] = {}
-    for one in failed:
+    for one in failed_trials(data):
         by_setting.setdefault(one["setting"], []).append(one)
-    for number, several in list(by_setting.items())[:MOST_SETTINGS]:
+    for number, several in list(by_setting.items())[:MOST_ROWS]:
         trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
         print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
-    return 2 if failed else 0
+    if len(by_setting) > MOST_ROWS:
+        print(f"and trials of {len(by_setting) - MOST_ROWS:,} more settings", file=sys.stderr)
+    return 2 if by_setting else 0
 
 
 def rounds(trace: xr.Dataset) -> None:
     """The swarm's estimates at a few rounds of a trace."""
-    console = Console()
     estimates = trace["estimate"].values
     last = len(estimates) - 1
-    table = _table(("round", True), ("lowest", True), ("median", True), ("highest", True))
-    for k in sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last}):
-        row = estimates[k]
-        table.add_row(str(k), f"{row.min():.4f}", f"{np.median(row):.4f}", f"{row.max():.4f}")
-    console.print(f"{trace.attrs['title']}: the robots' estimates", highlight=False, markup=False)
-    console.print(table)
+    at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
+    ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
+    console().print(f"{trace.attrs['title']}: the robots' estimates")
+    heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
+    console().print(table(heads, [(str(k), *(f"{value:.4f}" for value in values)) for k, *values in ends]))
 
 
 def shipped() -> None:
     """The brains that come with swarmcensus, with their sizes on a robot."""
     from swarmcensus import brains
 
-    table = _table(("brain", False), ("memory", True), ("message", True), ("what it does", False))
+    rows = []
     for name in brains.shipped():
         brain = brains.load(name)
         what = (brain.functions.__doc__ or "").strip().splitlines()[0]
-        table.add_row(name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what)
-    Console().print(table)
+        rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))
+    heads = [("brain", False), ("memory", True), ("message", True), ("what it does", False)]
+    console().print(table(heads, rows))
 
 
 def checks(path: Any, found: list[Check]) -> bool:
     """What the conformance suite found; whether the brain passed."""
-    console = Console(highlight=False)
+    out = console()
     for one in found:
-        mark = "[green]pass[/]" if one.fault is None else "[red bold]FAIL[/]"
-        console.print(f"{mark}  {one.name}", markup=True)
+        out.print(Text("pass", "green") if one.fault is None else Text("FAIL", "red bold"), f" {one.name}")
         if one.fault is not None:
-            console.print(f"      {one.fault}", markup=False, soft_wrap=True)
+            out.print(f"      {one.fault}", soft_wrap=True)
     good = all(one.fault is None for one in found)
-    console.print(f"{path}: {'conforms' if good else 'does not conform'}", markup=False, soft_wrap=True)
+    out.print(f"{path}: {'conforms' if good else 'does not conform'}", soft_wrap=True)
     return good

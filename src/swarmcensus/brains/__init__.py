@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.errors import InputError
+from swarmcensus.hints import did_you_mean
 
 HERE = Path(__file__).parent
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
@@ -95,7 +96,8 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
         path = (base or Path()) / name
         if not path.is_file():
             raise InputError(
-                f"brain {str(name)!r}: neither a shipped brain ({', '.join(shipped())}) nor a file at {path}"
+                f"brain {str(name)!r}: {did_you_mean(str(name), shipped())}neither a shipped brain "
+                f"({', '.join(shipped())}) nor a file at {path}"
             )
     try:
         return parse(path.read_text(encoding="utf-8-sig"), str(name), path)
