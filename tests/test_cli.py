@@ -1,6 +1,7 @@
 """The command line, as a user meets it: what it prints, what it writes, how it fails."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -10,9 +11,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli import main
+from swarmcensus.cli import COMMANDS, main
 from tests.conftest import SMALL
 
+FIRST = ["good.nc", "--setting", "0", "--trial", "0"]
 HELLO = """
 trials = 3
 [swarm]
@@ -31,6 +33,13 @@ def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "hello.toml").write_text(HELLO)
     return tmp_path
+
+
+def test_help_lists_every_command(capsys):
+    with pytest.raises(SystemExit):
+        main(["--help"])
+    listed = capsys.readouterr().out
+    assert all(re.search(rf"^ +{name}\b", listed, re.MULTILINE) for name in COMMANDS)
 
 
 def test_help_is_quick_and_imports_nothing_heavy():
@@ -122,6 +131,11 @@ def test_bad_studies(change, said, here, capsys):
         (["run", "none.toml"], "study file none.toml: cannot be read"),
         (["run", "hello.toml", "--out", "hello.toml/x.nc"], "cannot write hello.toml/x.nc"),
         (["run", "hello.toml", "--out", "x.csv"], "results are written as .nc"),
+        (["run", "hello.toml", "--out", "folder.nc"], "cannot write folder.nc: it is a folder"),
+        (["run", "hello.toml", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
+        (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
+        (["show", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
+        (["show", "none.nc"], "there is no such file"),
         (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
         (["plot", "hello.toml"], "results file hello.toml: not a readable"),
         (["plot", "none.nc"], "there is no such file"),
@@ -132,6 +146,9 @@ def test_bad_studies(change, said, here, capsys):
         (["plot", "good.nc", "--kind", "heatmap"], "select one: --where 'topology == "),
         (["replay", "good.nc", "--setting", "77", "--trial", "0"], "setting 77: these results hold"),
         (["replay", "good.nc", "--setting", "0", "--trial", "0", "--out", "x.txt"], "written as .csv or .nc"),
+        (["replay", *FIRST, "--out", "new.nc", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
+        (["replay", *FIRST, "--out", "new.nc", "--plot", "obs.csv/x.png"], "obs.csv is a file, not a folder"),
+        (["replay", *FIRST, "--out", "new.nc", "--recording", "obs.csv"], "obs.csv is a file, not a folder"),
         (["export", "cut.nc"], "cut.nc"),
         (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
         (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
@@ -139,6 +156,7 @@ def test_bad_studies(change, said, here, capsys):
         (["infer", "obs.csv", "--accuracy", "0.8", "--links", "bad.csv"], "names a robot that is not there"),
         (["infer", "obs.csv", "--accuracy", "0.8", "--every", "0"], "whole number from 1"),
         (["infer", "obs.csv", "--accuracy", "0.8", "--out", "x.txt"], "written as .csv or .nc"),
+        (["infer", "obs.csv", "--accuracy", "0.8", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),
         (["reproduce", "--out", "hello.toml/x"], "cannot write"),
         (["reproduce", "--only", "fig99"], "fig99"),
     ],
@@ -149,6 +167,8 @@ def test_bad_commands(command, said, here, capsys, small_file):
     (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
     (here / "obs.csv").write_text("0,1\n1,1\n")
     (here / "bad.csv").write_text("0,2\n")
+    for suffix in (".nc", ".png"):
+        (here / f"folder{suffix}").mkdir()
     files = set(here.iterdir())
     assert main(command) == 2
     error = capsys.readouterr().err

@@ -275,3 +275,10 @@ def test_the_table_fits_narrow_and_plain_terminals(done, encoding):
     assert "Ring and line are alike" in text
     assert text.count("holds") + text.count("does not hold") + text.count("not decided") >= len(claims.CLAIMS)
     assert ("✓" in text) == (encoding == "utf-8")
+
+
+def test_the_table_is_not_folded_outside_a_terminal(done, capsys):
+    report.show(done.claims)
+    lines = capsys.readouterr().out.splitlines()
+    assert all(any(one.claim.title in line for line in lines) for one in done.claims)
+    assert max(map(len, lines)) > 80

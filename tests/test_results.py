@@ -79,6 +79,14 @@ def test_long_form(small_results):
     assert (frame["topology"].values == small_results["topology"].values[frame["setting"].values]).all()
 
 
+def test_tables_hold_the_true_fill_ratio_of_each_trial(small_results):
+    data = small_results.copy()
+    shares = np.arange(data["true_fill_ratio"].size, dtype=float).reshape(data["true_fill_ratio"].shape)
+    data["true_fill_ratio"] = data["true_fill_ratio"].dims, shares
+    frame = results.to_frame(data)
+    assert (frame["true_fill_ratio"] == shares[frame["setting"], frame["trial"]]).all()
+
+
 @pytest.mark.parametrize("kind", ["csv", "parquet"])
 def test_export(kind, small_results, tmp_path):
     path = tmp_path / f"table.{kind}"
@@ -124,7 +132,7 @@ class TestSelecting:
     @pytest.mark.parametrize(
         ("expression", "said"),
         [
-            ("topolgy == 'ring'", "no coordinate 'topolgy'; known are"),
+            ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
             ("robots = 5", "robots = 5"),
             ("robots == 6", "no setting is so"),
             ("robots", "should compare"),

@@ -285,8 +285,9 @@ def replay(options: argparse.Namespace) -> int:
 
     if options.plot:
         _check_suffix(options.plot)
-    if options.out:
-        check_writable(options.out, options.results)
+    recorded = options.recording / "observations.csv" if options.recording else None
+    for path in filter(None, (options.out, options.plot, recorded)):
+        check_writable(path, options.results)
     data = results.load(options.results)
     trace = traces.replay(data, options.setting, options.trial, options.brain)
     if options.out:
@@ -316,6 +317,7 @@ def infer(options: argparse.Namespace) -> int:
     check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
     if options.plot:
         _check_suffix(options.plot)
+        check_writable(options.plot)
     files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}
     readings = recordings.read_observations(options.observations)
     links = recordings.read_links(options.links) if options.links else None

@@ -19,6 +19,7 @@ def whole(path: str | Path) -> Iterator[Path]:
     """
     try:
         place = _place(path)
+        _folder_of(place)
         place.parent.mkdir(parents=True, exist_ok=True)
         beside = place.with_name(f".{place.stem}-{secrets.token_hex(4)}{place.suffix}")
         beside.touch(exist_ok=False)
@@ -66,14 +67,22 @@ def _place(path: str | Path) -> Path:
     return place
 
 
+def _folder_of(place: Path) -> Path:
+    """The innermost folder above a place that is there. Raises OSError where a file stands in its stead."""
+    folder = next(p for p in place.parents if p.exists())
+    if not folder.is_dir():
+        raise NotADirectoryError(f"{folder} is a file, not a folder")
+    return folder
+
+
 def check_writable(path: str | Path, *inputs: Path) -> None:
     """Raise InputError now where `path` could not be written at the end of a long run, or is one of the inputs."""
     try:
         place = _place(path)
-        folder = next(p for p in place.parents if p.exists())
+        folder = _folder_of(place)
     except OSError as error:
         raise InputError(f"cannot write {path}: {error.strerror or error}") from error
     if any(place == Path(os.path.realpath(source)) for source in inputs):
         raise InputError(f"cannot write {path}: it is what is read")
-    if not folder.is_dir() or not os.access(folder, os.W_OK | os.X_OK):
+    if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {path}: the folder {folder} cannot be written")

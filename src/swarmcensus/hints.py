@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 OTHER_WORDS = {
     "accuracy": ("b", "p", "sensor", "sensor_accuracy", "w"),
+    "at": ("from", "round", "start", "tick", "when"),
     "density": ("d",),
     "fill_ratio": ("black", "f"),
     "jobs": ("cores", "processes", "threads", "workers"),
@@ -28,7 +29,8 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
 
     names = {_plain(one): one for one in known}
     plain = _plain(name)
-    found = [one for one in names if plain == one or {plain, plain + "s"} & {*OTHER_WORDS.get(one, ())}]
+    words = {plain, f"{plain}s", plain.removesuffix("s")}
+    found = [one for one in names if plain == one or words & {*OTHER_WORDS.get(one, ())}]
     found += [one for one in names if len(plain) > 2 and one.startswith(plain)]
     found += difflib.get_close_matches(plain, names, n=1)
     return f"did you mean {names[found[0]]!r}? " if found else ""

@@ -25,14 +25,18 @@ def measured(detail: Detail) -> tuple[str, str]:
     """A value and its interval as text, to two digits of the interval's width: "0.0413", "[0.0391, 0.0429]"."""
     if detail.interval is None:
         return f"{detail.value:.3g}", ""
-    return rounded(detail.value, *detail.interval)
+    low, high = detail.interval
+    return rounded(detail.value, low, high, places(high - low))
 
 
-def rounded(value: float, low: float, high: float, digits: int = 2) -> tuple[str, str]:
-    """A number and its interval as text, to so many digits of the interval's width."""
-    width = high - low
-    places = min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
-    return f"{value:.{places}f}", f"[{low:.{places}f}, {high:.{places}f}]"
+def places(width: float, digits: int = 2) -> int:
+    """How many decimals show so many digits of an interval's width."""
+    return min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
+
+
+def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, str]:
+    """A number and its interval as text."""
+    return f"{value:.{decimals}f}", f"[{low:.{decimals}f}, {high:.{decimals}f}]"
 
 
 def kind(outcome: Outcome) -> str:

@@ -12,16 +12,14 @@ from rich.text import Text
 
 from swarmcensus.conformance import Check
 from swarmcensus.options import MOST_ROWS
-from swarmcensus.report import rounded
+from swarmcensus.report import places, rounded
 from swarmcensus.statistics import FEWEST
 from swarmcensus.summaries import SHORT, done, failed_trials, summary
 from swarmcensus.terminal import UNFOLDED, console, table
 
-COLUMNS = {
-    "K": (1.0, ".0f", 1),
-    "error": (1.0, ".4f", 2),
-    "right": (100.0, ".1f", 2),
-}  # unit, digits without and of an interval
+TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
+DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
+DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
 
 
 def head(data: xr.Dataset, path: Path) -> str:
@@ -97,13 +95,15 @@ def _rows(frame: Any, coordinates: dict[str, Any], trials: int, below: bool = Fa
 
 def _values(frame: Any, name: str, below: bool) -> tuple[str, list[str]]:
     """The head and the cells of a column of values with intervals."""
-    times, plain, digits = COLUMNS[name]
+    times, digits = TIMES[name], DIGITS[name]
+    widths = times * (frame[f"{SHORT[name]}_high"] - frame[f"{SHORT[name]}_low"])
+    usual = max(places(widths.median(), digits), int(name == "right"))  # a column's decimals, where they tell enough
     texts = []
     for value, low, high in zip(*(times * frame[SHORT[name] + end] for end in ("", "_low", "_high")), strict=True):
         if np.isnan(low):
-            texts.append(("-" if np.isnan(value) else f"{value:{plain}}", ""))
+            texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS[name]}f}", ""))
         else:
-            texts.append(rounded(value, low, high, digits))
+            texts.append(rounded(value, low, high, max(usual, places(high - low, digits) - 1)))
     head = f"{name} %" if name == "right" else name
     if not any(interval for _, interval in texts):
         return head, [value for value, _ in texts]

@@ -1,0 +1,109 @@
+"""What is said of a name that is not known."""
+
+import re
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import results
+from swarmcensus.cli import main
+from swarmcensus.hints import OTHER_WORDS, did_you_mean
+from swarmcensus.selecting import where
+from tests.conftest import SMALL
+
+KNOWN = [*results.TEXTS, *results.NUMBERS, "setting"]
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("accuraccy", "accuracy"), ("N", "robots"), ("f", "fill_ratio"), ("fill", "fill_ratio"), ("C", "rounds"),
+        ("topologies", "topology"), ("brains", "brain"), ("R", "observations_per_round"), ("D", "density"),
+        ("Fill Ratio", "fill_ratio"), ("obs", "observations_per_round"), ("ROBOTS", "robots"), ("looks", "observations_per_round"),
+    ],
+)  # fmt: skip
+def test_names_that_are_like_one_or_mean_one(written, meant):
+    assert did_you_mean(written, KNOWN) == f"did you mean {meant!r}? "
+
+
+@pytest.mark.parametrize("strange", ["x", "", "--", "xyzzy", "loss", "noise"])
+def test_a_name_that_is_like_none_gets_no_hint(strange):
+    assert did_you_mean(strange, KNOWN) == ""
+
+
+def test_other_words_name_one_thing_each_where_they_meet():
+    """Rounds and ticks stand in one table, and go with other topologies: either may be meant."""
+    words = [word for name, others in OTHER_WORDS.items() if name != "ticks" for word in others]
+    assert len(words) == len(set(words))
+    assert did_you_mean("rng", ["trials", "seed"]) == "did you mean 'seed'? "
+
+
+@pytest.mark.parametrize(
+    ("change", "meant"),
+    [
+        (("seed ", "rng "), "seed"), (("robots ", "n "), "robots"), (("accuracy ", "sensors "), "accuracy"),
+        (('"ring"', '"rng"'), "ring"), (('"ring"', '"scalefree"'), "scale-free"),
+        (("[swarm]", '[swarm]\nbrain = "minimalist"'), "minimalistic"),
+        (("[measure]", '[measure]\ntruth = "flor"'), "floor"),
+        (("[measure]", '[[faults]]\nat = 1\nrobots = 1\nstop = "talk"\n[measure]'), "talking"),
+        (("[measure]", '[[faults]]\nat = 1\nrobots = 1\nstop = ["talking", "sense"]\n[measure]'), "sensing"),
+        (("[measure]", "[[faults]]\nstart = 1\nrobots = 1\nstop = 'moving'\n[measure]"), "at"),
+        (('"ring"', '{networkx = "watts_strogatz", k = 2, p = 0.1}'), "watts_strogatz_graph"),
+    ],
+)  # fmt: skip
+def test_study_files(change, meant):
+    with pytest.raises(sc.InputError, match=re.escape(f"did you mean '{meant}'?")) as error:
+        sc.run(sc.Study.parse(SMALL.replace(*change)))
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("floor", "meant"),
+    [('"cluster"', "clusters"), ("{stripe = 0.5}", "stripes"), ('{image = "a.png", mode = "dithered"}', "dither")],
+)
+def test_floors(floor, meant):
+    text = f"trials = 1\nswarm = {{robots = 2, accuracy = 0.7}}\nschedule = {{ticks = 5}}\n[world]\nfloor = {floor}\n"
+    with pytest.raises(sc.InputError, match=re.escape(f"did you mean '{meant}'?")):
+        sc.Study.parse(f'{text}topology = "moving"\ndensity = 1\nfill_ratio = 0.5\n')
+
+
+def test_where(small_results):
+    with pytest.raises(sc.InputError, match="no coordinate 'topologies': did you mean 'topology'"):
+        where(small_results, 'topologies == "ring"')
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [
+        (["shwo", "x.nc"], "show"), (["summary", "x.nc"], "show"), (["plot", "x.nc", "--kind", "scater"], "scatter"),
+        (["export", "x.nc", "--to", "cvs"], "csv"), (["run", "x.toml", "--rng", "3"], "--seed"),
+        (["run", "x.toml", "--threads=3"], "--jobs"), (["plot", "x.nc", "--wehre", "a"], "--where"),
+    ],
+)  # fmt: skip
+def test_commands_and_options(command, meant, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(command)
+    assert stopped.value.code == 2
+    said = capsys.readouterr().err
+    assert f"did you mean '{meant}'?" in said
+    usage = command[0] if command[0] in ("run", "plot", "export") else "[-h]"
+    assert said.startswith(f"usage: swarmcensus {usage}")
+
+
+@pytest.mark.parametrize("number", ["²", "1" * 5000, "1e3", "-1", "0x3", ""])
+def test_numbers_of_options_are_plain(number, capsys):
+    with pytest.raises(SystemExit):
+        main(["run", "x.toml", f"--trials={number}"])
+    assert "should be a whole number from 1" in capsys.readouterr().err
+
+
+def test_parts_of_the_paper(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert main(["reproduce", "--only", "fig22"]) == 2
+    assert "did you mean 'fig2'?" in capsys.readouterr().err
+
+
+def test_python_names_what_was_meant():
+    with pytest.raises(AttributeError) as error:
+        sc.sumary  # noqa: B018
+    assert (error.value.name, error.value.obj) == ("sumary", sc)  # what a traceback makes its own hint from

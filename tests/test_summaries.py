@@ -1,0 +1,255 @@
+"""Summaries: what `swarmcensus show` and `summary` say of results, of those that are not whole too."""
+
+import io
+import json
+import shlex
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+import swarmcensus as sc
+from swarmcensus import statistics, summaries, tables, terminal
+from swarmcensus.cli import main
+from swarmcensus.report import rounded
+
+MANY = """
+trials = 6
+[swarm]
+robots = [2, 3]
+accuracy = [0.6, 0.7, 0.8, 0.9, "U(0.525,0.975)", {black = 0.9, white = 0.625}]
+[world]
+topology = ["ring", "full"]
+fill_ratio = 0.55
+[schedule]
+rounds = [5, 8]
+[measure]
+checkpoints = [2, 5, 8]
+"""
+
+
+@pytest.fixture(scope="module")
+def many():
+    return sc.run(sc.Study.parse(MANY))
+
+
+@pytest.fixture(scope="module")
+def partial(many):
+    """Trials from 2 on are missing in setting 1, all in setting 2; a trial of setting 4 failed."""
+    data = many.copy(deep=True)
+    for setting, trials in ((1, slice(2, None)), (2, slice(None)), (4, slice(3, 4))):
+        data["convergence_round"].values[setting, trials] = -1
+        for name in ("convergence_error", "final_estimate"):
+            data[name].values[setting, trials] = np.nan
+        data["correct"].values[setting, :, trials] = np.nan
+    data.attrs["failed"] = json.dumps([{"setting": 4, "trial": 3, "why": "division by zero"}])
+    data.attrs["trials_done"] -= 4 + 6 + 1
+    return data
+
+
+@pytest.fixture
+def file(many, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    sc.save(many, "many.nc")
+    return "many.nc"
+
+
+def test_a_row_is_what_numpy_says_of_the_setting(many):
+    frame = sc.summary(many)
+    for k, row in enumerate(frame.to_dict("records")):
+        robots, rounds = int(many["robots"][k]), int(many["rounds"][k])
+        for name in ("convergence_round", "convergence_error"):
+            values = many[name].values[k, :, :robots].astype(float)
+            _, low, high = statistics.interval_of(values, "median")
+            assert row[name] == np.median(values)
+            assert (row[f"{name}_low"], row[f"{name}_high"]) == (max(low, 0), high)
+            assert row[f"{name}_low"] <= row[name] <= row[f"{name}_high"]
+        right = many["correct"].sel(checkpoint=rounds).values[k]
+        assert row["checkpoint"] == rounds
+        assert row["correct"] == pytest.approx(right.mean())
+        ends = statistics.interval_of(right[:, np.newaxis], "mean", share=True)[1:]
+        assert (row["correct_low"], row["correct_high"]) == ends
+        assert (row["trials"], row["failed"], row["setting"]) == (6, 0, k)
+
+
+def test_large_results_are_gone_through_in_blocks(many, monkeypatch):
+    whole = summaries.points(many)
+    monkeypatch.setattr(summaries, "BLOCK", 50)
+    for name, values in summaries.points(many).items():
+        np.testing.assert_array_equal(values, whole[name])
+
+
+def test_what_is_missing_is_said(partial):
+    frame = sc.summary(partial)
+    assert frame["trials"].tolist()[:6] == [6, 2, 0, 6, 5, 6]
+    assert frame["failed"].tolist()[:6] == [0, 0, 0, 0, 1, 0]
+    robots = int(partial["robots"][1])
+    assert frame["convergence_error"][1] == np.median(partial["convergence_error"].values[1, :2, :robots])
+    assert frame["correct"][1] == partial["correct"].sel(checkpoint=8).values[1, :2].mean()
+    assert np.isnan(frame["convergence_error_low"][[1, 2, 4]]).all()  # fewer than 6 trials
+    assert np.isnan(frame[["convergence_round", "convergence_error", "correct"]].loc[2]).all()
+    assert frame.drop(index=[1, 2, 4]).notna().drop(columns="density").all(axis=None)
+
+
+def test_the_round_of_right_can_be_chosen(many):
+    frame = sc.summary(many, checkpoint=8)
+    short = many["rounds"].values == 5
+    assert (frame["checkpoint"] == np.where(short, -1, 8)).all()
+    assert (frame["correct"].isna() == short).all()
+    early = sc.summary(many, "rounds == 5", checkpoint=2)
+    assert early["correct"].tolist() == many["correct"].values[short, 0].mean(axis=1).tolist()
+    with pytest.raises(sc.InputError, match="checkpoint 3: decisions were recorded after round 2, 5, 8"):
+        sc.summary(many, checkpoint=3)
+
+
+def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
+    """Neither folded nor cut short where there is no terminal, however narrow one is said to be."""
+    monkeypatch.setenv("COLUMNS", "40")
+    assert main(["show", file, "--limit", "0"]) == 0
+    first, heads, *lines = capsys.readouterr().out.splitlines()
+    assert first == f"{file}: study (seed 0, swarmcensus {sc.__version__}): 48 settings, 288 of 288 trials done"
+    assert heads.split()[:5] == ["setting", "topology", "robots", "accuracy", "rounds"]
+    for k, (line, row) in enumerate(zip(lines, sc.summary(file).to_dict("records"), strict=False)):
+        shown = [str(k), row["topology"], str(row["robots"]), *row["accuracy"].split()]
+        assert line.split()[: len(shown)] == shown
+        assert line.count("[") == line.count("]") == 3
+    assert not any("…" in line or "..." in line for line in lines)
+    assert len(lines) == 48 + 3
+    assert lines[-1] == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
+
+
+def test_show_is_of_some_settings(file, capsys):
+    assert main(["show", file, "--where", 'robots == 2 and accuracy == 0.9 and topology == "ring"']) == 0
+    out = capsys.readouterr().out
+    assert len([line for line in out.splitlines() if "[" in line and "%" not in line]) == 2
+    assert "all with brain minimalistic, topology ring, robots 2, accuracy 0.9, fill_ratio 0.55, observations" in out
+    assert main(["show", file, "--where", "setting == 17"]) == 0  # nothing varies
+    assert "rounds 8" in capsys.readouterr().out
+
+
+def test_the_hint_to_the_others_is_a_command(file, capsys):
+    assert main(["show", file]) == 0
+    out = capsys.readouterr().out
+    last = out.splitlines()[-1]
+    assert last.startswith("40 of 48 settings; others: swarmcensus show many.nc --where ")
+    assert len(out.splitlines()) == 2 + 40 + 3 + 1
+    command = shlex.split(last.partition("swarmcensus ")[2].partition(", or")[0])
+    assert main(command) == 0
+    assert "of 48 settings;" not in capsys.readouterr().out
+
+
+def test_show_sorts(file, many, capsys):
+    def shown(*options):
+        assert main(["show", file, "--limit", "48", *options]) == 0
+        return [int(line.split()[0]) for line in capsys.readouterr().out.splitlines() if line.split()[0].isdigit()]
+
+    frame = sc.summary(many)
+    assert shown() == list(range(48))
+    assert shown("--sort", "error") == frame.sort_values("convergence_error", kind="stable")["setting"].tolist()
+    worst = frame["convergence_error"].to_numpy()[shown("--sort", "error", "--reverse")]
+    assert (np.diff(worst) <= 0).all()
+    by_accuracy = frame["accuracy"][shown("--sort", "accuracy")].drop_duplicates().tolist()
+    assert by_accuracy == ["0.6", "0.7", "0.8", "0.9", "U(0.525,0.975)", "black=0.9 white=0.625"]
+    last = frame["rounds"][shown("--sort", "right", "--checkpoint", "8", "--reverse")].tolist()
+    assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--where", "robots == 99"], "no setting is so"),
+        (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
+        (["--sort", "eror"], "--sort eror: did you mean 'error'? known are K, error, right, setting"),
+        (["--reverse"], "--reverse goes with --sort"),
+    ],
+)
+def test_what_cannot_be_shown(options, said, file, capsys):
+    assert main(["show", file, *options]) == 2
+    out, error = capsys.readouterr()
+    assert said in error
+    assert error.count("\n") == 1
+    assert not out
+
+
+def test_failed_and_missing_trials_are_shown(partial, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sc.save(partial, "x.nc")
+    assert main(["show", "x.nc", "--limit", "6"]) == 0
+    out, error = capsys.readouterr()
+    head, columns, *lines = out.splitlines()
+    assert head.endswith("48 settings, 277 of 288 trials done, 1 failed")
+    assert columns.split()[-2:] == ["trials", "failed"]
+    assert [line.split()[-2:] for line in lines[:6]] == [[n, f] for n, f in zip("620656", "000010", strict=True)]
+    assert lines[2].split()[-5:-2] == ["-", "-", "-"]
+    assert error == "setting 4, trial 3: division by zero\n"
+    assert main(["show", "x.nc", "--where", "setting != 4"]) == 0
+    assert not capsys.readouterr().err
+
+
+def test_json_is_the_table(partial, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    sc.save(partial, "x.nc")
+    assert main(["show", "x.nc", "--json", "--where", "robots == 2"]) == 0
+    out, error = capsys.readouterr()
+    assert not error
+    about = json.loads(out, parse_constant=pytest.fail)  # neither NaN nor Infinity is JSON
+    assert about["format"] == "swarmcensus summary 1"
+    assert (about["seed"], about["delta"], about["bins"], about["level"]) == (0, 0.01, 10, 0.95)
+    assert (about["settings_total"], about["trials_done"], about["trials_total"]) == (48, 277, 288)
+    assert about["failed"] == [{"setting": 4, "trial": 3, "why": "division by zero"}]
+    frame = sc.summary(partial, "robots == 2").to_dict("records")
+    assert len(about["settings"]) == len(frame) == 24
+    for found, row in zip(about["settings"], frame, strict=True):
+        for key in ("setting", "brain", "topology", "robots", "accuracy", "fill_ratio", "rounds", "trials", "failed"):
+            assert found[key] == row[key]
+        for name, what in (("convergence_round", "median"), ("convergence_error", "median"), ("correct", "mean")):
+            assert found[name][what] == (None if np.isnan(row[name]) else row[name])
+            low, high = row[f"{name}_low"], row[f"{name}_high"]
+            assert found[name]["interval"] == (None if np.isnan(low) else [low, high])
+    assert about["settings"][0]["density"] is None
+    assert main(["show", "x.nc", "--json", "--limit", "2", "--sort", "rounds", "--checkpoint", "8"]) == 0
+    first, second = json.loads(capsys.readouterr().out)["settings"]
+    assert (first["rounds"], first["checkpoint"], first["correct"]) == (5, None, {"mean": None, "interval": None})
+    assert second["setting"] > first["setting"]
+
+
+@pytest.mark.parametrize("width", [58, 80, 100, 200])
+def test_a_terminal_folds_between_words(many, width, monkeypatch):
+    stream = io.StringIO()
+    monkeypatch.setattr(tables, "console", lambda: Console(file=stream, width=width, markup=False, highlight=False))
+    tables.settings(many, "many.nc", 4)
+    lines = stream.getvalue().splitlines()[:-1]  # the last is a command to be copied
+    assert max(map(len, lines)) <= width
+    text = " ".join(" ".join(lines).split())
+    for word in ("setting", "topology", "robots", "accuracy", "fill_ratio", "rounds", "minimalistic"):
+        assert word in text
+    for row in sc.summary(many.isel(setting=slice(4))).to_dict("records"):
+        ends = (row[f"convergence_error{end}"] for end in ("", "_low", "_high"))
+        value, interval = rounded(*ends, 2)
+        assert value in text
+        assert any(interval in line for line in lines)
+
+
+def test_the_console_is_as_wide_as_needed_outside_a_terminal(monkeypatch):
+    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    assert terminal.console().width == terminal.UNFOLDED
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True, raising=False)
+    assert terminal.console().width == 30
+
+
+def test_texts_are_printed_as_they_are(capsys):
+    """Square brackets and colons mean something to rich; names of a user's are names."""
+    terminal.console().print(terminal.table([("[bold]", False)], [["[red]x[/]"], [":smile:"]]))
+    assert [line.strip() for line in capsys.readouterr().out.splitlines()] == ["[bold]", "[red]x[/]", ":smile:"]
+
+
+def test_a_run_of_many_settings_ends_with_a_summary(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "many.toml").write_text(MANY)
+    assert main(["run", "many.toml", "--out", "my results.nc"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert "K [95 %]" in lines[0]
+    assert sum(line.split()[0].isdigit() for line in lines[:-2]) == 40
+    assert lines[-2].startswith("40 of 48 settings; others: swarmcensus show 'my results.nc' --where ")
+    assert lines[-1].startswith("my results.nc: 48 settings of 6 trials")
