@@ -2,7 +2,7 @@
 
 Runs settings of N = 10, C = 100, two trials each (by default 100,000 of them), with an output, and prints the wall
 time, the processor time inside the engine's calls, that of scheduling (planning, handing out, collecting, keeping
-shards), that of all else, the peak of memory, and how long it takes to list, draw and export a selection of the file.
+shards), that of all else, the peak of memory, and how long it takes to list and show the file, and to draw and export a selection.
 """
 
 import argparse
@@ -74,7 +74,7 @@ def main():
             "the dataset"
         )
         console.print(f"peak of memory: {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MiB")
-        for command in (["status"], ["export", "--where", SELECTION], ["plot", "--where", SELECTION]):
+        for command in (["status"], ["show"], ["export", "--where", SELECTION], ["plot", "--where", SELECTION]):
             begun = time.perf_counter()
             arguments = [command[0], str(out), *command[1:]]
             subprocess.run(

@@ -19,7 +19,8 @@ KNOWN = [*results.TEXTS, *results.NUMBERS, "setting"]
     [
         ("accuraccy", "accuracy"), ("N", "robots"), ("f", "fill_ratio"), ("fill", "fill_ratio"), ("C", "rounds"),
         ("topologies", "topology"), ("brains", "brain"), ("R", "observations_per_round"), ("D", "density"),
-        ("Fill Ratio", "fill_ratio"), ("obs", "observations_per_round"), ("ROBOTS", "robots"), ("looks", "observations_per_round"),
+        ("Fill Ratio", "fill_ratio"), ("obs", "observations_per_round"),
+        ("ROBOTS", "robots"), ("looks", "observations_per_round"),
     ],
 )  # fmt: skip
 def test_names_that_are_like_one_or_mean_one(written, meant):
