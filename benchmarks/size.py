@@ -2,7 +2,8 @@
 
 Runs settings of N = 10, C = 100, two trials each (by default 100,000 of them), with an output, and prints the wall
 time, the processor time inside the engine's calls, that of scheduling (planning, handing out, collecting, keeping
-shards), that of all else, the peak of memory, and how long it takes to list and show the file, and to draw and export a selection.
+shards), that of all else, the peak of memory, and how long it takes to list and show the file, and to draw and export a
+selection.
 """
 
 import argparse

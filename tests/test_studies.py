@@ -63,7 +63,7 @@ def test_changing_seed_and_trials():
         (("[5, 12]", "[5, 0]"), "swarm.robots[1] = 0: should be greater than or equal to 1"),
         (("[0.675,", "[1.2,"), "swarm.accuracy[0] = 1.2: a sensor accuracy lies in [0, 1]"),
         (("U(0.525, 0.975)", "U(0.525"), 'swarm.accuracy[1] = "U(0.525": a sensor accuracy is a number'),
-        (('"ring"', '"rng"'), 'world.topology[1] = "rng": did you mean 'ring'? a topology is one of full, ring'),
+        (('"ring"', '"rng"'), "world.topology[1] = \"rng\": did you mean 'ring'? a topology"),
         (("0.95]", "true]"), "world.fill_ratio[1] = true: a number is wanted"),
         (("0.95]", "1.5]"), "world.fill_ratio[1] = 1.5: should be less than or equal to 1"),
         (("= 60\n", "= -60\n"), "schedule.rounds = -60: should be greater than or equal to 1"),

@@ -12,6 +12,7 @@ from rich.text import Text
 
 from swarmcensus.conformance import Check
 from swarmcensus.options import MOST_ROWS
+from swarmcensus.panels import told
 from swarmcensus.report import places, rounded
 from swarmcensus.statistics import FEWEST
 from swarmcensus.summaries import SHORT, done, failed_trials, summary
@@ -70,13 +71,14 @@ def settings(
 
 
 def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
-    """What the settings are, as text, but for what is as everywhere."""
+    """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
     del columns["setting"]
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
     if (data["link_success"] == 1.0).all():
         del columns["link_success"]
+    columns.pop(told(data), None)
     return columns
 
 
