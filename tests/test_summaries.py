@@ -88,7 +88,7 @@ def test_what_is_missing_is_said(partial):
     assert frame["correct"][1] == partial["correct"].sel(checkpoint=8).values[1, :2].mean()
     assert np.isnan(frame["convergence_error_low"][[1, 2, 4]]).all()  # fewer than 6 trials
     assert np.isnan(frame[["convergence_round", "convergence_error", "correct"]].loc[2]).all()
-    assert frame.drop(index=[1, 2, 4]).notna().drop(columns="density").all(axis=None)
+    assert frame.drop(index=[1, 2, 4]).notna().drop(columns=["density", "side"]).all(axis=None)
 
 
 def test_the_round_of_right_can_be_chosen(many):
