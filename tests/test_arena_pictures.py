@@ -13,7 +13,8 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.arena_pictures import FINE, LINK, Arena, scene_of, snapshot
+from swarmcensus.arena_margins import LINK
+from swarmcensus.arena_pictures import FINE, Arena, scene_of, snapshot
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError
 from swarmcensus.figures import save
@@ -235,6 +236,24 @@ def test_what_cannot_be_drawn_is_an_input_error(results, scene):
         snapshot(trace.drop_vars("link"), 1, floor)
     with pytest.raises(InputError, match="do not move"):
         snapshot(sc.replay(results, 0, 0), 1)
+
+
+@pytest.mark.parametrize("name", ["short", "a_very_long_name_of_a_study_" * 9, "of words " * 60])
+def test_the_title_names_brain_setting_and_trial_and_fits(results, scene, name):
+    number = moving(results, 9)
+    trace, floor = scene
+    assert f"setting {number}, trial 1: minimalistic, moving, N = 9, D = 5.0" in texts(snapshot(trace, 3, floor))
+    title = trace.attrs["title"].replace("pictures for $2 or $3", name)
+    figure = snapshot(trace.assign_attrs(title=title), 3, floor)
+    figure.draw_without_rendering()
+    boxes = {t.get_text(): t.get_window_extent() for t in figure.texts}
+    (written,) = (text for text in boxes if "setting" in text)
+    if "words" not in name:
+        assert f"setting {number}, trial 1: minimalistic, moving, N = 9" in written.replace("\n", " ")
+    box = boxes.pop(written)
+    assert box.x1 <= figure.bbox.x1
+    assert not any(box.overlaps(other) for other in boxes.values())
+    assert all(other.y1 <= figure.bbox.y1 for other in boxes.values())
 
 
 # ---- robots that fail

@@ -143,7 +143,7 @@ def test_bad_studies(change, said, here, capsys):
         (["plot", "good.nc", "--out", "x.bmp"], "figures are written as"),
         (["plot", "good.nc", "--kind", "heatmap", "--local"], "--local goes with --kind scatter"),
         (["plot", "good.nc", "--local"], "local"),
-        (["plot", "good.nc", "--kind", "heatmap"], "select one: --where 'topology == "),
+        (["plot", "good.nc", "--kind", "heatmap"], "select some of the settings, as --where 'topology == "),
         (["replay", "good.nc", "--setting", "77", "--trial", "0"], "setting 77: these results hold"),
         (["replay", "good.nc", "--setting", "0", "--trial", "0", "--out", "x.txt"], "written as .csv or .nc"),
         (["replay", *FIRST, "--out", "new.nc", "--plot", "folder.png"], "cannot write folder.png: it is a folder"),

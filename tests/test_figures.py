@@ -14,11 +14,15 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 
 from swarmcensus import figures
 from swarmcensus.errors import InputError
+from swarmcensus.looks import keyed, looks_of, palette
 from swarmcensus.panels import varies
-from swarmcensus.sheets import label_dots, looks_of, palette
+from swarmcensus.selecting import TooMuch, where
+from swarmcensus.sheets import label_dots
+from swarmcensus.statistics import interval_of
 
 PAPER = [f"{a:.3f}" for a in np.arange(0.525, 0.98, 0.05)] + ["U(0.525,0.975)"]
 
@@ -82,12 +86,26 @@ def test_palette_gets_lighter_and_stays_off_black_and_white(count):
     assert lightness[-1] < 88
 
 
-def test_looks_are_ordered_and_spread_accuracies_are_black_but_differ_in_shape():
+def test_looks_are_ordered_and_spread_accuracies_differ_in_colour_and_shape():
     looks = looks_of(["U(0.5,0.9)", "0.975", "0.6", "0.525", "N(0.75,0.1)", "black=0.9 white=0.6"], "o")
     assert list(looks) == ["0.525", "0.6", "0.975", "N(0.75,0.1)", "U(0.5,0.9)", "black=0.9 white=0.6"]
-    black = [look for look in looks.values() if look.colour == "#000000"]
-    assert len({look.marker for look in black}) == len(black) == 3
-    assert [look.name for look in black] == ["N(0.75, 0.1)", "U(0.5, 0.9)", "b = 0.9, w = 0.6"]
+    spread = [look for look in looks.values() if look.spread]
+    assert [look.name for look in spread] == ["N(0.75, 0.1)", "U(0.5, 0.9)", "b = 0.9, w = 0.6"]
+    assert len({look.marker for look in spread}) == len({look.colour for look in looks.values()}) / 2 == 3
+    assert spread[0].colour == "#000000"  # as in the paper
+    assert (
+        len({(look.colour, look.marker) for look in looks_of([f"U(0.5,0.{i})" for i in range(6, 10)], "d").values()})
+        == 4
+    )
+
+
+def test_a_key_names_some_of_very_many_accuracies_and_both_ends():
+    numbers = [f"{0.5 + 0.005 * i:.3f}" for i in range(80)]
+    title, named = keyed(looks_of([*numbers, "U(0.5,0.9)"], "o"))
+    assert title == "sensor accuracy\n(21 of 81 named)"
+    assert next(iter(named)) == numbers[0]
+    assert list(named)[-2:] == [numbers[-1], "U(0.5,0.9)"]
+    assert keyed(looks_of(PAPER, "o")) == ("sensor accuracy", looks_of(PAPER, "o"))
 
 
 def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
@@ -105,6 +123,18 @@ def test_labels_keep_the_order_of_their_dots_and_do_not_touch():
     (lines,) = (c for c in ax.collections if isinstance(c, LineCollection))
     ends = {tuple(np.round(path.vertices[-1], 9)) for path in lines.get_paths()}
     assert {(0.5, 0.2), (0.501, 0.3), (1.0, 0.5), (0.7, 1.0)} <= ends
+
+
+def test_of_more_labels_than_fit_some_are_written_and_none_beside_the_axes():
+    figure = Figure(figsize=(3, 3))
+    FigureCanvasAgg(figure)
+    ax = figure.add_subplot()
+    label_dots(ax, [(i / 99, 0.5) for i in range(100)], [f".{i}" for i in range(100)])
+    figure.draw_without_rendering()
+    boxes = [t.get_window_extent() for t in ax.texts]
+    assert 10 < len(boxes) < 50
+    assert max(box.x1 for box in boxes) <= ax.bbox.x1 + boxes[0].width
+    assert all(left.x1 <= right.x0 for left, right in itertools.pairwise(boxes))
 
 
 # ---- scatter
@@ -163,6 +193,40 @@ def test_all_settings_of_an_accuracy_share_its_series():
     assert len(drawn(ax, "dots 0.6")) == 2 * 5 * 8
     mine = results.isel(setting=[0, 2])
     assert drawn(ax, "median 0.6")[0, 1] == pytest.approx(float(mine.convergence_error.median()))
+
+
+def test_a_mixed_swarm_is_a_ring_and_lies_below():
+    results = study(["0.6", "U(0.5,0.9)"])
+    for name in ("convergence_round", "convergence_error"):
+        results[name][1] = results[name][0]  # the same robots: one median on the other
+    (ax,) = figures.scatter(results).axes
+    lines = {line.get_label(): line for line in ax.lines}
+    ring, dot = lines["median U(0.5,0.9)"], lines["median 0.6"]
+    assert ring.get_markerfacecolor() == "none"
+    assert dot.get_markerfacecolor() == palette(1)[0]
+    assert lines["dots U(0.5,0.9)"].get_zorder() < lines["dots 0.6"].get_zorder()
+    ax.figure.canvas.draw()
+    shown = np.asarray(ax.figure.canvas.buffer_rgba())[..., :3] / 255
+    x, y = ax.transData.transform(dot.get_xydata()[0])
+    np.testing.assert_allclose(shown[len(shown) - 1 - int(y), int(x)], to_rgb(palette(1)[0]), atol=0.02)
+
+
+def test_medians_have_crosses_of_intervals_over_trials():
+    results = study(["0.6", "0.7"], trials=8)
+    results["convergence_round"][1, 2:] = -1  # two trials alone
+    figure = figures.scatter(results)
+    (ax,) = figure.axes
+    ends = drawn(ax, "cross 0.6")
+    x, y = (results[name][0].values for name in ("convergence_round", "convergence_error"))
+    _, left, right = interval_of(x.astype(float), "median")
+    _, low, high = interval_of(y, "median")
+    middle = np.median(x), np.median(y)
+    np.testing.assert_allclose(
+        ends, sorted([(left, middle[1]), (right, middle[1]), (middle[0], low), (middle[0], high)])
+    )
+    assert not drawn(ax, "cross 0.7").size
+    assert "95 % interval" in texts(figure)
+    assert "interval" not in texts(figures.scatter(results.isel(trial=slice(5))))
 
 
 def test_dots_above_the_limit_are_counted():
@@ -247,6 +311,25 @@ def test_a_bar_stands_only_where_all_robots_of_all_trials_are_right():
     assert len(drawn(ax, "right 0.7")) == 2  # nothing is drawn where nothing was run
     bars, diamonds = drawn(ax, "all right 0.6"), drawn(ax, "right 0.6")
     assert {tuple(bar) for bar in bars} <= {tuple(diamond) for diamond in diamonds}
+
+
+def test_a_thin_line_is_the_interval_over_trials():
+    results = study(["0.6", "U(0.5,0.9)"], trials=20, checkpoints=(10, 100))
+    results["correct"][0, 1] = 1.0
+    results["correct"][1, 1, 15:] = np.nan  # not run yet
+    figure = figures.decisions(results)
+    (ax,) = figure.axes
+    for setting, name in enumerate(("0.6", "U(0.5,0.9)")):
+        (lines,) = (c for c in ax.collections if c.get_label() == f"interval {name}")
+        for checkpoint, line in enumerate(lines.get_segments()):
+            shares = results["correct"].values[setting, checkpoint]
+            _, low, high = interval_of(shares[np.isfinite(shares)][:, None], "mean", share=True)
+            np.testing.assert_allclose(line[:, 1], [100 * low, 100 * high])
+            np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
+            assert high > low
+    assert "95 % interval" in texts(figure)
+    few = figures.decisions(results.isel(trial=slice(5)))
+    assert "interval" not in texts(few)
 
 
 @pytest.mark.parametrize("panels", [1, 4, 12])
@@ -361,14 +444,31 @@ def test_heatmap_writes_the_median_of_each_cell_and_leaves_out_what_was_not_run(
 
 def test_heatmap_names_what_varies_and_how_to_select():
     both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
-    with pytest.raises(
-        InputError, match=r"topology varies too \(ring, full\).*--where 'topology == \"ring\"'"
-    ) as caught:
+    with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
         figures.heatmap(both)
-    advice = str(caught.value).partition("in Python ")[2]
-    selected = eval(advice, {"results": both})
+    assert "--where" not in str(caught.value)
+    selected = eval(str(caught.value).partition("settings, as ")[2], {"results": both})
     assert set(selected.topology.values) == {"ring"}
     figures.heatmap(selected)
+    assert caught.value.shell.endswith("""--where 'topology == "ring"'""")
+    more = xr.concat([both, both.assign_coords(robots=("setting", [9] * both.sizes["setting"]))], "setting")
+    with pytest.raises(TooMuch, match=r"topology \(ring, full\), robots \(8, 9\) vary too") as caught:
+        figures.heatmap(more)
+    figures.heatmap(where(more, caught.value.shell.split("'")[1]))
+
+
+def test_no_formula_is_written_raw_and_no_name_is_read_as_one():
+    written = texts(figures.heatmap(grid_study(), title="costs $2 or $3"))
+    assert "costs $2 or $3" in written
+    figure = figures.heatmap(grid_study())
+    for ax in figure.axes:
+        title = ax.title if ax.get_title() else ax._left_title
+        assert "$" in title.get_text()
+        assert title.get_parse_math()
+    for figure in (figures.scatter(study(["0.6"]), title="$2 or $3"), figures.curves(trace(3), title="$2 or $3")):
+        assert "$2 or $3" in texts(figure)
+        figure.canvas.draw()
+        assert not figure.axes[0]._left_title.get_parse_math()
 
 
 # ---- panels
@@ -418,8 +518,66 @@ def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
     for grid in (figures.scatter_grid, figures.decisions_grid):
         with pytest.raises(InputError, match=r"24 panels, not 25: select"):
             grid([("", results)] * 25)
+        parts = [results.assign_coords(fill_ratio=("setting", [f, f])) for f in np.linspace(0.1, 0.9, 13)]
+        many = xr.concat([part.assign_coords(topology=("setting", [t, t])) for t in "ab" for part in parts], "setting")
+        with pytest.raises(TooMuch, match="24 panels, not 26") as caught:
+            grid(figures.panels_of(many))
+        assert caught.value.shell.endswith("--where 'fill_ratio == 0.1'")
+        assert "--where" not in str(caught.value)
+        chosen = eval(str(caught.value).partition("settings, as ")[2], {"results": many})
+        assert len(grid(figures.panels_of(chosen)).axes) == 2
         with pytest.raises(InputError, match="not 0"):
             grid([])
+
+
+# ---- names of any length
+
+LONG = ("watts_strogatz_graph(k=4,p=0.1)", "warehouse_measured_links_2024-05-17_north_wing_final_v2", "w" * 300)
+
+
+def assert_fits(figure: Figure) -> None:
+    """All that is drawn stands on the paper, and no text upon a panel's caption or the title."""
+    figure.draw_without_rendering()
+    captions = [t for ax in figure.axes for t in (ax._left_title,) if t.get_text()]
+    others = [t for ax in figure.axes for t in (*ax.texts, ax.xaxis.label, ax.yaxis.label) if t.get_text()]
+    others += [t for ax in figure.axes if ax.get_legend() for t in ax.get_legend().findobj(Text) if t.get_text()]
+    others += [t for t in figure.texts if t.get_text()]
+    boxes = {id(t): t.get_window_extent() for t in captions + others}
+    axes = [axis.get_tightbbox() for ax in figure.axes for axis in (ax.xaxis, ax.yaxis)]
+    keys = [ax.get_legend().get_window_extent() for ax in figure.axes if ax.get_legend()]
+    for box in filter(None, (*boxes.values(), *axes, *keys)):
+        assert min(box.x0, box.y0, figure.bbox.x1 - box.x1, figure.bbox.y1 - box.y1) >= -1, box
+    for caption in captions:
+        for other in captions + others:
+            assert other is caption or not boxes[id(caption)].overlaps(boxes[id(other)]), (caption, other)
+
+
+@pytest.mark.parametrize("count", [1, 4, 8])
+def test_long_names_stay_in_their_panels(count):
+    results = study(["0.6", "black=U(0.525,0.975) white=N(0.75,0.1)"], robots=2)
+    captions = [f"{LONG[i % 3]}, {LONG[(i + 1) % 2]}, N = 1,000, f = 0.55" for i in range(count)]
+    title = "a title of many words " * 40
+    if count < 8:
+        assert_fits(figures.scatter_grid([(caption, results) for caption in captions], title=title))
+    figure = figures.decisions_grid([(caption, results) for caption in captions])
+    assert_fits(figure)
+    for ax, caption in zip(figure.axes, captions, strict=True):
+        written = ax.get_title("left").replace("\n", "").replace(" ", "")
+        assert written.endswith("N=1,000,f=0.55")
+        assert "…" in written or caption.replace(" ", "") in written
+
+
+def test_long_names_of_curves_heatmaps_and_many_accuracies_stay_on_the_paper():
+    name = f"{LONG[1]} of {LONG[0]} $x$, setting 2, trial 0: {LONG[1]}.py, {LONG[0]}, N = 4, accuracy 0.6, C = 50"
+    figure = figures.curves(trace(4, fill_ratio=0.55, title=name))
+    assert_fits(figure)
+    assert "setting 2, trial 0:" in texts(figure).replace("\n", " ")
+    mixed = ["black=U(0.525,0.975) white=N(0.75,0.1)", "black=U(0.525,0.975) white=U(0.55,0.975)"]
+    many = study([f"{0.5 + 0.006 * i:.3f}" for i in range(70)] + mixed)
+    for draw in (figures.scatter, figures.decisions):
+        assert_fits(draw(many))
+    parts = [study(["0.6", *mixed], seed=i, fill_ratio=0.123456 + i / 9) for i in range(7)]
+    assert_fits(figures.heatmap(xr.concat(parts, "setting"), title=name))
 
 
 # ---- bad input

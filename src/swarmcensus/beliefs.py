@@ -16,14 +16,17 @@ from numpy.typing import ArrayLike
 
 from swarmcensus import statistics
 from swarmcensus.errors import InputError
-from swarmcensus.panels import panels_of, require
+from swarmcensus.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.panels import check_few, panels_of, require
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
-from swarmcensus.sheets import Look, add_key, caption_panels, looks_of, name_axes, new_sheet, say_empty, solid_dot
+from swarmcensus.sheets import NOTHING, add_key, name_axes, new_sheet, say_empty
 from swarmcensus.statistics import Floats
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}
+ON_AXES = {"accuracy", "assumed_accuracy"}
 MARKERS = "osD^vPXp"
+TICKS = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
 FINE = 401  # points of a dashed line
 BESIDE = 0.3  # of the errors' range: how far from the last one a belief that is drawn for each robot stands
 
@@ -142,18 +145,19 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
     Raises InputError as `costs` does, if there is no finished trial, and for more than 24 panels.
     """
     costs(results)
-    panels = panels_of(results, apart_from={"accuracy", "assumed_accuracy"})
+    panels = panels_of(results, ON_AXES)
+    check_few(panels, ON_AXES)
     drawn = [[cost for cost in _costs(panel.results) if np.isfinite(cost.median)] for panel in panels]
     every = [cost for group in drawn for cost in group]
     if not every:
-        raise InputError("nothing to draw: no trial of these settings has been run")
+        raise InputError(NOTHING)
     looks = looks_of((cost.accuracy for cost in every), "o")
     looks = {text: look._replace(marker=MARKERS[k % 8]) for k, (text, look) in enumerate(looks.items())}
     columns = list(dict.fromkeys(cost.belief for cost in every if cost.error is None))
     errors = sorted({cost.error for cost in every if cost.error is not None}) or [0.0]
     span = max(errors[-1] - errors[0], 0.05)
     places = {belief: errors[-1] + BESIDE * span * (k + 1) for k, belief in enumerate(columns)}
-    axes = new_sheet(len(panels), title)
+    axes = new_sheet([panel.caption for panel in panels], title, below=0.12 if places else 0.0)
     top = 1.08 * max(max(np.nanmax([c.median, c.high, c.predicted]) for c in every), 1e-3)
     for ax, group in zip(axes, drawn, strict=True):
         if not group:
@@ -170,17 +174,17 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
             ax.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
         ax.set_xlim(errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span)
         ax.set_ylim(-0.01 * top, top)
-        shown = [x for x in MaxNLocator(4).tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
+        shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
         ax.set_xticks([*shown, *places.values()], names)
         name_axes(ax, "belief: assumed less true accuracy", r"final error $|x - f\,|$, median")
-    caption_panels(axes, [panel.caption for panel in panels])
-    entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in looks.values()}
+    heading, named = keyed(looks)
+    entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
     if any(np.isfinite(cost.low) for cost in every):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=9, color="0.3")
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
-    add_key(axes, "sensor accuracy", entries)
+    add_key(axes, heading, entries)
     return axes[0].figure.canvas.figure
 
 

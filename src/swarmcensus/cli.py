@@ -7,16 +7,13 @@ import time
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.options import MOST_ROWS, parser
+from swarmcensus.plotting import brain_of, figure_files, plot, save_figure
 
 DIFFER = 1  # results that do not come out again as stored
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
-ONLY_OF = {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")} | dict.fromkeys(
-    ("first", "last", "every", "fps"), ("film",)
-)  # options of `plot` that mean something to these kinds
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -84,6 +81,7 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
+    from swarmcensus.cautions import warn_of_start
     from swarmcensus.files import check_writable
     from swarmcensus.progress import reporting
     from swarmcensus.running import run as run_study
@@ -116,6 +114,7 @@ def run(options: argparse.Namespace) -> int:
         print(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on", file=sys.stderr)
         raise
     settings(data, out)
+    warn_of_start(data)
     trials = f"up to {study.trials}" if study.until else str(study.trials)
     print(f"{out}: {data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
     return failures(data)
@@ -134,6 +133,7 @@ def _cluster(options: argparse.Namespace) -> str | None:
 def show(options: argparse.Namespace) -> int:
     """Print the summary of a results file."""
     from swarmcensus import results, selecting, summaries, tables
+    from swarmcensus.cautions import warn_of_start
 
     stored = results.load(options.results)
     data = selecting.where(stored, options.where)
@@ -148,6 +148,7 @@ def show(options: argparse.Namespace) -> int:
     limit = MOST_ROWS if options.limit is None else options.limit
     tables.settings(data, options.results, limit, options.checkpoint, tables.head(stored, options.results))
     tables.failures(data)
+    warn_of_start(data)
     return 0
 
 
@@ -195,75 +196,6 @@ def verify(options: argparse.Namespace) -> int:
     return DIFFER if differ else 0
 
 
-def plot(options: argparse.Namespace) -> int:
-    """Draw a results file."""
-    from swarmcensus import figures, results, traces
-    from swarmcensus.beliefs import beliefs
-    from swarmcensus.selecting import where
-
-    data = where(results.load(options.results), options.where)
-    for name, kinds in ONLY_OF.items():
-        if getattr(options, name) not in (None, False) and options.kind not in kinds:
-            raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
-    if options.kind in ("arena", "film"):
-        return _plot_arena(options, data)
-    if options.kind == "curves":
-        setting = options.setting if options.setting is not None else int(data["setting"].values[0])
-        figure = figures.curves(traces.replay(data, setting, options.trial, options.brain))
-    elif options.kind == "heatmap":
-        figure = figures.heatmap(data)
-    elif options.kind == "beliefs":
-        figure = beliefs(data)
-    elif options.kind == "decisions":
-        figure = figures.decisions_grid(figures.panels_of(data))
-    else:
-        figure = figures.scatter_grid([p._replace(local=options.local) for p in figures.panels_of(data)])
-    out = options.out or Path(f"{options.results.stem}-{options.kind}")
-    _save_figure(figure, out, ("png", "svg"))
-    return 0
-
-
-def _plot_arena(options: argparse.Namespace, data: Any) -> int:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from swarmcensus import arena_pictures, films
-
-    out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
-    films.check_format(out) if options.kind == "film" else _check_suffix(out)
-    trace, floor = arena_pictures.scene_of(data, options.setting, options.trial, options.brain)
-    given = {
-        n: getattr(options, n) for n in ("robot", "first", "last", "every", "fps") if getattr(options, n) is not None
-    }
-    if options.kind == "arena":
-        tick = int(trace["round"][-1]) if options.tick is None else options.tick
-        _save_figure(arena_pictures.snapshot(trace, tick, floor, **given), out, ("png", "svg"))
-        return 0
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("drawing", total=None)
-        frames = films.film(
-            trace, floor, out, **given, progress=lambda done, total: bar.update(task, completed=done, total=total)
-        )
-    print(f"{out}: {frames:,} frames")
-    return 0
-
-
-def _save_figure(figure: Any, out: Path, default: tuple[str, ...]) -> None:
-    from swarmcensus import figures
-
-    suffix = _check_suffix(out)
-    for path in figures.save(figure, out.with_suffix("") if suffix else out, (suffix,) if suffix else default):
-        print(path)
-
-
-def _check_suffix(out: Path) -> str:
-    suffix = out.suffix.lower().lstrip(".")
-    if suffix and suffix not in ("png", "svg", "pdf"):
-        raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
-    return suffix
-
-
 def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus import results
@@ -281,21 +213,27 @@ def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
     from swarmcensus import figures, recordings, results, traces
     from swarmcensus.files import check_writable
+    from swarmcensus.progress import compiling
     from swarmcensus.tables import rounds
 
     if options.plot:
-        _check_suffix(options.plot)
+        figure_files(options.plot, ("png",), options.results)
+    if options.out:
+        _check_trace(options.out)
     recorded = options.recording / "observations.csv" if options.recording else None
-    for path in filter(None, (options.out, options.plot, recorded)):
+    for path in filter(None, (options.out, recorded)):
         check_writable(path, options.results)
     data = results.load(options.results)
-    trace = traces.replay(data, options.setting, options.trial, options.brain)
+    readings = edges = None
+    with compiling(brain_of(data, options.setting)):
+        trace = traces.replay(data, options.setting, options.trial, options.brain)
+        if options.recording:
+            readings, edges = traces.recording(data, options.setting, options.trial, options.brain)
     if options.out:
         recordings.write_trace(trace, options.out)
     if options.plot:
-        _save_figure(figures.curves(trace), options.plot, ("png",))
-    if options.recording:
-        readings, edges = traces.recording(data, options.setting, options.trial, options.brain)
+        save_figure(figures.curves(trace), options.plot, ("png",))
+    if readings is not None and edges is not None:
         robots = [f"robot {i}" for i in range(readings.shape[1])]
         recordings.write_rows(options.recording / "observations.csv", robots, readings)
         header = ["i", "j"] if edges.shape[1] == 2 else ["step", "sender", "receiver"]
@@ -309,28 +247,34 @@ def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded data."""
     from swarmcensus import figures, recordings, traces
     from swarmcensus.files import check_writable
+    from swarmcensus.progress import compiling
     from swarmcensus.tables import rounds
 
     out = options.out or Path(f"{options.observations.stem}-trace.csv")
-    if out.suffix not in (".csv", ".nc"):
-        raise InputError(f"--out {out}: a trace is written as .csv or .nc")
+    _check_trace(out)
     check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
-    if options.plot:
-        _check_suffix(options.plot)
-        check_writable(options.plot)
+    plotted = options.plot or out.with_suffix(".png")
+    figure_files(plotted, ("png",))
     files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}
     readings = recordings.read_observations(options.observations)
     links = recordings.read_links(options.links) if options.links else None
     try:
-        trace = traces.infer(readings, links, recordings.read_accuracy(options.accuracy), options.every, options.brain)
+        accuracy = recordings.read_accuracy(options.accuracy)
+        with compiling(Path(options.brain).name):
+            trace = traces.infer(readings, links, accuracy, options.every, options.brain)
     except InputError as error:  # say which file it is in
         name = next((str(f) for key, f in files.items() if str(error).startswith(key)), None)
         raise InputError(f"{name}: {error}" if name else str(error)) from error
     recordings.write_trace(trace, out)
     rounds(trace)
     print(out)
-    _save_figure(figures.curves(trace), options.plot or out.with_suffix(".png"), ("png",))
+    save_figure(figures.curves(trace), plotted, ("png",))
     return 0
+
+
+def _check_trace(out: Path) -> None:
+    if out.suffix not in (".csv", ".nc"):
+        raise InputError(f"--out {out}: a trace is written as .csv or .nc")
 
 
 def brains(options: argparse.Namespace) -> int:

@@ -18,9 +18,11 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
 
-from swarmcensus.arena_pictures import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE, Arena
+from swarmcensus.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
+from swarmcensus.arena_pictures import Arena
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
+from swarmcensus.scenes import check_tick
 
 MP4_DPI, GIF_DPI = 128, 80
 LENGTH = 600  # ticks of a film unless more or fewer are asked for
@@ -54,22 +56,11 @@ def film(
     imageio-ffmpeg, and where the file cannot be written.
     """
     path = Path(path)
-    ffmpeg = check_format(path)
-    fastest = 240 if ffmpeg else MOST_GIF_FPS
-    if every < 1 or not 1 <= fps <= fastest:
-        raise InputError(f"every {every}, fps {fps}: should be from 1, and at most {fastest} frames a second")
+    suffix_of(path)
     arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps))
-    last = min(first + LENGTH - 1, int(arena.ticks[-1])) if last is None else last
-    for tick in (first, last):
-        arena.index(tick)
-    ticks = range(first, last + 1, every)
-    if not ticks:
-        raise InputError(f"no tick from {first} to {last}: a film needs one at least")
-    if not ffmpeg and len(ticks) > MOST_GIF_FRAMES:
-        raise InputError(
-            f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; show a shorter stretch, fewer of its ticks, "
-            "or write an .mp4"
-        )
+    known = int(arena.ticks[0]), int(arena.ticks[-1])
+    ticks = stretch(path, known, first=first, last=last, every=every, fps=fps)
+    ffmpeg = ffmpeg_for(path)
     frames = _drawn(arena, ticks, MP4_DPI if ffmpeg else GIF_DPI, progress)
     with whole(path) as beside, contextlib.closing(frames):
         if ffmpeg:
@@ -79,15 +70,45 @@ def film(
     return len(ticks)
 
 
-def check_format(path: str | Path) -> Any:
+def suffix_of(path: str | Path) -> str:
+    """Return ".mp4" or ".gif". Raises InputError for another suffix."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".mp4", ".gif"):
+        raise InputError(f"{path}: films are written as .mp4 or .gif")
+    return suffix
+
+
+def stretch(
+    path: str | Path, known: tuple[int, int], *, first: int = 1, last: int | None = None, every: int = 2, fps: int = 20
+) -> range:
+    """Return the ticks that a film shows, of a trial that has those from known[0] to known[1].
+
+    Takes what `film` takes. Raises InputError for a stretch or speed that cannot be.
+    """
+    gif = suffix_of(path) == ".gif"
+    fastest = MOST_GIF_FPS if gif else 240
+    if every < 1 or not 1 <= fps <= fastest:
+        raise InputError(f"every {every}, fps {fps}: should be from 1, and at most {fastest} frames a second")
+    last = min(first + LENGTH - 1, known[1]) if last is None else last
+    for tick in (first, last):
+        check_tick(tick, known)
+    ticks = range(first, last + 1, every)
+    if not ticks:
+        raise InputError(f"no tick from {first} to {last}: a film needs one at least")
+    if gif and len(ticks) > MOST_GIF_FRAMES:
+        raise InputError(
+            f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; show a shorter stretch, fewer of its ticks, "
+            "or write an .mp4"
+        )
+    return ticks
+
+
+def ffmpeg_for(path: str | Path) -> Any:
     """Return the ffmpeg module for an .mp4 and None for a .gif, which Pillow writes.
 
     Raises InputError for another suffix and where imageio-ffmpeg is missing.
     """
-    suffix = Path(path).suffix.lower()
-    if suffix not in (".mp4", ".gif"):
-        raise InputError(f"{path}: films are written as .mp4 or .gif")
-    if suffix == ".gif":
+    if suffix_of(path) == ".gif":
         return None
     try:
         ffmpeg = importlib.import_module("imageio_ffmpeg")

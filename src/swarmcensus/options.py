@@ -98,7 +98,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
     sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
-    sub.add_argument("--trial", type=int, default=0, help="the trial of curves, arena or film (default: %(default)s)")
+    sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
     sub.add_argument("--tick", type=_from_zero, help="when the arena is drawn (default: the last)")
     sub.add_argument("--robot", type=_from_zero, help="whose radio range the arena shows (default: 0)")

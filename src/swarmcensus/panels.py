@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,9 +11,12 @@ from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
 from swarmcensus.networks import MOVING
+from swarmcensus.selecting import TooMuch
+from swarmcensus.statistics import interval_of
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # accuracy -> convergence, error
-Shares = dict[str, tuple[NDArray[np.float64], NDArray[np.bool_]]]  # accuracy -> right, whether all are
+MOST_PANELS = 24
+Cross = tuple[float, float, float, float]  # of a median: lowest and highest convergence, lowest and highest error
 
 CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "topology": "{}",
@@ -28,6 +31,18 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "link_success": "link success {:g}",
     "assumed_accuracy": "assumed accuracy {}",
 }
+
+
+class Share(NamedTuple):
+    """The share of right robots at each checkpoint, whether it is all of them, and the ends of its interval."""
+
+    right: NDArray[np.float64]
+    all_right: NDArray[np.bool_]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+Shares = dict[str, Share]  # by accuracy
 
 
 class Panel(NamedTuple):
@@ -89,6 +104,27 @@ def told(results: xr.Dataset) -> str:
     return max(texts, key=lambda name: (len(texts[name]), len("".join(texts[name]))))
 
 
+def select_some(results: xr.Dataset, apart_from: Collection[str], most: int) -> dict[str, Any]:
+    """Values of coordinates, by name, that leave at most so many panels: those first that leave the fewest."""
+    chosen = {}
+    while len(panels_of(results, apart_from)) > most:
+        varying = varies(results, set(apart_from))
+        name = max(varying, key=lambda name: len(set(varying[name])))
+        chosen[name] = next(value for value in varying[name] if value is not None)
+        results = results.isel(setting=results[name].values == chosen[name])
+    return chosen
+
+
+def check_few(panels: Sequence[Panel], apart_from: Collection[str] = ("accuracy",)) -> None:
+    """Raise InputError for more panels than a figure holds, with advice on how to select some."""
+    if len(panels) > MOST_PANELS:
+        names = [name for name in (*CAPTIONS, "accuracy") if all(name in panel.results.coords for panel in panels)]
+        values = {name: np.concatenate([panel.results[name].values for panel in panels]) for name in names}
+        results = xr.Dataset(coords={name: ("setting", of_all) for name, of_all in values.items()})
+        what = f"a figure holds 1 to {MOST_PANELS} panels, not {len(panels)}"
+        raise TooMuch(what, select_some(results, apart_from, MOST_PANELS))
+
+
 def truth_of(trace: xr.Dataset) -> float:
     """Return the fill ratio that a trace's estimates are held against: see `truth` in docs/study-file.md."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
@@ -123,12 +159,7 @@ def cloud_of(results: xr.Dataset, local: bool) -> Cloud:
 
     Raises InputError if a variable is missing.
     """
-    names = ("convergence_round", "convergence_error")
-    if local:
-        names = ("local_convergence_step", "local_convergence_error")
-    require(results, *names, "accuracy", "rounds", "observations_per_round")
-    when, error = (results[name].transpose("setting", "trial", "robot").values for name in names)
-    done = (when >= 0) & np.isfinite(error)
+    when, error, done = _converged(results, local)
     return {
         accuracy: (when[mine][done[mine]].astype(float), error[mine][done[mine]])
         for accuracy, mine in _accuracies(results)
@@ -136,10 +167,40 @@ def cloud_of(results: xr.Dataset, local: bool) -> Cloud:
     }
 
 
-def shares_of(results: xr.Dataset) -> Shares:
-    """Return the fraction of right robots at each checkpoint (NaN: never run), and whether it is all of them.
+def crosses_of(results: xr.Dataset, local: bool) -> dict[str, Cross]:
+    """Return the 95 % intervals over trials of the medians of a cloud, by accuracy.
 
-    Raises InputError if a variable is missing.
+    There is none of fewer than 6 trials, and of swarms of several sizes. Raises InputError if a variable is missing.
+    """
+    when, error, done = _converged(results, local)
+    crosses = {}
+    for accuracy, mine in _accuracies(results):
+        sizes = np.unique(done[mine].sum(axis=2))
+        if sizes[-1] == 0 or sizes.size > 1 + (sizes[0] == 0):
+            continue
+        whole = done[mine].any(axis=2)
+        rows = [values[mine][whole][done[mine][whole]].reshape(-1, sizes[-1]).astype(float) for values in (when, error)]
+        ends = [end for values in rows for end in interval_of(values, "median")[1:]]
+        if np.isfinite(ends).all():
+            crosses[accuracy] = (ends[0], ends[1], ends[2], ends[3])
+    return crosses
+
+
+def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.bool_]]:
+    """Convergence, error and whether there is one, each (setting, trial, robot)."""
+    names = ("convergence_round", "convergence_error")
+    if local:
+        names = ("local_convergence_step", "local_convergence_error")
+    require(results, *names, "accuracy", "rounds", "observations_per_round")
+    when, error = (results[name].transpose("setting", "trial", "robot").values for name in names)
+    return when, error, (when >= 0) & np.isfinite(error)
+
+
+def shares_of(results: xr.Dataset) -> Shares:
+    """Return the fraction of right robots at each checkpoint (NaN: never run), whether it is all, and its interval.
+
+    The interval of 95 % is over trials; it is NaN for fewer than 6 and for swarms of several sizes. Raises InputError
+    if a variable is missing.
     """
     require(results, "correct", "checkpoint", "accuracy", "robots")
     correct = results["correct"].transpose("setting", "trial", "checkpoint").values
@@ -152,7 +213,13 @@ def shares_of(results: xr.Dataset) -> Shares:
         if asked.any():
             share = np.full(asked.shape, np.nan)
             np.divide(right[mine].sum((0, 1)), asked, out=share, where=asked > 0)
-            shares[accuracy] = (share, ((correct[mine] == 1) | ~known[mine]).all((0, 1)) & (asked > 0))
+            all_right = ((correct[mine] == 1) | ~known[mine]).all((0, 1)) & (asked > 0)
+            low, high = np.full((2, share.size), np.nan)
+            if np.unique(results["robots"].values[mine]).size == 1:
+                for k in np.flatnonzero(asked):
+                    one_a_trial = correct[mine, :, k][known[mine, :, k]][:, np.newaxis]
+                    low[k], high[k] = interval_of(one_a_trial, "mean", share=True)[1:]
+            shares[accuracy] = Share(share, all_right, low, high)
     return shares
 
 

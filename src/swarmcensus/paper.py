@@ -168,7 +168,7 @@ def _simulate(
             if progress:
                 before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
                 total, work_total = sum(trials.values()), sum(work.values())
-                progress(Progress(int(before) + now.done, total, work_before + now.work_done, work_total))
+                progress(Progress(int(before) + now.done, total, work_before + now.work_done, work_total, now.note))
 
         for name, study in studies.items():
             datasets[name] = run(study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say)

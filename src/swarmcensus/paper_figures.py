@@ -52,8 +52,8 @@ def _moving(caption: str, density: float, fill: float) -> View:
 
 _DOTS = (
     "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong it "
-    "then was. The solid, outlined dots are medians, a colour for each sensor accuracy, black for the heterogeneous "
-    "swarm. Best is bottom left. "
+    "then was. The outlined dots are medians, a colour for each sensor accuracy, a black ring for the heterogeneous "
+    "swarm; crosses that stand out are their 95 % intervals over trials. Best is bottom left. "
 )
 
 FIGURES: tuple[PaperFigure, ...] = (
@@ -104,11 +104,11 @@ FIGURES: tuple[PaperFigure, ...] = (
             _moving("moving, D = 1, f = 0.95", 1.0, 0.95),
         ),
         text="If the swarm were asked after so long: the share of robots, over all trials, that pick the right one of "
-        "ten bins. A diamond for each sensor accuracy, side by side; the bar through a diamond says that not one "
-        "robot of any trial was wrong. Columns of (a) and (b), in communication rounds of 10 observations, stand "
-        "above those of (c) and (d), in ticks of one observation, after as many observations. Two things "
-        "to look at: which swarms climb to the top, and how early the heterogeneous one comes close, whose robots with "
-        "poor sensors depend on whom they hear. The paper shows the same four panels.",
+        "ten bins. A diamond for each sensor accuracy, side by side; a thin line through it is its 95 % interval "
+        "over trials, and a bar on top of it says that not one robot of any trial erred. Columns of (a) and (b), in "
+        "communication rounds of 10 observations, stand above those of (c) and (d), in ticks of one observation, after "
+        "as many observations. Two things to look at: which swarms climb to the top, and how early the heterogeneous "
+        "one comes close, whose robots with poor sensors depend on whom they hear. The paper shows these four panels.",
         claims=(
             *("consensus", "sooner-right", "consensus-moving", "mixed-consensus-moving", "mixed-sooner-moving"),
             "like-tree-moving",

@@ -71,6 +71,26 @@ def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
     return f"{progress.done / elapsed:,.0f}/s", f"{clock(left)} left"
 
 
+@contextlib.contextmanager
+def compiling(name: str) -> Iterator[None]:
+    """Say on stderr that `name` is being compiled where something is: not where it lies in the cache."""
+    from numba.core import event
+
+    class Teller(event.Listener):  # type: ignore[misc]
+        told = False
+
+        def on_start(self, event: object) -> None:
+            if not self.told:
+                print(f"compiling {name}, once on this machine", file=sys.stderr, flush=True)
+            self.told = True
+
+        def on_end(self, event: object) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Teller()):
+        yield
+
+
 def clock(seconds: float) -> str:
     """Seconds as 1:02:03, or 2:03."""
     minutes, seconds = divmod(round(seconds), 60)

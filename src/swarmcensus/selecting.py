@@ -1,8 +1,9 @@
 """Picks settings of a dataset by an expression such as 'topology == "ring" and accuracy == 0.675'."""
 
 import ast
+import json
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,19 @@ COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Gt: operator.gt,
     ast.GtE: operator.ge,
 }
+
+
+class TooMuch(InputError):
+    """More settings than a figure shows, and how to select some: to users of Python, and in `shell` to those of one."""
+
+    def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
+        """Say `what` is too much, and to select settings by coordinates, as these values of theirs do."""
+        advice = f"{what}: select some of the settings"
+        masks = [f"(results.{name} == {value!r})" for name, value in chosen.items()]
+        terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
+        python = f", as results.isel(setting=({' & '.join(masks)}).values)" if chosen else ""
+        super().__init__(advice + python)
+        self.shell = advice + (f", as --where '{' and '.join(terms)}'" if chosen else "")
 
 
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:

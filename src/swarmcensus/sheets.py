@@ -1,135 +1,105 @@
-"""The sheet that figures are drawn on: its panels, axes, looks and key, and how it is saved."""
+"""The sheet that figures are drawn on: its panels, captions, axes and key, and how it is saved."""
 
 from __future__ import annotations
 
-import re
 import string
 import threading
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Literal, NamedTuple
+from typing import Literal
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib import patheffects
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
+from swarmcensus.lettering import SPACING, wrapped
+from swarmcensus.panels import MOST_PANELS
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
 
 SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
-MOST_PANELS = 24
+CAPTION, TITLE = SMALL + 1.5, SMALL + 3
+NOTHING = "nothing to draw: no trial of these settings has been run"
 
 # matplotlib's settings belong to the whole process: threads that save at the same time take turns.
 _settings = threading.Lock()
 
 
-class Look(NamedTuple):
-    """How one sensor accuracy appears: its name in the key, a short one for labels, colour and marker."""
-
-    name: str
-    short: str
-    colour: str
-    marker: str
-
-
-def palette(count: int) -> list[str]:
-    """Return `count` colours for ordered values, dark to light, as #rrggbb.
-
-    Perceptually uniform with rising luminance: the order survives colour blindness and grey print. Both ends
-    are cut off, for black has a meaning of its own and the palest end is lost on white paper.
-    """
-    return [to_hex(colour) for colour in mpl.colormaps["viridis"](np.linspace(0.06, 0.9, count))]
-
-
-def looks_of(accuracies: Iterable[str], marker: str) -> dict[str, Look]:
-    """Return the look of every distinct accuracy, in drawing order: numbers upwards, then all others.
-
-    Numbers share `marker` and get colours by rank, darkest where sensors are worst. All others (spread over
-    the swarm, or different for black and white) are black, as in the paper, and told apart by shape.
-    """
-    distinct = set(accuracies)
-    numbers = sorted((text for text in distinct if re.fullmatch(r"\d*\.?\d+", text)), key=float)
-    looks = {
-        text: Look(text, text.removeprefix("0"), colour, marker)
-        for text, colour in zip(numbers, palette(len(numbers)), strict=True)
-    }
-    for i, text in enumerate(sorted(distinct.difference(numbers))):
-        name = re.sub(r",\s*", ", ", text.replace("black=", "b = ").replace(" white=", ", w = "))
-        short = "b≠w" if "w = " in name else name.split("(")[0]
-        looks[text] = Look(name, short, "#000000", f"{marker}s^vPXph"[i % 8])
-    return looks
-
-
-def solid_dot(look: Look, size: float, edge: float) -> Line2D:
-    """Return a solid, outlined marker of this look, still without data: for keys and medians."""
-    return Line2D(
-        [], [], linestyle="", marker=look.marker, markersize=size, markerfacecolor=look.colour,
-        markeredgecolor="black", markeredgewidth=edge,
-    )  # fmt: skip
-
-
-def halo(width: float) -> list[patheffects.AbstractPathEffect]:
-    """Return a white rim of `width` points, which keeps what it surrounds legible upon dense dots."""
-    return [patheffects.withStroke(linewidth=width, foreground="white")]
-
-
 def new_sheet(
-    count: int,
+    captions: Sequence[str],
     title: str | None = None,
     *,
     size: tuple[float, float] | None = None,
     left: float = 0.65,
     right: float = 1.6,
     above: float = 0.0,
+    below: float = 0.0,
 ) -> list[Axes]:
-    """Return `count` equal panels on a new figure, in at most 4 columns, with room for a key on the right.
+    """Return equal panels with these captions on a new figure, in at most 4 columns, with room for a key on the right.
 
-    `size` is a panel's width and height (by default, small multiples are smaller), `left` and `right` are
-    margins and `above` is room over each panel: all in inches.
+    `size` is a panel's width and height (by default, small multiples are smaller), `left` and `right` are margins,
+    and `above` and `below` are room over and under each panel, beside that for captions and labels: all in inches.
+    Captions take as many lines as they need.
 
     Raises InputError if there are none or more than 24.
     """
+    count = len(captions)
     if not 1 <= count <= MOST_PANELS:
-        raise InputError(
-            f"a figure holds 1 to {MOST_PANELS} panels, not {count}: select some of the settings, "
-            "e.g. results.isel(setting=(results.topology == 'ring').values)"
-        )
+        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {count}")
     columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
     rows = -(-count // columns)
     wide, high = size or ((4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9))
     # Margins and gaps in inches: the room that text needs does not depend on the number of panels.
-    top, bottom, gap_x, gap_y = above + (0.6 if title else 0.35), 0.55, 0.42, 0.72 + above
+    gap_x, line = 0.42, SPACING / 72
+    room = wide + (gap_x - 0.06 if count > 1 else right - 0.1)
+    lines = [max(1, len(text.splitlines())) for text in _lettered(captions, room)]
+    over = [above + line * CAPTION * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
     width = left + columns * wide + (columns - 1) * gap_x + right
-    height = bottom + rows * high + (rows - 1) * gap_y + top
+    titles = wrapped(title or "", 72 * (width - left - 0.1), TITLE, 3)
+    top = 0.35 + over[0] + line * TITLE * len(titles) + (0.1 if titles else 0.0)
+    bottom, gaps = 0.55 + below, [0.72 + below + more for more in over[1:]]
+    height = bottom + rows * high + sum(gaps) + top
     figure = Figure(figsize=(width, height))
     FigureCanvasAgg(figure)
-    grid = figure.add_gridspec(
-        rows, columns, left=left / width, right=1 - right / width, bottom=bottom / height,
-        top=1 - top / height, wspace=gap_x / wide, hspace=gap_y / high,
+    grid = figure.add_gridspec(  # every second row is a gap
+        2 * rows - 1, columns, left=left / width, right=1 - right / width, bottom=bottom / height,
+        top=1 - top / height, wspace=gap_x / wide, hspace=0.0,
+        height_ratios=[high, *(each for gap in gaps for each in (gap, high))],
     )  # fmt: skip
-    if title:
+    if titles:
         figure.suptitle(
-            title, x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=SMALL + 3, parse_math=False
+            "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=TITLE, parse_math=False
         )
-    return [figure.add_subplot(grid[divmod(i, columns)]) for i in range(count)]
+    axes = [figure.add_subplot(grid[2 * (i // columns), i % columns]) for i in range(count)]
+    caption_panels(axes, captions, above, room)
+    return axes
 
 
-def caption_panels(axes: Sequence[Axes], captions: Sequence[str], above: float = 0.0) -> None:
-    """Write (a), (b), ... and the captions `above` inches over the panels; a single one gets no letter."""
-    for letter, ax, caption in zip(string.ascii_lowercase, axes, captions, strict=False):
-        if caption or len(axes) > 1:
-            text = caption if len(axes) == 1 else f"({letter}) {caption}"
-            ax.set_title(text, loc="left", fontsize=SMALL + 1.5, pad=6 + 72 * above, parse_math=False)
+def caption_panels(
+    axes: Sequence[Axes], captions: Sequence[str], above: float = 0.0, room: float | None = None, *, math: bool = False
+) -> None:
+    """Write (a), (b), ... and the captions over the panels; a single one gets no letter.
+
+    They begin `above` inches over the panels, and are at most `room` inches wide: by default, as wide as a panel. With
+    `math`, what stands between dollar signs is a formula.
+    """
+    if room is None:
+        room = axes[0].bbox.width / axes[0].figure.dpi
+    for ax, text in zip(axes, _lettered(captions, np.inf if math else room), strict=True):
+        ax.set_title(text, loc="left", fontsize=CAPTION, pad=6 + 72 * above, parse_math=math)
+
+
+def _lettered(captions: Sequence[str], room: float) -> list[str]:
+    letters = [""] if len(captions) == 1 else [f"({letter}) " for letter in string.ascii_lowercase]
+    pairs = zip(letters, captions, strict=False)
+    return ["\n".join(wrapped(letter + caption, 72 * room, CAPTION)) for letter, caption in pairs]
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
@@ -149,17 +119,25 @@ def say_empty(axes: Axes) -> None:
 
 
 def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put one key for all panels right of the first row, where it can hide no data."""
+    """Put one key for all panels right of the first row, where it can hide no data.
+
+    Long names are wrapped; the letters are smaller where there are more lines than fit.
+    """
     places = [ax.get_subplotspec() for ax in axes]
     last = [ax for ax, place in zip(axes, places, strict=True) if place and place.is_last_col()]
     corner = last[0] if last else axes[-1]
-    room = corner.bbox.y1 * 72 / corner.figure.dpi - 15  # points from the panel's top to the paper's end
-    lines = sum(1 + name.count("\n") for name in entries)
-    corner.legend(
-        list(entries.values()), list(entries), title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
+    points = 72 / corner.figure.dpi
+    wide = max((corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * SMALL, 60.0)
+    names = ["\n".join("\n".join(wrapped(line, wide, SMALL)) for line in name.split("\n")) for name in entries]
+    lines = sum(1 + name.count("\n") for name in (title, *names))
+    room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
+    legend = corner.legend(
+        list(entries.values()), names, title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
         borderaxespad=0, frameon=False, title_fontsize=SMALL, alignment="left", handlelength=1.2,
         fontsize=float(np.clip(room / lines / 1.6, 3.0, SMALL)),
     )  # fmt: skip
+    for text in legend.get_texts():
+        text.set_parse_math(False)
 
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale) -> None:
@@ -171,9 +149,12 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale) -> None:
         # Rather asinh than symlog: it has no kink. 0 is on the axis, for an estimate may have settled
         # before the first observation.
         axes.set_xscale("asinh", linear_width=1.0)
-        axes.set_xlim(-0.1 if low < 10 else 10.0 ** np.floor(np.log10(low)), 1.15 * high)
+        begin = -0.1 if low < 10 else 10.0 ** np.floor(np.log10(low))
+        axes.set_xlim(begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
-        axes.xaxis.set_major_locator(FixedLocator([0.0, *decades]))
+        few = high < 20 * max(begin, 1.0)  # decades alone would be one label, or two
+        named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
+        axes.xaxis.set_major_locator(FixedLocator([0.0, *named]))
         axes.xaxis.set_minor_locator(FixedLocator(np.outer(decades, np.arange(2, 10)).ravel().tolist()))
         axes.xaxis.set_minor_formatter(NullFormatter())
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
@@ -196,27 +177,29 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     """Write texts[i] above the axes, upright, with a thin line down to dots[i] (data coordinates).
 
     There they cover no data, and stand in the order of the dots, as straight above them as their size allows.
-    The axes must have their final limits and size.
+    Of more than fit, every second one, or third, ... is named. The axes must have their final limits and size.
     """
     size = SMALL - 1.5
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = np.clip(axes.transAxes.inverted().transform(axes.transData.transform(dots)), 0, 1)
     order = np.argsort(ends[:, 0], kind="stable")
+    order = order[:: -(-len(order) // int(1 + width / (1.2 * size)))]
+    ends, texts = ends[order], [texts[i] for i in order]
     # Neighbours stand at least a line apart: pushing all to the right does it, so does pushing all to the
     # left, and so does the mean of both.
     steps = np.arange(len(ends)) * 1.2 * size / width
-    wanted = ends[order, 0] - steps
+    wanted = ends[:, 0] - steps
     right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
     places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
     starts = np.stack([places, np.full(len(ends), 1 + 2 / height)], axis=1)
-    lines = np.stack([starts, ends[order]], axis=1)
+    lines = np.stack([starts, ends], axis=1)
     axes.add_collection(
         LineCollection(list(lines), linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False),
         autolim=False,
     )
-    for i, place in zip(order, places, strict=True):
+    for place, text in zip(places, texts, strict=True):
         axes.text(
-            place, 1 + 3 / height, texts[i], rotation=90, ha="center", va="bottom", fontsize=size,
+            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=size,
             transform=axes.transAxes,
         )  # fmt: skip
 

@@ -45,7 +45,7 @@ def replay(
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
     _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
     trace.attrs |= {
-        "title": f"{study.name}, setting {setting}, trial {trial}: {found}",
+        "title": f"{study.name}, setting {setting}, trial {trial}: {found.brain.name}, {found}",
         "setting": setting,
         "trial": trial,
         "seed": study.seed,

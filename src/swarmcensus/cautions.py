@@ -1,0 +1,42 @@
+"""What a reader of results should be told of them before believing them."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+LEAST = 0.05  # of a setting's robots: fewer are chance
+MOST_NAMED = 8  # settings
+
+
+def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
+    """The share of each setting's robots, over the trials run, whose convergence is 0; NaN without a trial.
+
+    All that such a robot estimated lay within delta of what it believed before any observation: often because the
+    fill ratio is where brains begin, at 0.5. Shape (setting,).
+    """
+    when = data["convergence_round"].transpose("setting", "trial", "robot").values
+    known = (when >= 0).sum(axis=(1, 2))
+    share: NDArray[np.float64] = np.where(known, (when == 0).sum(axis=(1, 2)) / np.maximum(known, 1), np.nan)
+    return share
+
+
+def warn_of_start(data: xr.Dataset) -> None:
+    """Warn of settings of which a twentieth of the robots or more has converged before its first observation."""
+    shares = settled_at_start(data)
+    found = np.flatnonzero(shares >= LEAST)
+    if not found.size:
+        return
+    numbers = data["setting"].values[found]
+    named = ", ".join(map(str, numbers[:MOST_NAMED])) + (", ..." if found.size > MOST_NAMED else "")
+    highest = f"{'up to ' if found.size > 1 else ''}{100 * shares[found].max():.0f} %"
+    delta = f" = {data.attrs['delta']:g}" if "delta" in data.attrs else ""
+    warnings.warn(
+        f"setting{'s' if found.size > 1 else ''} {named}: {highest} of the robots have K = 0: their estimates never "
+        f"left what they believed before any observation by delta{delta} or more. There, K does not "
+        "tell how fast robots learn: choose another fill ratio, or a smaller delta under [measure]",
+        stacklevel=2,
+    )

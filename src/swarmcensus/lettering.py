@@ -1,0 +1,93 @@
+"""How wide texts are, and how they are brought into a width: what others have named may be of any length."""
+
+from __future__ import annotations
+
+import re
+
+from matplotlib.font_manager import FontProperties
+from matplotlib.textpath import text_to_path
+
+SPACING = 1.2  # of a line, in its letters' size
+MOST_LINES = 2  # of one name that is too long for a line; of a longer one, the middle is left out
+SLACK = 1.03  # a renderer fits letters to its dots
+
+
+def width_of(text: str, size: float) -> float:
+    """The width in points of a line of letters `size` points high, dollar signs taken as they are."""
+    return SLACK * float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
+
+
+def shortened(text: str, width: float, size: float) -> str:
+    """The text, or as much of its beginning and end as fits into `width` points with an ellipsis between them."""
+    if width_of(text, size) <= width:
+        return text
+    low, high = 1, len(text) - 1  # letters kept: the beginning gets the odd one
+    while low < high:
+        kept = (low + high + 1) // 2
+        low, high = (kept, high) if width_of(_kept(text, kept), size) <= width else (low, kept - 1)
+    return _kept(text, low)
+
+
+def _kept(text: str, letters: int) -> str:
+    return text[: letters - letters // 2] + "…" + (text[-(letters // 2) :] if letters > 1 else "")
+
+
+def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
+    """The text in lines of at most `width` points, at most `most` of them.
+
+    Lines break between the parts of a list, at ", ", else at spaces. A name that is longer than a line breaks where
+    it can, and one that is longer than two is `shortened` to them. Where there are too many lines, the longest parts
+    are shortened, and at last all of the text.
+    """
+    lines, share = _lines(text, width, size), 1.0
+    while len(lines) > most and share > 0.1:
+        share *= 0.7
+        parts = [shortened(part, share * width, size) for part in _parts(text)]
+        lines = _lines(" ".join(parts), width, size)
+    share = 1.0
+    while len(lines) > most:
+        share *= 0.7
+        lines = _lines(shortened(" ".join(_parts(text)), share * most * width, size), width, size)
+    return lines
+
+
+def _parts(text: str) -> list[str]:
+    return re.split(r"(?<=,) ", " ".join(text.split()))
+
+
+def _lines(text: str, width: float, size: float) -> list[str]:
+    lines = [""]
+    for part in _parts(text):
+        if _put(lines, part, width, size):
+            continue
+        if width_of(part, size) <= width:
+            lines.append(part)
+            continue
+        for word in part.split(" "):
+            if not _put(lines, word, width, size):
+                begun = lines.pop() + " " if 0.0 < width_of(lines[-1], size) < 0.25 * width else ""
+                lines += _broken(begun + word, width, size)
+    return [line for line in lines if line]
+
+
+def _put(lines: list[str], part: str, width: float, size: float) -> bool:
+    """Whether a part found room on the last line, and is on it now."""
+    longer = f"{lines[-1]} {part}".lstrip()
+    if width_of(longer, size) > width:
+        return False
+    lines[-1] = longer
+    return True
+
+
+def _broken(word: str, width: float, size: float) -> list[str]:
+    """A name that is longer than a line in at most MOST_LINES of them, ended after a mark where there is one."""
+    # Each line but the last may lose the letters after its last mark.
+    word = shortened(word, (MOST_LINES - 0.4) * width, size)
+    lines = []
+    while width_of(word, size) > width:
+        fit = max(k for k in range(1, len(word)) if k == 1 or width_of(word[:k], size) <= width)
+        marks = [k for k in range(int(0.6 * fit), fit + 1) if word[k - 1] in "_-,;:./()…"]
+        fit = marks[-1] if marks else fit
+        lines.append(word[:fit])
+        word = word[fit:]
+    return [*lines, word]

@@ -1,0 +1,42 @@
+"""Texts of any length in the room that there is for them."""
+
+import pytest
+
+from swarmcensus.lettering import shortened, width_of, wrapped
+
+NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
+
+
+@pytest.mark.parametrize("width", [20, 60, 200])
+@pytest.mark.parametrize("text", [NAMES, "w" * 500, "a b " * 100, "", "$x^2$", "tab\tand\nline"])
+def test_lines_are_no_wider_than_their_room_and_few(text, width):
+    lines = wrapped(text, width, 9, 6)
+    assert len(lines) <= 6
+    assert all(0 < width_of(line, 9) <= width for line in lines)
+    if not any("…" in line for line in lines):
+        assert "".join(lines).replace(" ", "") == "".join(text.split())
+
+
+def test_lines_break_between_parts_and_inside_a_name_only_where_they_must():
+    assert wrapped(NAMES, 1000, 9) == [NAMES]
+    lines = wrapped(NAMES, 190, 9)
+    assert lines == ["watts_strogatz_graph(k=4,p=0.1),", "my_quite_long_brain_name_of_2024.py,", "N = 10, f = 0.55"]
+    narrow = wrapped(NAMES, 120, 9)
+    assert narrow[-1] == "N = 10, f = 0.55"
+    assert narrow[0] == "watts_strogatz_graph("
+
+
+def test_a_text_too_long_keeps_its_ends():
+    short = shortened("abcdefghijklmnopqrstuvwxyz" * 3, 80, 9)
+    assert 70 < width_of(short, 9) <= 80
+    first, last = short.split("…")
+    assert first.startswith("abc")
+    assert last.endswith("xyz")
+    assert abs(len(first) - len(last)) <= 1
+    assert shortened("short", 80, 9) == "short"
+
+
+def test_of_too_many_lines_the_longest_parts_give_way():
+    lines = wrapped(f"{'long_name_' * 30}, setting 3, trial 0: mine.py, N = 4", 300, 9, 2)
+    assert len(lines) <= 2
+    assert "setting 3, trial 0: mine.py, N = 4" in " ".join(lines)

@@ -1,0 +1,166 @@
+"""`plot`, `replay` and `infer` on the command line: options that mean nothing, checks in their order, what is said."""
+
+import numba
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import panels, progress, scenes, traces
+from swarmcensus.cli import main
+
+LOSSY = """
+trials = 1
+[swarm]
+robots = 4
+accuracy = 0.8
+[world]
+topology = "ring"
+fill_ratio = 0.55
+link_success = 0.5
+[schedule]
+rounds = 5
+"""
+MOVING = LOSSY.replace('"ring"', '["ring", "moving"]\ndensity = 1').replace("rounds", "ticks = 9\nrounds")
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def complaint(capsys, *command):
+    """What a command that must fail says, in one line."""
+    assert main(list(map(str, command))) == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    return error
+
+
+@pytest.mark.parametrize("kind", ["scatter", "decisions", "heatmap", "beliefs"])
+@pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain", "mine.py"]])
+def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, here, capsys):
+    said = complaint(capsys, "plot", small_file, "--kind", kind, *option)
+    assert f"{option[0]} goes with --kind curves or arena or film, not with {kind}" in said
+    assert not list(here.iterdir())
+
+
+def test_a_setting_that_where_leaves_out(small_file, here, capsys):
+    out = ["plot", small_file, "--kind", "curves", "--where", 'topology == "ring"', "--setting"]
+    assert "setting 0 is not one of those that --where 'topology == \"ring\"' selects" in complaint(capsys, *out, 0)
+    assert "setting 99: these results hold setting" in complaint(capsys, *out, 99)
+    ring = int(sc.load(small_file)["setting"].values[sc.load(small_file)["topology"].values == "ring"][0])
+    assert main(["plot", str(small_file), *map(str, out[2:]), str(ring), "--trial", "3", "--out", "x.svg"]) == 0
+    assert f"small, setting {ring}, trial 3: minimalistic, ring, N = " in (here / "x.svg").read_text()
+
+
+def test_advice_for_too_many_panels_is_a_shell_s(small_file, here, capsys, monkeypatch):
+    monkeypatch.setattr(panels, "MOST_PANELS", 4)
+    said = complaint(capsys, "plot", small_file, "--kind", "decisions")
+    assert "16: select some of the settings, as --where '" in said
+    assert "isel" not in said
+    assert main(["plot", str(small_file), "--kind", "decisions", "--where", said.split("'")[1], "--out", "x.png"]) == 0
+    said = complaint(capsys, "plot", small_file, "--kind", "heatmap")
+    assert "isel" not in said
+    assert main(["plot", str(small_file), "--kind", "heatmap", "--where", said.split("'")[1], "--out", "y.png"]) == 0
+
+
+def test_what_can_be_told_at_once_is_told_before_a_trial_is_run_again(small_file, here, capsys, monkeypatch):
+    def replay(*_, **__):
+        raise AssertionError("run again")
+
+    monkeypatch.setattr(traces, "replay", replay)
+    one = ["replay", small_file, "--setting", 0, "--trial", 0]
+    (here / "file").touch()
+    assert "written as .csv or .nc" in complaint(capsys, *one, "--out", "x.txt")
+    assert "figures are written as" in complaint(capsys, *one, "--plot", "x.bmp")
+    assert "cannot write file/x.png" in complaint(capsys, *one, "--plot", "file/x.png")
+    assert "cannot write file/rec" in complaint(capsys, *one, "--recording", "file/rec")
+    assert "figures are written as" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "x.bmp")
+    assert "cannot write file/x.svg" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "file/x.svg")
+    (here / "obs.csv").write_text("0,1\n1,1\n")
+    monkeypatch.setattr(traces, "infer", replay)
+    seen = ["infer", "obs.csv", "--accuracy", "0.8"]
+    assert "cannot write file/x.png" in complaint(capsys, *seen, "--plot", "file/x.png")
+    assert {p.name for p in here.iterdir()} == {"file", "obs.csv"}
+
+
+def test_a_recording_that_cannot_be_leaves_nothing(here, capsys):
+    (here / "lossy.toml").write_text(LOSSY)
+    assert main(["run", "lossy.toml"]) == 0
+    capsys.readouterr()
+    files = set(here.iterdir())
+    one = ["replay", "lossy.nc", "--setting", 0, "--trial", 0, "--out", "t.csv", "--plot", "t.png", "--recording", "r"]
+    assert "a recording tells neither" in complaint(capsys, *one)
+    assert set(here.iterdir()) == files
+
+
+def test_a_film_s_faults_are_told_before_what_the_machine_lacks(here, capsys, monkeypatch):
+    (here / "m.toml").write_text(MOVING)
+    assert main(["run", "m.toml"]) == 0
+    capsys.readouterr()
+
+    def scene_of(*_, **__):
+        raise AssertionError("run again")
+
+    monkeypatch.setattr(scenes, "scene_of", scene_of)
+    monkeypatch.setitem(__import__("sys").modules, "imageio_ffmpeg", None)
+    film = ["plot", "m.nc", "--kind", "film"]
+    for options, said in (
+        (["--setting", 0], "setting 0 is a fixed network"),
+        (["--setting", 9], "setting 9: these results hold"),
+        (["--trial", 1], "trial 1: these results hold"),
+        (["--brain", "none.py"], "none.py"),
+        (["--last", 10], "tick 10: this trial has ticks 0 to 9"),
+        (["--first", 5, "--last", 4], "no tick from 5 to 4"),
+        (["--robot", 4], "robot 4: the robots are numbered 0 to 3"),
+        (["--fps", 500], "at most 240 frames a second"),
+        ([], "pip install 'imageio-ffmpeg"),
+    ):
+        told = complaint(capsys, *film, *options)
+        assert said in told
+        assert ("pip install" in told) == (not options)
+    arena = ["plot", "m.nc", "--kind", "arena", "--tick", 10]
+    assert "tick 10: this trial has ticks 0 to 9" in complaint(capsys, *arena)
+
+
+def test_compiling_is_told_once_and_only_where_it_happens(capsys):
+    @numba.njit
+    def twice(x):
+        return inside(x)
+
+    @numba.njit
+    def inside(x):
+        return 2 * x
+
+    with progress.compiling("mine.py"):
+        assert twice(1) == 2
+    assert capsys.readouterr().err == "compiling mine.py, once on this machine\n"
+    with progress.compiling("mine.py"):
+        assert twice(1) == 2
+    assert twice(1.0) == 2.0
+    assert capsys.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("command", "where"),
+    [
+        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (traces, "replay")),
+        (["replay", "FILE", "--setting", "0", "--trial", "0"], (traces, "replay")),
+        (["infer", "obs.csv", "--accuracy", "0.8"], (traces, "infer")),
+    ],
+)
+def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, capsys, monkeypatch):
+    (here / "obs.csv").write_text("0,1\n1,1\n")
+    true = getattr(*where)
+
+    def compiles(*arguments: object) -> xr.Dataset:
+        numba.njit(lambda x: x)(1)
+        return true(*arguments)
+
+    command = [str(small_file) if word == "FILE" else word for word in command]
+    assert main(command) == 0
+    assert "compiling" not in capsys.readouterr().err
+    monkeypatch.setattr(*where, compiles)
+    assert main(command) == 0
+    assert capsys.readouterr().err == "compiling minimalistic, once on this machine\n"
