@@ -49,6 +49,8 @@ def call(brain: Brain, where: str, name: str, me: Any, *given: Any) -> Any:
         )
     for field in brain.memory:
         value = getattr(me, field)
+        if type(value) is float and value == value:
+            continue
         if not isinstance(value, int | float) or isinstance(value, bool):
             raise Fault(f"{at(brain, name)} makes me.{field} {value!r}, not a number ({where})")
         if value != value or (isinstance(value, int) and value.bit_length() > 1023):
@@ -239,7 +241,7 @@ def _sums_add(brain: Brain) -> None:
         message = call(brain, where, "broadcast", me)
         blank = brain.robot(0.8, 0.7)
         call(brain, where, "receive", blank, message)
-        for mind in (copy_of(brain, me), _any_mind(brain, random), _any_mind(brain, random)):
+        for mind in (copy_of(brain, me), _any_mind(brain, random)):
             for _ in range(2):
                 before = copy_of(brain, mind)
                 try:
@@ -263,8 +265,10 @@ def _sums_add(brain: Brain) -> None:
 def _any_mind(brain: Brain, random: np.random.Generator) -> Any:
     """Whatever numbers: what a sum grows by may not depend on them."""
     mind = brain.robot(float(random.random()), float(random.random()))
-    for name in brain.memory:
-        setattr(mind, name, float(random.choice([-1.0, 1.0]) * 10.0 ** random.uniform(-2, 4)))
+    fields = len(brain.memory)
+    values = random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 4, fields)
+    for name, value in zip(brain.memory, values.tolist(), strict=True):
+        setattr(mind, name, value)
     return mind
 
 
