@@ -1,11 +1,17 @@
 """The conformance suite passes the shipped brains and names each fault of a broken one."""
 
+import os
+import re
+from pathlib import Path
+
 import pytest
 
-from swarmcensus import brains
-from swarmcensus.conformance import CHECKS, check
+from swarmcensus import brains, conformance
+from swarmcensus.conformance import check, checks
+from swarmcensus.promises import PROMISES
 
 GOOD = brains.load("minimalistic").source
+PAGE = Path(__file__).parents[1] / "docs" / "brain-contract.md"
 TINY = '''"""The mean of one's own readings."""
 
 import math
@@ -38,48 +44,223 @@ def estimate(me):
 '''
 
 
+OWN = "    me.n += blacks\n"  # the line of TINY's observe that follows `me.t += looks`
+HEAR = "def receive(me, message):\n    pass\n"
+FUSE = "def fuse(me):\n    pass\n"
+
+
+def changed(path, *changes):
+    """A brain file: TINY with these changes."""
+    source = TINY.replace("return math.sqrt(me.n / me.t) ** 2", "return me.n / me.t")
+    for old, new in changes:
+        assert old in source
+        source = source.replace(old, new)
+    path.write_text(source)
+    return path
+
+
+def faults_of(path):
+    """What the checks that do not compile find."""
+    return {one.name: one.fault for one in conformance.examine(path, PROMISES) if one.fault}
+
+
 @pytest.mark.parametrize("name", brains.shipped())
 def test_shipped_brains_conform(name):
     found = check(name)
-    assert len(found) == len(CHECKS) + 1
+    assert len(found) == len(checks()) + 1
     assert [c.fault for c in found] == [None] * len(found)
 
 
 def test_a_brain_of_ones_own(tmp_path):
     (tmp_path / "tiny.py").write_text(TINY)
-    assert [c.fault for c in check(tmp_path / "tiny.py")] == [None] * 8
+    found = list(conformance.examine(tmp_path / "tiny.py", PROMISES))
+    assert [c.fault for c in found] == [None] * 9
 
 
 @pytest.mark.parametrize(
     ("change", "name", "said"),
     [
-        (("    me.n += blacks\n", "    me.n += blacks\n    me.diary = 1.0\n"), "remembers", "diary"),
+        ((OWN, OWN + "    me.diary = 1.0\n"), "remembers", "observe fails at line 12 (me.diary = 1.0): AttributeError"),
+        ((OWN, "    me.n += blacks * math.inf * 0.0\n"), "remembers", "observe (line 9) makes me.n NaN (b = 0.0"),
+        ((OWN, "    me.n = 1 << 1023\n"), "remembers", "observe (line 9) makes me.n a whole number too large for 8"),
+        ((OWN, OWN + "    if me.t > 5.0:\n        raise SystemExit\n"), "remembers", "line 13 (raise SystemExit)"),
+        ((OWN, OWN + "    observe(me, blacks, looks)\n"), "remembers", "RecursionError: maximum recursion"),
+        ((OWN, OWN + "    me.b = 0.9\n"), "remembers", "observe (line 9) sets me.b and me.w from (0.0, 0.0) to (0.9"),
+        ((FUSE, "def fuse(me):\n    me.w = 0.9\n"), "remembers", "fuse (line 22) sets me.b and me.w from"),
         (("return me.n / me.t", "return 2.0 * me.n / me.t"), "gives finite", "not a number in [0, 1]"),
-        (("if me.t == 0.0:", "if me.t < 0.0:"), "gives finite", "ZeroDivisionError"),
+        (("if me.t == 0.0:", "if me.t < 0.0:"), "gives finite", "estimate fails at line 29 (return me.n / me.t): Zero"),
         (("return (me.n,)", "return (me.n, me.t)"), "gives finite", "not a tuple of 1"),
         (("return (me.n,)", "return (math.inf,)"), "gives finite", "not a finite number"),
-        (("return (me.n,)", "me.n += 1.0\n    return (me.n,)"), "only read", "broadcast changes me.n"),
-        (('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nSUMS = ("n",)'), "SUMS", "by SUMS it adds to n alone"),
+        (("return (me.n,)", "me.n += 1.0\n    return (me.n,)"), "only read", "broadcast (line 14) changes me.n"),
+    ],
+)  # fmt: skip
+def test_faults_are_found(change, name, said, tmp_path):
+    fault = next(fault for found, fault in faults_of(changed(tmp_path / "bad.py", change)).items() if name in found)
+    assert said in fault
+
+
+def test_a_robot_may_hear_others_before_it_has_observed(tmp_path):
+    """As one that avoids an obstacle in the first tick does, or one whose sensor has failed."""
+    path = changed(tmp_path / "bad.py", (HEAR, "def receive(me, message):\n    me.n += 0.0 / me.t\n"))
+    assert "receive fails at line 19 (me.n += 0.0 / me.t): ZeroDivisionError" in str(faults_of(path))
+
+
+@pytest.mark.parametrize(
+    "adds",
+    [
+        "me.sum += message[0] * me.b",
+        "me.sum += message[0] * (me.b + me.w > 1.0)",
+        "me.sum += message[0] / (1.0 + abs(me.sum))",
+        "me.sum = max(me.sum, message[0])",
+        "me.sum += message[0] * (me.t < 3000.0)",
+        "me.sum += message[0]\n    me.sum += 0.0 * math.log(me.t + 1.0)",
+    ],
+)
+def test_what_sums_add_depends_on_the_message_alone(adds, tmp_path):
+    """Not on beliefs, not on sums so far, not on minds older than those that the suite makes."""
+    path = changed(
+        tmp_path / "bad.py",
+        ('"n": 0.0}', '"n": 0.0, "sum": 0.0}'),
+        ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nSUMS = ("sum",)'),
+        (HEAR, f"def receive(me, message):\n    {adds}\n"),
+        (FUSE, "def fuse(me):\n    me.sum = 0.0\n"),
+    )
+    faults = faults_of(path)
+    assert set(faults) == {"SUMS only add up"}
+    assert re.search(r"^receive .*line \d+.*by SUMS it .*depends on the message alone", faults["SUMS only add up"])
+
+
+def test_sums_change_no_other_field(tmp_path):
+    path = changed(
+        tmp_path / "bad.py",
+        ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nSUMS = ("n",)'),
+        (HEAR, "def receive(me, message):\n    me.t += 1.0\n"),
+    )
+    assert "receive (line 19) adds 1.0 to me.t" in faults_of(path)["SUMS only add up"]
+
+
+@pytest.mark.parametrize(
+    "own",
+    [
+        "    me.t = 0.9 * me.t + looks\n    me.n = 0.9 * me.n + blacks\n",  # forgets once a call
+        "    me.t = 0.9**looks * me.t + looks\n    me.n = 0.9**looks * me.n + blacks\n",  # but not within one
+        "    me.t += 1.0\n    me.n += blacks / looks\n",
+        "    me.t += looks\n    me.n += min(blacks, 50.0)\n",
+    ],
+)
+def test_readings_at_once_mean_the_same_as_one_by_one(own, tmp_path):
+    faults = faults_of(changed(tmp_path / "bad.py", ("    me.t += looks\n" + OWN, own)))
+    assert set(faults) == {"readings at once mean the same as one by one"}
+    [fault] = faults.values()
+    assert re.match(
+        r"observe \(line 9\) makes me.[tn] \S+ of \d+ readings at once, \d+ of them black, and \S+ of ", fault
+    )
+
+
+def test_the_page_shows_how_to_forget(tmp_path):
+    """So that ten readings at once are ten times one: its example passes."""
+    text = PAGE.read_text(encoding="utf-8")
+    [shown] = (block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "KEEP =" in block)
+    constant, function = shown.split("\n\n\n")
+    old = TINY[TINY.index("def observe") : TINY.index("def broadcast")]
+    path = changed(tmp_path / "forgets.py", ("MESSAGE =", f"{constant}\nMESSAGE ="), (old, function + "\n\n"))
+    assert faults_of(path) == {}
+
+
+@pytest.mark.parametrize(
+    "hears",
+    ["me.n = 0.5 * me.n + 0.5 * message[0]", "me.n += message[0] * (message[0] > me.n)", "me.n = message[0]"],
+)
+def test_messages_mean_the_same_in_any_order(hears, tmp_path):
+    faults = faults_of(
+        changed(
+            tmp_path / "bad.py",
+            (HEAR, f"def receive(me, message):\n    {hears}\n"),
+            ("return me.n / me.t", "return min(me.n / me.t, 1.0)"),
+        )
+    )
+    assert set(faults) == {"messages mean the same in any order"}
+    [fault] = faults.values()
+    assert re.match(
+        r"receive \(line 18\), with fuse after it, makes me.n \S+ of the messages \[.*they come in no", fault
+    )
+
+
+def test_means_and_extremes_may_be_found_message_by_message(tmp_path):
+    """They depend on the order in the last bits alone."""
+    hears = "me.t += 1.0\n    me.x += (message[0] - me.x) / me.t\n    me.n = max(me.n, message[0])"
+    path = changed(
+        tmp_path / "good.py",
+        ('"n": 0.0}', '"n": 0.0, "x": 0.5}'),
+        (HEAR, f"def receive(me, message):\n    {hears}\n"),
+        ("return me.n / me.t", "return min(me.n / me.t, 1.0)"),
+    )
+    assert faults_of(path) == {}
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [
+        ((OWN, OWN + "    CALLS[0] += 1.0\n    me.n += 1e-6 * CALLS[0]\n"), "gives me.n = "),
         (
-            ("    me.n += blacks\n", "    me.n += ('a' if looks > 0.0 else 1.0) == 'a'\n"),
-            "compiles",
-            "Numba cannot compile it",
+            ("return (me.n,)", "CALLS[0] += 1.0\n    return (me.n + CALLS[0] % 5.0,)"),
+            "broadcast (line 15) gives (1.0,) and then (2.0,)",
+        ),
+        (
+            ("    if me.t ==", "    CALLS[0] += 1.0\n    if CALLS[0] % 7.0 == 0.0 or me.t =="),
+            "estimate (line 27) gives ",
         ),
     ],
 )
-def test_faults_are_found(change, name, said, tmp_path):
-    source = TINY.replace("return math.sqrt(me.n / me.t) ** 2", "return me.n / me.t")
-    assert change[0] in source
-    source = source.replace(*change)
-    if "SUMS" in change[1]:
-        source = source.replace(
-            "def receive(me, message):\n    pass", "def receive(me, message):\n    me.n += message[0] * me.t"
-        )
-    (tmp_path / "bad.py").write_text(source)
-    faults = {c.name: c.fault for c in check(tmp_path / "bad.py") if c.fault}
-    fault = next((f for n, f in faults.items() if name in n), None)
-    assert fault is not None, faults
+def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
+    calls = ('MESSAGE = ("n",)', 'MESSAGE = ("n",)\nCALLS = [0.0]')
+    clip = ("return me.n / me.t", "return min(me.n / me.t, 1.0)")
+    fault = faults_of(changed(tmp_path / "bad.py", change, calls, clip))["the same history gives the same mind"]
     assert said in fault
+    assert "something is kept outside of me" in fault
+
+
+@pytest.mark.parametrize(
+    ("lines", "said"),
+    [
+        ("    while me.t > 5.0:\n        pass\n", "observe did not return within 1 s: it was at line 1[23]$"),
+        ("    k = int(min(me.t, 9.0))\n    me.n += 0.0 * (k**k**k > 1)\n", "observe did not return .* at line 13$"),
+        (
+            "    rest(me)\n\n\ndef rest(me):\n    while me.t > 5.0:\n        pass\n",
+            r"observe did .* 1[67] \(in rest\)$",
+        ),
+        ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
+        ("    if me.t > 5.0:\n        raise KeyboardInterrupt\n", "it ends its process"),
+    ],
+)
+def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeypatch):
+    """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
+    monkeypatch.chdir(tmp_path)
+    Path("bräin").mkdir()
+    path = changed(Path("bräin/bad.py"), (OWN, OWN + lines))
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")  # nothing is compiled
+    found = {one.name: one.fault for one in check(path, patience=1.0)}
+    assert found["keeps the contract"] is None
+    assert re.search(said, found["remembers numbers in MEMORY's fields, nothing else"])
+
+
+@pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is compiled")
+def test_a_loop_that_ends_in_cpython_alone(tmp_path):
+    """Shifted into the sign, a number is negative in machine code and not in CPython."""
+    lines = "    while (1 << (62 + int(me.t))) < 0:\n        me.n += 1e-9\n"
+    found = check(changed(tmp_path / "bad.py", (OWN, OWN + lines)), patience=5.0)
+    assert [one.fault for one in found[:-1]] == [None] * len(checks())
+    said = (
+        r"compiled, observe\(me, \S+, 1.0\) \(b = \S+, w = \S+\) did not return within 5 s, though in CPython it does"
+    )
+    assert re.fullmatch(said, found[-1].fault)
+
+
+def test_what_does_not_compile_is_found(tmp_path):
+    path = changed(tmp_path / "bad.py", (OWN, "    me.n += blacks * (('a' if looks > 0.0 else 1.0) == 'a')\n"))
+    found = {one.name: one.fault for one in conformance.examine(path, checks()) if one.fault}
+    assert list(found) == ["compiles"]
+    assert re.match(r"Numba cannot compile it \(line \d+\)", found["compiles"])
 
 
 def test_disagreement_is_found(tmp_path):

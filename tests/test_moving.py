@@ -11,6 +11,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import arena, metrics
 from swarmcensus.bodies import Body
+from swarmcensus.engine import motion
 from swarmcensus.engine.random import address
 from swarmcensus.engine.walking import walk
 from swarmcensus.traces import recording
@@ -76,16 +77,49 @@ def test_crowds_stay_apart_too():
     assert gaps(xy).min() >= 2 * body.radius - 1e-3
 
 
-def in_sight(xy, i, j, radius):
-    """Whether no third disc touches the segment between two centres, by distances to the segment."""
-    a, b = xy[i], xy[j]
-    for k in range(len(xy)):
-        if k in (i, j):
-            continue
-        along = np.clip(np.dot(xy[k] - a, b - a) / np.dot(b - a, b - a), 0, 1)
-        if np.hypot(*(a + along * (b - a) - xy[k])) < radius:
-            return False
-    return True
+@settings(max_examples=25, deadline=None)
+@given(st.integers(8, 25), st.floats(0.1, 0.7), st.floats(0.0, 20.0), st.integers(0, 1000))
+def test_robots_that_leap_come_to_lie_apart(robots, crowd, speed, trial):
+    """In a tick they may leap right into one another or, several of them, into one corner: 2 % of the radius stays."""
+    body = Body(speed=speed, proximity_range=0.0)
+    _, _, chunks = walked(robots, crowd * arena.largest_density(robots, body), 40, body, trial)
+    assert gaps(poses_of(chunks)[..., :2]).min() >= 1.98 * body.radius
+
+
+def test_contact_ends_early_where_a_push_goes_beyond_those_listed():
+    """Robot 1, between 0 and 2, is pushed into 2, which was too far away to be listed with it."""
+    body = Body(speed=0.01).numbers[0]
+    state = np.zeros((motion.STATE, 3))
+    state[motion.X] = 0.0, 0.01, 0.2
+    close, pushed = np.array([[0, 1]], np.uint32), np.zeros(3)
+    assert motion.part.py_func(state, body, 10.0, close, 1, pushed, 0) == 1
+    assert state[motion.X, 1] == pytest.approx(0.01 + body.radius - 0.005)
+    assert pushed[1] > body.step + body.radius / 10
+    close = np.array([[0, 1], [1, 2]], np.uint32)
+    sweep = 1
+    while sweep < motion.SWEEPS:
+        sweep = motion.part.py_func(state, body, 10.0, close, 2, pushed, sweep)
+    assert np.diff(state[motion.X]).min() > 2 * body.radius - 2e-6
+
+
+def links_by_brute_force(xy, body):
+    """Pairs in range with no third disc across the segment between them, by distances to the segment."""
+    found = set()
+    for i, j in zip(*np.nonzero(np.triu(gaps(xy[np.newaxis])[0] < body.radio_range)), strict=True):
+        others = np.delete(xy, [i, j], axis=0) - xy[i]
+        line = xy[j] - xy[i]
+        along = np.clip(others @ line / (line @ line), 0, 1)
+        if not body.line_of_sight or (np.hypot(*(others - np.outer(along, line)).T) >= body.radius).all():
+            found.add((int(i), int(j)))
+    return found
+
+
+def links_of(chunk, k, robots):
+    """The links of the k-th tick of a chunk, each once; every one is heard both ways."""
+    starts = chunk.heard[k * robots : (k + 1) * robots + 1]
+    pairs = [(i, j) for i in range(robots) for j in chunk.senders[starts[i] : starts[i + 1]].tolist()]
+    assert pairs == sorted({*pairs, *((j, i) for i, j in pairs)})
+    return {(i, j) for i, j in pairs if i < j}
 
 
 @pytest.mark.parametrize(("robots", "density"), [(25, 1.0), (25, 10.0), (70, 6.0)])
@@ -96,16 +130,41 @@ def test_links_are_those_of_brute_force(robots, density, sight):
     _, _, chunks = walked(robots, density, 60, body)
     (chunk,) = chunks
     for k in range(0, 60, 7):
-        xy = chunk.poses[k, :, :2]
-        near = gaps(xy[np.newaxis])[0] < body.radio_range
-        expected = {
-            (i, j)
-            for i, j in zip(*np.nonzero(np.triu(near)), strict=True)
-            if not sight or in_sight(xy, i, j, body.radius)
-        }
-        starts = chunk.heard[k * robots : (k + 1) * robots + 1]
-        pairs = [(i, j) for i in range(robots) for j in chunk.senders[starts[i] : starts[i + 1]].tolist()]
-        assert pairs == sorted(expected | {(j, i) for i, j in expected})
+        assert links_of(chunk, k, robots) == links_by_brute_force(chunk.poses[k, :, :2], body)
+
+
+def random_body(random, small):
+    """Bodies of all sizes and speeds in arenas from sparse to crowded; small steps are those lists outlive."""
+    robots = int(random.integers(2, 61))
+    radio, tick = 10.0 ** random.uniform(-2, 2), 10.0 ** random.uniform(-2, 1)
+    radius = radio * 10.0 ** random.uniform(-3, 0)
+    step = radio * (0.05 / random.integers(4, 12) * random.uniform(0.98, 1.0) if small else random.uniform(0.02, 0.5))
+    body = Body(
+        speed=step / tick,
+        turn_speed=random.uniform(0, 0.1) * radius / tick,
+        wheel_distance=radius,
+        radius=radius,
+        tick=tick,
+        wheel_lag=random.choice([0.0, 0.1, 1.0]),
+        straight_mean=10.0 ** random.uniform(0, 2.5),
+        proximity_range=random.choice([0.0, radius]),
+        proximity_near=0.3 * radius,
+        tile=radio / 50,
+        radio_range=radio,
+        line_of_sight=bool(random.integers(2)),
+    )
+    return robots, min(10.0 ** random.uniform(-0.5, 1), 0.6 * arena.largest_density(robots, body)), body
+
+
+@pytest.mark.parametrize("small", [True, False])
+def test_no_link_is_missing_at_any_body(small):
+    """Nor is there one too many; fixed seed, some 37,000 links."""
+    random = np.random.default_rng(8)
+    for trial in range(15):
+        robots, density, body = random_body(random, small)
+        for chunk in walked(robots, density, 50, body, trial)[2]:
+            for k, pose in enumerate(chunk.poses):
+                assert links_of(chunk, k, robots) == links_by_brute_force(pose[:, :2], body), (trial, body)
 
 
 def test_placement_is_uniform():
@@ -245,6 +304,24 @@ def test_a_message_takes_its_time():
         # with nobody in reach the last social values stay
         alone = ~heard[1:]
         assert (beta[1:][alone] == beta[:-1][alone]).all()
+
+
+def test_a_replay_holds_every_link():
+    """As recorded, at a speed at which lists are nearly worn out when they are made anew."""
+    study = sc.Study.parse(
+        STUDY.replace('["minimalistic", "legacy"]', '"minimalistic"').replace("robots = [1, 8]", "robots = 60")
+        .replace('[0.7, "U(0.525, 0.975)"]', "0.7").replace("[1, 6]", "1").replace("[1.0, 0.5]", "1.0")
+        .replace("message_delay = 0", "speed = 0.087\nradius = 0.007\nstraight_mean = 300\nproximity_range = 0")
+    )  # fmt: skip
+    results = sc.run(study)
+    for trial in range(2):
+        trace = sc.replay(results, 0, trial, links=True)
+        links = {tuple(link) for link in trace["link"].values.tolist()}
+        body = study.settings()[0].body
+        expected = {
+            (k, *pair) for k, xy in enumerate(trace["position"].values) if k for pair in links_by_brute_force(xy, body)
+        }
+        assert links == expected
 
 
 def test_readings_come_from_the_tile_under_the_sensor(moving):

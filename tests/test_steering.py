@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, conformance
+from swarmcensus import brains, conformance, machine_code, promises
 from swarmcensus.bodies import Body
 from swarmcensus.engine import rides
 from swarmcensus.engine.wishes import chosen
@@ -292,24 +292,23 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
 @pytest.mark.parametrize(
     ("steer", "said"),
     [
-        ("def steer(me):\n    return 1e308 * 10.0, 0.0", "steer gives (inf, 0.0), neither two finite numbers"),
-        ("def steer(me):\n    return 0.1, 0.0, 0.0", "steer gives (0.1, 0.0, 0.0), neither two finite numbers"),
-        ("def steer(me):\n    return 'left'", "steer gives 'left', neither two finite numbers, a speed and"),
-        ("def steer(me):\n    return 0.1", "steer gives 0.1, neither two finite numbers"),
-        ("def steer(me):\n    return True, 0.0", "steer gives (True, 0.0), neither two finite numbers"),
-        ("def steer(me):\n    me.x = 0.0\n    return None", "steer changes me.x: it may only read"),
+        ("def steer(me):\n    return 1e308 * 10.0, 0.0", "gives (inf, 0.0), neither two finite numbers"),
+        ("def steer(me):\n    return 0.1, 0.0, 0.0", "gives (0.1, 0.0, 0.0), neither two finite numbers"),
+        ("def steer(me):\n    return 'left'", "gives 'left', neither two finite numbers, a speed and"),
+        ("def steer(me):\n    return 0.1", "gives 0.1, neither two finite numbers"),
+        ("def steer(me):\n    return True, 0.0", "gives (True, 0.0), neither two finite numbers"),
+        ("def steer(me):\n    me.x = 0.0\n    return None", "changes me.x from 0.5 to 0.0: it may only read"),
         ("def steer(me):\n    return 1.0 / me.t, 0.0", "ZeroDivisionError"),
         ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 are right"),
         ("steer = 0.14", "steer is 0.14, not a function"),
         ("steer = None", "a constant is a number"),
     ],
 )
-def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, monkeypatch):
+def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path):
     """Once, by CPython's checks; those that compile are tested below."""
-    quick = {n: t for n, t in conformance.CHECKS.items() if t.__name__ not in ("_compiles", "_agree")}
-    monkeypatch.setattr(conformance, "CHECKS", quick)
     (tmp_path / "bad.py").write_text(f"{brains.load('minimalistic').source}\n\n{steer}\n")
-    faults = {c.fault for c in conformance.check(tmp_path / "bad.py")} - {None, "the same as above"}
+    found = conformance.examine(tmp_path / "bad.py", promises.PROMISES)
+    faults = {c.fault for c in found} - {None, "the same as above"}
     assert len(faults) == 1
     assert said in faults.pop()
 
@@ -329,19 +328,19 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     """Bit for bit, on minds of many histories; and the suite sees it where they are not."""
     brain = brains.load(folder / "steered.py")
     minds, said = [], []
-    for _, me in conformance._histories(brain):
+    for _, me in promises.lives(brain):
         for w in WANTS.values():
             me.w = w
             if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
                 minds.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
                 said.append(brain.functions.steer(me) or (0.0, 0.0))
     table = np.array(minds, rides.compiler.record_type(brain))
-    there, speed, turn = conformance._wishes(brain, table)
+    there, speed, turn = machine_code.wishes_of(brain, table)
     assert (np.stack([speed, turn], axis=1) == np.array(said)).all()
     assert (there == (np.array(said) != 0.0).any(axis=1)).all()
     trace = sc.infer(np.ones((3, 2)), None, 0.75, brain=brain)
     beliefs = np.full(2, WANTS["STRAIGHT"])
-    conformance._wishes_agree(brain, trace, beliefs, beliefs)
+    machine_code.wishes_agree(brain, trace, beliefs, beliefs)
     monkeypatch.setattr(brain.functions, "steer", lambda me: (0.14, 1e-9))
-    with pytest.raises(conformance.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
-        conformance._wishes_agree(brain, trace, beliefs, beliefs)
+    with pytest.raises(promises.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
+        machine_code.wishes_agree(brain, trace, beliefs, beliefs)

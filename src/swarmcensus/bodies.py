@@ -74,6 +74,7 @@ class Body(BaseModel):
             "tile": self.tile,
             "radio_range": self.radio_range,
             "line_of_sight": float(self.line_of_sight),
+            "touched": self.touched,
             "reach": self.reach,
             "skin": self.skin,
         }
@@ -85,8 +86,12 @@ class Body(BaseModel):
     def reach(self) -> float:
         """How far a robot must look for others that it may hear, see, bump into, or that may stand between."""
         seen = 2.0 * self.radius + self.proximity_range
-        touched = 2.0 * self.radius + 4.0 * self.speed * self.tick
-        return max(math.hypot(self.radio_range, self.radius), seen, touched)
+        return max(math.hypot(self.radio_range, self.radius), seen, self.touched)
+
+    @property
+    def touched(self) -> float:
+        """How far apart two robots may be that touch by the end of the next tick, if contact pushes neither too far."""
+        return 2.0 * self.radius + 4.0 * self.speed * self.tick + 0.25 * self.radius
 
     @property
     def skin(self) -> float:

@@ -71,12 +71,16 @@ class Brain:
         """What a robot broadcasts in one message."""
         return BYTES_A_NUMBER * len(self.message)
 
+    @functools.cached_property
+    def _robot(self) -> type:
+        return type("Robot", (), {"__slots__": (*self.memory, *BELIEFS)})
+
     def robot(self, b: float, w: float) -> Any:
         """A blank mind for CPython: it can hold the fields of MEMORY and nothing else."""
-        fields = (*self.memory, *BELIEFS)
-        mind = type("Robot", (), {"__slots__": fields})()
-        for name, value in zip(fields, (*self.memory.values(), b, w), strict=True):
+        mind = self._robot()
+        for name, value in self.memory.items():
             setattr(mind, name, value)
+        mind.b, mind.w = b, w
         return mind
 
 

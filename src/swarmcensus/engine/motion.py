@@ -15,10 +15,11 @@ RAYS = 8
 DIAGONAL = math.sqrt(0.5)
 RAY_X = np.array([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL])
 RAY_Y = np.array([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL])
-CONTACT = 1e-6  # metres of overlap that contact leaves
+CONTACT = 1e-6  # metres of overlap that contact leaves, or, of small bodies,
+CONTACT_OF_RADIUS = 2e-5
 TINY = 1e-12  # keeps a ray along a wall from dividing by zero
-SWEEPS = 200
-SLACK = 0.02  # metres that contact may push a robot further than it goes by itself
+SWEEPS = 400
+STRAIGHT_SWEEPS = 100  # after these, pushes are tilted by 45 degrees: so a row that is jammed along a wall bends
 
 # rows of robots' states: SPEED is in metres and TURN in radians a tick, with the cosine and sine of the part of
 # it that comes before new wheel speeds take hold, and of the part after
@@ -149,14 +150,21 @@ def keep_inside(state, i, limit):
 
 
 @compiled
-def part(state, limit, apart, close, pairs):
-    """Push apart what overlaps, robots by halves and off the walls, until nothing does.
+def part(state, body, limit, close, pairs, pushed, sweep):
+    """Push apart what overlaps, robots by halves and off the walls, until nothing does; returns SWEEPS then.
 
-    Only the `pairs` of robots in `close` can touch. A sweep's pushes may bring others together, or into a wall,
-    which the next sweep finds.
+    A sweep's pushes may bring others together, or into a wall, which the next sweep finds. Only the `pairs` of robots
+    in `close` are looked at. Once a robot is `pushed` (robot) so far that it may touch another, this ends early, and
+    returns the number of the next sweep.
     """
-    for _ in range(SWEEPS):
+    apart = 2.0 * body.radius
+    most = body.step + 0.1 * body.radius  # a bit less than what `Body.touched` allows for
+    bearable = min(CONTACT, CONTACT_OF_RADIUS * body.radius)
+    pushed[:] = 0.0
+    while sweep < SWEEPS:
+        sweep += 1
         worst = 0.0
+        furthest = 0.0
         for e in range(pairs):
             i = close[e, 0]
             j = close[e, 1]
@@ -166,12 +174,24 @@ def part(state, limit, apart, close, pairs):
             if square < apart * apart:
                 d = math.sqrt(square)
                 worst = max(worst, apart - d)
-                push = 0.5 * (apart - d) / max(d, 1e-9)
+                if d < 1e-9 * apart:  # in one place, such as a corner: each pair in a direction of its own
+                    dx, dy, d = math.cos(float(i)), math.sin(float(i)), 1.0
+                    push = 0.5 * apart
+                else:
+                    push = 0.5 * (apart - d) / d
+                    if sweep > STRAIGHT_SWEEPS:
+                        dx, dy = dx - dy, dy + dx
                 state[X, i] -= push * dx
                 state[Y, i] -= push * dy
                 state[X, j] += push * dx
                 state[Y, j] += push * dy
                 keep_inside(state, i, limit)
                 keep_inside(state, j, limit)
-        if worst < CONTACT:
-            break
+                pushed[i] += push * d
+                pushed[j] += push * d
+                furthest = max(furthest, pushed[i], pushed[j])
+        if worst < bearable:
+            return SWEEPS
+        if furthest > most:
+            return sweep
+    return SWEEPS

@@ -1,16 +1,19 @@
 """Who is near whom, and in sight: lists that hold for some ticks, and what is measured along them in each.
 
-Lists reach a skin further than robots do, so that they need making again only once a robot has gone half of it.
+Lists reach a skin further than robots do, so that they need making again only once a robot has gone half of it. They
+are looked at right before they are used, at where robots are then: nobody within reach is ever missing.
 Indices are unsigned: Numba then need not ask whether one counts from the end.
 """
 
 import numpy as np
+from numba import njit
 
 from swarmcensus.engine.compiler import compiled
 
 from .motion import X, Y
 
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
+SURE = 0.99  # of the square of the skin, so that rounding loses nobody
 
 
 @compiled
@@ -121,6 +124,32 @@ def measure(state, reach2, close2, first, others, room, around, lower, near, gap
 
 
 @compiled
+def have_strayed(state, anchors, skin):
+    """Whether any robot has gone nearly half the skin since the lists were made.
+
+    `anchors` (2, robot) is where robots were then: infinitely far away where there are no lists yet.
+    """
+    strayed = False
+    for i in range(state.shape[1]):
+        dx = state[X, i] - anchors[X, i]
+        dy = state[Y, i] - anchors[Y, i]
+        strayed |= 4.0 * (dx * dx + dy * dy) > SURE * skin * skin
+    return strayed
+
+
+@njit(nogil=True, error_model="python")
+def look_around(state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following):
+    """Measure who is near whom, as `measure` does, along new lists where the old ones are too old."""
+    if have_strayed(state, anchors, body.skin):
+        list_pairs(state, half, body.reach + body.skin, first, others, room, heads, following)
+        for i in range(state.shape[1]):
+            anchors[X, i] = state[X, i]
+            anchors[Y, i] = state[Y, i]
+    reach2 = body.reach * body.reach
+    return measure(state, reach2, body.touched * body.touched, first, others, room, around, lower, near, gaps, close)
+
+
+@compiled
 def in_sight(dx, dy, first, last, gaps, radius):
     """Whether no disc of those at places first ... last - 1 lies across the line to a gap of dx and dy."""
     square = dx * dx + dy * dy
@@ -152,14 +181,3 @@ def listen(i, radio2, blind, radius, room, around, lower, near, gaps, hears, ear
             hears[i] += seen
             ears[room[j] + hears[j]] = i
             hears[j] += seen
-
-
-@compiled
-def has_strayed(state, anchors, skin):
-    """Whether any robot has gone half the skin since the lists were made; `anchors` (2, robot) is where it was."""
-    strayed = False
-    for i in range(state.shape[1]):
-        dx = state[X, i] - anchors[X, i]
-        dy = state[Y, i] - anchors[Y, i]
-        strayed |= 4.0 * (dx * dx + dy * dy) > skin * skin
-    return strayed

@@ -23,9 +23,9 @@ from .motion import (
     SIN,
     SIN_LATE,
     SIN_THEN,
-    SLACK,
     STAND,
     STRAIGHT,
+    SWEEPS,
     X,
     Y,
     decide,
@@ -34,7 +34,7 @@ from .motion import (
     part,
     set_wheels,
 )
-from .neighbours import cell, has_strayed, list_pairs, listen, measure
+from .neighbours import cell, listen, look_around
 
 PLACINGS = 10_000  # tries to place one robot
 
@@ -83,7 +83,7 @@ def place(state, body, half, key, trial):
 @entry
 def walk(
     state, bodies, half, key, trial, tick, looked, tiles, heard, senders, poses,
-    anchors, first, others, room, around, lower, hears, near, ears, gaps, close, pairs, heads, following,
+    anchors, first, others, room, around, lower, hears, near, ears, gaps, close, pairs, pushed, heads, following,
     wishes, stops, stop,
 ):  # fmt: skip
     """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where `senders` is full.
@@ -97,8 +97,6 @@ def walk(
     body = bodies[0]
     robots = np.uint64(state.shape[1])
     radio2 = body.radio_range * body.radio_range
-    reach2 = body.reach * body.reach
-    touched = 2.0 * body.radius + 4.0 * body.step + SLACK
     blind = body.line_of_sight == 0.0  # to what stands between two robots
     rays = np.empty(RAYS)
     which = np.empty(RAYS, np.uint8)
@@ -107,14 +105,10 @@ def walk(
     for k in range(looked.shape[0]):
         if stop[0] != 0 or used + np.uint64(near.size) > np.uint64(senders.size):
             return k
-        if tick + k == 1 or has_strayed(state, anchors, body.skin):
-            list_pairs(state, half, body.reach + body.skin, first, others, room, heads, following)
-            for i in range(robots):
-                anchors[X, i] = state[X, i]
-                anchors[Y, i] = state[Y, i]
-            pairs[0] = measure(
-                state, reach2, touched * touched, first, others, room, around, lower, near, gaps, close
-            )  # fmt: skip
+        if tick + k == 1:
+            pairs[0] = look_around(
+                state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following
+            )
         for i in range(robots):
             move, avoiding = STAND, False
             able = stops.shape[1] == 0 or tick + k < stops[MOVING, i]
@@ -134,8 +128,12 @@ def walk(
             set_wheels(state, i, body, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
             keep_inside(state, i, half - body.radius)
-        part(state, half - body.radius, 2.0 * body.radius, close, pairs[0])
-        pairs[0] = measure(state, reach2, touched * touched, first, others, room, around, lower, near, gaps, close)
+        sweep = 0
+        while sweep < SWEEPS:
+            sweep = part(state, body, half - body.radius, close, pairs[0], pushed, sweep)
+            pairs[0] = look_around(
+                state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following
+            )
         hears[:] = 0
         for i in range(robots):
             listen(i, radio2, blind, body.radius, room, around, lower, near, gaps, hears, ears)

@@ -58,7 +58,7 @@ def set_out(
     cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
     listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
-        np.zeros((2, robots)),
+        np.full((2, robots), np.inf),
         np.zeros(robots + 1, np.uint32),
         np.zeros(listed // 2 + 1, np.uint32),
         np.zeros(robots + 1, np.uint32),
@@ -70,6 +70,7 @@ def set_out(
         np.zeros((2, listed)),
         np.zeros((listed // 2 + 1, 2), np.uint32),
         np.zeros(1, np.uint64),
+        np.zeros(robots),
         np.zeros((cells, cells), np.int32),
         np.zeros(robots, np.int32),
     )
