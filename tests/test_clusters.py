@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import clusters
+from swarmcensus import clusters, queues
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.running import run
@@ -337,7 +337,7 @@ def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
     monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
-    monkeypatch.setattr(clusters, "GRACE_SECONDS", 0.5)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
     data = run(study(LONG), cluster="slurm.toml", progress=end)
     assert end.done
     assert len(slurm()) == 2
