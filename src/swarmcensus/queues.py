@@ -171,20 +171,25 @@ class Jobs:
 
 @contextlib.contextmanager
 def ended_politely() -> Iterator[None]:
-    """Have SIGTERM and SIGHUP do what Ctrl-C does, so that jobs are cancelled whatever ends this process."""
+    """Have SIGTERM and SIGHUP do what Ctrl-C does, so that jobs are cancelled whatever ends this process.
+
+    To import dask-jobqueue makes Ctrl-C end Python at once, with exit code 0 and work lost: that is undone.
+    """
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    names = [name for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = {name: signal.getsignal(getattr(signal, name)) for name in names}
-    for name, handler in before.items():
-        if handler is signal.SIG_DFL:  # nohup ignores SIGHUP, and means it
-            signal.signal(getattr(signal, name), signal.default_int_handler)
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) or signal.SIG_DFL for number in numbers}
+    with contextlib.suppress(ImportError):
+        import dask_jobqueue  # noqa: F401
+    for number, handler in before.items():  # nohup ignores SIGHUP, and means it
+        ends = handler is signal.SIG_DFL or getattr(handler, "__module__", None) == "dask_jobqueue.runner"
+        signal.signal(number, signal.default_int_handler if ends else handler)
     try:
         yield
     finally:
-        for name, handler in before.items():
-            signal.signal(getattr(signal, name), handler)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def read_queue(path: Path) -> Queue:
