@@ -184,6 +184,10 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
                 raise InputError(f"{where}: no jobs could be submitted: {error}") from error
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
+        except TypeError:
+            raise InputError(
+                f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
+            ) from None
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
         stack.enter_context(client)

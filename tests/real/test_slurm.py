@@ -46,6 +46,7 @@ def slurm(daemons, tmp_path, monkeypatch):
     monkeypatch.setattr(queues, "ASK_SECONDS", 1.0)
     monkeypatch.setattr(queues, "GRACE_SECONDS", 2.0)
     monkeypatch.chdir(tmp_path)
+    Path("single.toml").write_text(CLUSTER.format(jobs=1, cores=1, folder=tmp_path))
     Path("one.toml").write_text(CLUSTER.format(jobs=1, cores=2, folder=tmp_path))
     Path("two.toml").write_text(CLUSTER.format(jobs=2, cores=1, folder=tmp_path))
     Path("long.toml").write_text(LONG)
@@ -132,12 +133,12 @@ def test_a_job_that_hits_its_walltime_is_submitted_anew(slurm, threads, monkeypa
     monkeypatch.setattr(queues, "GRACE_SECONDS", 30.0)
     """The work lasts for longer than Slurm takes to look at the clock; trials are the same however many there are."""
     ids = set()
-    minutes = study(LONG).with_(trials=20_000)
+    minutes = study(LONG).with_(trials=10_000)
 
     def show(progress):
         ids.update(slurm.jobs() if len(ids) < 2 else ())
 
-    data = run(minutes, cluster=changed("one.toml", "00:05:00", "00:01:00"), progress=show, out="s.nc")
+    data = run(minutes, cluster=changed("single.toml", "00:05:00", "00:01:00"), progress=show, out="s.nc")
     assert len(ids) > 1
     assert "TIME LIMIT" in "".join(path.read_text() for path in Path("logs").glob("*.err"))
     assert "failed" not in data.attrs
@@ -224,7 +225,7 @@ def running(cluster):
         process = subprocess.Popen(
             [sys.executable, "-m", "swarmcensus", "run", "long.toml", "--cluster", cluster],
             stderr=said, stdout=said,
-            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # whoever started us may ignore it
+            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
         )  # fmt: skip
         try:
             yield process
