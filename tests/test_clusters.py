@@ -392,6 +392,33 @@ def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, number):
     assert signal.getsignal(number) is before
 
 
+def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
+    """Dask lets go of a job of one worker before we do, and the next has its name."""
+
+    class Job:
+        refusal, job_id = "", "7"
+
+    class Cluster:
+        def __init__(self):
+            self.workers = {"a": Job()}
+            self.scheduler_info = {"workers": {"tcp://1": {"name": "a"}}}
+
+        def scale(self, jobs):
+            self.workers.setdefault("a", Job())
+
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.1)
+    cluster = Cluster()
+    jobs = queues.Jobs(cluster, queues.Queue(system="pbs", jobs=1, cores=1, memory="1GB"))
+    jobs.renew()
+    cluster.scheduler_info["workers"].clear()
+    del cluster.workers["a"]
+    jobs.renew()
+    second = cluster.workers["a"]
+    time.sleep(0.2)
+    jobs.renew()
+    assert cluster.workers["a"] is second
+
+
 def test_a_job_asks_for_what_the_file_says(here):
     Path("slurm.toml").write_text(SLURM)
     with clusters.read_queue(Path("slurm.toml")).start() as cluster:
