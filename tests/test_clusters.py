@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import clusters
+from swarmcensus import clusters, queues
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.running import run
@@ -337,11 +337,86 @@ def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
     monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
-    monkeypatch.setattr(clusters, "GRACE_SECONDS", 0.5)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
     data = run(study(LONG), cluster="slurm.toml", progress=end)
     assert end.done
     assert len(slurm()) == 2
     assert same(data, sc.run(study(LONG), jobs=2))
+
+
+def refusing(folder, when="true"):
+    """Have `sbatch` say no while a shell command succeeds."""
+    script = folder / "bin" / "sbatch"
+    no = f'if {when}; then echo "sbatch: error: no more" >&2; exit 1; fi'
+    script.write_text(script.read_text().replace("\n", f"\n{no}\n", 1))
+
+
+def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slurm, capsys):
+    refusing(here)
+    (here / "submitted").touch()
+    Path("s.toml").write_text(FIXED)
+    assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: error: no more"
+    )
+    (here / "bin" / "sbatch").unlink()
+    with pytest.MonkeyPatch.context() as alone:
+        alone.setenv("PATH", str(here / "bin"))
+        assert main(["run", "s.toml", "--cluster", "slurm.toml"]) == 2
+    assert capsys.readouterr().err.splitlines()[-1] == (
+        "swarmcensus: slurm.toml: no jobs could be submitted: sbatch: no such command here"
+    )
+
+
+def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
+    longer = study(LONG).with_(trials=400)
+    refusing(here, f"! mkdir {here}/taken 2> /dev/null")
+    text = (here / "slurm.toml").read_text()
+    (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
+    monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
+
+    with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
+        data = run(longer, cluster="slurm.toml", progress=Once((here / "taken").rmdir))
+    assert len(slurm()) == 2
+    assert same(data, sc.run(longer, jobs=2))
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, number):
+    """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
+    before = signal.getsignal(number)
+    with pytest.raises(Interrupted) as stopped:
+        run(study(LONG), cluster="slurm.toml", progress=Once(lambda: signal.raise_signal(number)), out="s.nc")
+    assert 0 < stopped.value.done < 800
+    assert signal.getsignal(number) is before
+
+
+def test_a_job_that_dask_replaced_has_time_to_start(monkeypatch):
+    """Dask lets go of a job of one worker before we do, and the next has its name."""
+
+    class Job:
+        refusal, job_id = "", "7"
+
+    class Cluster:
+        def __init__(self):
+            self.workers = {"a": Job()}
+            self.scheduler_info = {"workers": {"tcp://1": {"name": "a"}}}
+
+        def scale(self, jobs):
+            self.workers.setdefault("a", Job())
+
+    monkeypatch.setattr(queues, "GRACE_SECONDS", 0.1)
+    cluster = Cluster()
+    jobs = queues.Jobs(cluster, queues.Queue(system="pbs", jobs=1, cores=1, memory="1GB"))
+    jobs.renew()
+    cluster.scheduler_info["workers"].clear()
+    del cluster.workers["a"]
+    jobs.renew()
+    second = cluster.workers["a"]
+    time.sleep(0.2)
+    jobs.renew()
+    assert cluster.workers["a"] is second
 
 
 def test_a_job_asks_for_what_the_file_says(here):

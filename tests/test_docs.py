@@ -13,8 +13,8 @@ import swarmcensus as sc
 from swarmcensus import conformance, results
 from swarmcensus.bodies import Body
 from swarmcensus.cli import COMMANDS, main, parser
-from swarmcensus.clusters import Queue
 from swarmcensus.promises import PROMISES
+from swarmcensus.queues import Queue
 from swarmcensus.studies import Study
 from swarmcensus.study_tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.toml_text import to_toml

@@ -25,7 +25,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import swarmcensus as sc
-from swarmcensus import brains, clusters, merging, recordings, results, shards, toml_text, traces
+from swarmcensus import brains, clusters, merging, queues, recordings, results, shards, toml_text, traces
 from swarmcensus.bodies import Body
 from swarmcensus.cli import main
 from swarmcensus.selecting import where
@@ -327,7 +327,7 @@ def test_any_bytes_as_a_study_or_a_cluster(data):
 
 
 @fuzz(
-    400, table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in clusters.Queue.model_fields})
+    400, table({k: mostly(st.integers(1, 4) | st.sampled_from(["slurm", "16GB"])) for k in queues.Queue.model_fields})
 )
 def test_cluster_files(tables):
     with folder() as here:

@@ -6,7 +6,6 @@ scheduler holds it, so that workers may come late, go and come back.
 
 import contextlib
 import functools
-import inspect
 import logging
 import pickle
 import platform
@@ -19,18 +18,16 @@ from collections.abc import Callable, Iterator
 from concurrent.futures import CancelledError, Future
 from importlib import metadata
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus import __version__, brains
 from swarmcensus.errors import InputError
+from swarmcensus.queues import NO_PAGE, Jobs, ended_politely, read_queue
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.study_tables import explain
 from swarmcensus.tasks import Bundle, Outcome, metrics_of, run_bundle
-from swarmcensus.toml_text import read_toml
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
 EACH = 4  # bundles a worker at the least, so that the last ones end together
@@ -39,91 +36,21 @@ RATE = 200.0  # bundles a second at the most, for Dask takes a few milliseconds 
 AT_HAND = 3  # bundles a worker has waiting
 CONNECT = "10s"  # for a scheduler to answer
 ASK_SECONDS = 2.0  # between questions for how many workers there are
-GRACE_SECONDS = 30.0  # without a worker after which a job that had one has ended
-NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # Dask would take port 8787 in any case
 SAME_BITS = ("numpy", "numba", "networkx")  # what numbers depend on, beside swarmcensus and Python
 LOST = "the cluster is gone: what was finished is kept, and the same command goes on with it"
-Whole = Annotated[int, Field(strict=True, ge=1)]
-
-
-SYSTEMS = {
-    "slurm": "SLURM", "pbs": "PBS", "sge": "SGE", "lsf": "LSF", "htcondor": "HTCondor", "oar": "OAR", "moab": "Moab"
-}  # fmt: skip
-
-
-class Queue(BaseModel):
-    """A batch system on which workers are started as jobs, by dask-jobqueue: the keys of a cluster's TOML file."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True)
-
-    system: Literal["slurm", "pbs", "sge", "lsf", "htcondor", "oar", "moab"] = "slurm"
-    jobs: Whole
-    cores: Whole  # of each job: as many worker processes
-    memory: Annotated[str, Field(pattern=r"^\d+(\.\d+)? ?[KMGT]i?B$")]  # of each job, as "16GB"
-    walltime: str | None = None
-    partition: str | None = None
-    account: str | None = None
-    interface: str | None = None  # the network that workers and this process share, as "ib0"
-    directives: list[str] = []  # further lines of the job script's head, as "--exclusive"
-    prologue: list[str] = []  # shell commands before a worker starts, as "source ~/venv/bin/activate"
-    scratch: str | None = None  # a folder on each node, for what does not fit into a worker's memory
-    logs: str | None = None  # a folder for what the jobs print
-    options: dict[str, str | int] = {}  # what else the system's class in dask-jobqueue takes, as disk = "1GB"
-
-    def start(self) -> Any:
-        """Submit the jobs; returns the dask-jobqueue cluster. Raises ImportError, and ValueError for a wrong option."""
-        import dask_jobqueue
-
-        kind = getattr(dask_jobqueue, f"{SYSTEMS[self.system]}Cluster")
-        takes = {k for c in kind.job_cls.__mro__ if c is not object for k in inspect.signature(c.__init__).parameters}
-        named = {
-            "walltime": self.walltime, "queue": self.partition,
-            "account" if "account" in takes else "project": self.account, **self.options,
-        }  # fmt: skip
-        named = {k: v for k, v in named.items() if v is not None}
-        unknown = sorted(set(named) - takes)
-        if unknown:
-            raise ValueError(f"{self.system} takes no {', '.join(unknown)}")
-        common: dict[str, Any] = {
-            "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
-            "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
-            "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
-            "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL",
-        }  # fmt: skip
-        return kind(**{k: v for k, v in common.items() if v is not None}, **named)
-
-
-class Jobs:
-    """The jobs of a batch system: one that was there and has ended, as at its walltime, is submitted anew."""
-
-    def __init__(self, cluster: Any, jobs: int) -> None:
-        """Submit so many."""
-        self.cluster, self.jobs = cluster, jobs
-        self._seen: dict[str, float] = {}  # when a job last had a worker
-        self.renew()
-
-    def renew(self) -> None:
-        """Look which are there, and submit those that lack."""
-        there = [str(worker["name"]) for worker in self.cluster.scheduler_info["workers"].values()]
-        now = time.monotonic()
-        for job in map(str, list(self.cluster.workers)):
-            if any(name == job or name.startswith(f"{job}-") for name in there):
-                self._seen[job] = now
-            elif now - self._seen.get(job, now) > GRACE_SECONDS:
-                del self._seen[job]
-                self.cluster.loop.add_callback(self.cluster.workers.pop(job).close)
-        self.cluster.scale(jobs=self.jobs)
 
 
 class Workers:
     """The workers of a cluster, as a pool that bundles are handed to."""
 
-    def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], Any] = bool) -> None:
+    def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str) -> None:
         """Leave the study with the scheduler.
 
-        `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones.
+        `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones, and
+        says why there are none, where it knows.
         """
         self.client, self._expected, self._renew = client, expected, renew
+        self._why = ""
         self._asked = time.monotonic()
         self._there: int = sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
@@ -136,7 +63,7 @@ class Workers:
         if time.monotonic() - self._asked > ASK_SECONDS:
             try:
                 self._there = sum(self.client.nthreads().values())
-                self._renew()
+                self._why = self._renew()
             except (OSError, TimeoutError) as error:
                 raise InputError(LOST) from error
             self._asked = time.monotonic()
@@ -145,7 +72,7 @@ class Workers:
     @property
     def note(self) -> str:
         """What to tell a person who waits."""
-        return "" if self._there else "waiting for workers"
+        return "" if self._there else ": ".join(filter(None, ("waiting for workers", self._why)))
 
     def bundle_seconds(self, work: float) -> float:
         """How long a bundle should be, of so many seconds of work."""
@@ -225,7 +152,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
-    renew: Callable[[], Any] = bool  # nothing to do
+    renew: Callable[[], str] = str  # nothing to do, and nothing to say
     expected = 1
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
@@ -247,15 +174,20 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             queue = read_queue(Path(where))
             expected = queue.jobs * queue.cores
             show(f"submitting {queue.jobs} jobs of {queue.cores} workers to {queue.system}")
+            stack.enter_context(ended_politely())
             try:
                 cluster = stack.enter_context(queue.start())
+                renew = Jobs(cluster, queue).renew
             except ImportError:
                 raise InputError(NEEDS) from None
             except (OSError, RuntimeError, ValueError) as error:
                 raise InputError(f"{where}: no jobs could be submitted: {error}") from error
-            renew = Jobs(cluster, queue.jobs).renew
         try:
             client: Any = distributed.Client(cluster, timeout=CONNECT, set_as_default=False)  # type: ignore[no-untyped-call]
+        except TypeError:
+            raise InputError(
+                f"{where} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
+            ) from None
         except (OSError, TimeoutError, ValueError) as error:
             raise InputError(f"no Dask scheduler answers at {where}: {error}") from None
         stack.enter_context(client)
@@ -285,17 +217,3 @@ def _count(where: str) -> int:
     if not text.isdigit() or int(text) < 1:
         raise InputError(f"--cluster {where}: should be local: and a number of processes, as local:4")
     return int(text)
-
-
-def read_queue(path: Path) -> Queue:
-    """Read a cluster's TOML file. Raises InputError."""
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError, ValueError) as error:
-        raise InputError(
-            f"--cluster {path}: should be local:4, a scheduler's address, or a TOML file, which cannot be read: {error}"
-        ) from None
-    try:
-        return Queue.model_validate(read_toml(text, f"cluster file {path}"))
-    except ValidationError as error:
-        raise InputError(explain(error, f"cluster file {path}", Queue)) from None

@@ -1,0 +1,133 @@
+"""A Dask scheduler that speaks TLS alone, with certificates made here."""
+
+import contextlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import dask
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import clusters
+from swarmcensus.cli import main
+from tests.real.one_node import until
+from tests.test_clusters import LONG, same, study
+
+pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl here, which makes the certificates")
+ROLES = ("client", "scheduler", "worker")
+
+
+def openssl(*options):
+    subprocess.run(["openssl", *map(str, options)], check=True, capture_output=True)
+
+
+def certificates(folder):
+    """An authority, and a certificate of its own for each role: a configuration of Dask's that names them."""
+    folder.mkdir()
+    key = ("-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes")
+    authority = folder / "authority.pem"
+    openssl("req", "-x509", *key, "-days", 2, "-subj", "/CN=authority", "-out", authority, "-keyout", folder / "a.key")
+    tls = {"ca-file": str(authority)}
+    for role in ROLES:
+        request, made, private = (folder / f"{role}.{ending}" for ending in ("csr", "pem", "key"))
+        openssl("req", "-new", *key, "-subj", f"/CN={role}", "-out", request, "-keyout", private)
+        openssl(
+            "x509", "-req", "-in", request, "-CA", authority, "-CAkey", folder / "a.key", "-CAcreateserial",
+            "-days", 2, "-out", made,
+        )  # fmt: skip
+        tls[role] = {"cert": str(made), "key": str(private)}
+    return {"distributed": {"comm": {"require-encryption": True, "tls": tls}}}
+
+
+@pytest.fixture(scope="module")
+def right(tmp_path_factory):
+    """Dask's configuration as a folder with a file, as a user keeps it."""
+    folder = tmp_path_factory.mktemp("right")
+    (folder / "tls.yaml").write_text(json.dumps(certificates(folder / "certificates")))  # JSON is YAML
+    return folder
+
+
+@pytest.fixture(scope="module")
+def scheduler(right):
+    """The address of a scheduler with two workers."""
+    file = right / "scheduler.json"
+    environment = os.environ | {"DASK_CONFIG": str(right), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    with open(right / "log", "w") as log, contextlib.ExitStack() as stack:
+        for program, *options in (
+            ("dask_scheduler", "--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"),
+            ("dask_worker", "--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(right)),
+        ):
+            process = subprocess.Popen(
+                [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(file)],
+                env=environment, stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+            )  # fmt: skip
+            stack.callback(ended, process)
+            until(file.exists, "the scheduler is there")
+        yield json.loads(file.read_text())["address"]
+
+
+def ended(process):
+    process.terminate()
+    try:
+        process.wait(20)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+
+
+def test_a_scheduler_with_certificates_gives_the_bits_of_threads(scheduler, right, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("long.toml").write_text(LONG)
+    assert scheduler.startswith("tls://")
+    done = subprocess.run(
+        [sys.executable, "-m", "swarmcensus", "run", "long.toml", "--scheduler", scheduler],
+        env=os.environ | {"DASK_CONFIG": str(right)}, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert same(sc.load("long.nc"), sc.run(study(LONG), jobs=2))
+
+
+def of_another_authority(folder):
+    return certificates(folder)
+
+
+def half(folder):
+    """An authority, and no certificate of the client's own."""
+    found = certificates(folder)
+    del found["distributed"]["comm"]["tls"]["client"]
+    return found
+
+
+def lost(folder):
+    found = certificates(folder)
+    (folder / "client.pem").unlink()
+    return found
+
+
+@pytest.mark.parametrize(
+    ("known", "protocol", "said"),
+    [
+        (of_another_authority, "tls", "no Dask scheduler answers at {}: TLS certificate does not match"),
+        (lost, "tls", "no Dask scheduler answers at {}: [Errno 2] No such file or directory"),
+        (half, "tls", "{} needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
+        (None, "tls", "{} needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
+        (None, "tcp", "no Dask scheduler answers at {}: "),
+    ],
+)
+def test_who_has_no_right_certificate_is_told_in_one_sentence(
+    scheduler, tmp_path, monkeypatch, capsys, known, protocol, said
+):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(clusters, "CONNECT", "3s")
+    Path("long.toml").write_text(LONG)
+    settings = known(tmp_path / "other") if known else {}
+    address = scheduler.replace("tls", protocol)
+    with dask.config.set(dask.config.merge(dask.config.config, settings)):
+        assert main(["run", "long.toml", "--scheduler", address]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert line.startswith("swarmcensus: " + said.format(address))
+    assert not Path("long.nc").exists()
