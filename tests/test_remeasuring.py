@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
+from swarmcensus.cli import main
 
 FIXED = {
     "seed": 3,
@@ -145,3 +146,29 @@ def test_estimates_count_among_the_values_to_keep():
     sc.Study(**tables)
     with pytest.raises(sc.InputError, match=r"is the most: fewer trials, settings, checkpoints or robots"):
         sc.Study(**tables, measure={"estimates": True, "checkpoints": list(range(1, 1001))})
+
+
+def test_from_the_shell(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    kept = measured(FIXED, estimates=True, checkpoints=[5, 20, 40])
+    sc.save(kept, "kept.nc")
+    asked = sc.remeasure(kept, bins=3, delta=0.1)
+
+    def shown(*options):
+        assert main(["show", "kept.nc", "--json", *options]) == 0
+        return capsys.readouterr().out
+
+    sc.save(asked, "asked.nc")
+    assert shown("--bins", "3", "--delta", "0.1") != shown()
+    assert main(["show", "kept.nc", "--bins", "3", "--delta", "0.1"]) == 0
+    table = capsys.readouterr().out
+    assert main(["show", "asked.nc"]) == 0
+    assert capsys.readouterr().out.splitlines()[1:-1] == table.splitlines()[1:-1]
+    assert main(["export", "kept.nc", "--delta", "0.1", "--out", "one.csv"]) == 0
+    assert main(["export", "asked.nc", "--out", "other.csv"]) == 0
+    assert (tmp_path / "one.csv").read_bytes() == (tmp_path / "other.csv").read_bytes()
+    assert main(["plot", "kept.nc", "--kind", "decisions", "--bins", "3"]) == 0
+    assert main(["plot", "kept.nc", "--kind", "curves", "--bins", "3"]) == 2
+    assert "--bins goes with --kind decisions" in capsys.readouterr().err
+    assert main(["show", "kept.nc", "--bins", "0"]) == 2
+    assert "bins = 0: should be greater than or equal to 1" in capsys.readouterr().err

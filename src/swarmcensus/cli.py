@@ -134,8 +134,9 @@ def show(options: argparse.Namespace) -> int:
     """Print the summary of a results file."""
     from swarmcensus import results, selecting, summaries, tables
     from swarmcensus.cautions import warn_of_start
+    from swarmcensus.remeasuring import remeasure
 
-    stored = results.load(options.results)
+    stored = remeasure(results.load(options.results), delta=options.delta, bins=options.bins)
     data = selecting.where(stored, options.where)
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, options.checkpoint)
@@ -200,11 +201,13 @@ def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus import results
     from swarmcensus.files import check_writable
+    from swarmcensus.remeasuring import remeasure
     from swarmcensus.selecting import where
 
     out = options.out or Path(f"{options.results.stem}.{options.to}")
     check_writable(out, options.results)
-    rows = results.export(where(results.load(options.results), options.where), out, options.to)
+    data = remeasure(results.load(options.results), delta=options.delta)
+    rows = results.export(where(data, options.where), out, options.to)
     print(f"{out}: {rows:,} rows")
     return 0
 

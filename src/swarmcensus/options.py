@@ -66,6 +66,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub = command("show", "Print the summary of a results file: medians and right decisions, a row a setting.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
     sub.add_argument("--where", metavar="EXPR", help="settings to show, as 'topology == \"ring\" and robots == 100'")
+    _add_measure_options(sub)
     sub.add_argument("--checkpoint", type=_from_zero, metavar="K", help="the round of 'right' (default: the last)")
     sub.add_argument("--sort", metavar="COLUMN", help="as error, right, K or fill_ratio (default: as stored)")
     sub.add_argument("--reverse", action="store_true", help="the other way round")
@@ -97,6 +98,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--kind", choices=PICTURES, default="scatter", help="what to draw (default: %(default)s)")
     sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
     sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
+    _add_measure_options(sub)
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
@@ -114,6 +116,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
     sub.add_argument("--to", choices=("csv", "parquet"), default="csv")
     sub.add_argument("--where", metavar="EXPR", help="settings to export, as 'accuracy == 0.675'")
+    sub.add_argument("--delta", type=float, help="of convergence, asked anew of kept estimates")
     sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")
 
     sub = command("replay", "Run one trial of a results file again and show every round of it.")
@@ -137,6 +140,11 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub = command("brains", "List the shipped brains, or check a brain file.")
     sub.add_argument("--check", metavar="FILE", help="run a brain file through the conformance suite")
     return top
+
+
+def _add_measure_options(sub: argparse.ArgumentParser) -> None:
+    sub.add_argument("--bins", type=int, help="of decisions, asked anew of estimates that the study kept")
+    sub.add_argument("--delta", type=float, help="of convergence, likewise")
 
 
 def _add_run_options(sub: argparse.ArgumentParser) -> None:

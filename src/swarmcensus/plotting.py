@@ -10,6 +10,7 @@ ONLY_OF = (
     {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")}
     | dict.fromkeys(("setting", "trial", "brain"), ("curves", "arena", "film"))
     | dict.fromkeys(("first", "last", "every", "fps"), ("film",))
+    | {"bins": ("decisions",), "delta": ("scatter", "heatmap")}
 )  # options of `plot` that mean something to these kinds
 
 
@@ -18,6 +19,7 @@ def plot(options: argparse.Namespace) -> int:
     from swarmcensus import figures, results, traces
     from swarmcensus.beliefs import beliefs
     from swarmcensus.progress import compiling
+    from swarmcensus.remeasuring import remeasure
     from swarmcensus.selecting import TooMuch, where
 
     for name, kinds in ONLY_OF.items():
@@ -27,7 +29,7 @@ def plot(options: argparse.Namespace) -> int:
     out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
     if options.kind != "film":
         figure_files(out)
-    every = results.load(options.results)
+    every = remeasure(results.load(options.results), delta=options.delta, bins=options.bins)
     data = where(every, options.where)
     if options.setting in every["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
