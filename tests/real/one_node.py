@@ -96,7 +96,7 @@ class Slurm:
         process = self._daemons.pop(name)
         process.send_signal(number)
         try:
-            process.wait(20)
+            process.wait(5)
         except subprocess.TimeoutExpired:
             process.kill()
             process.wait()
