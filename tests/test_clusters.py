@@ -496,6 +496,11 @@ def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, wher
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=r"pip install 'swarmcensus\[cluster\]'"):
         run(study(FIXED), cluster=where)
+    Path("wrong.toml").write_text(SLURM + "jbos = 2\n")
+    for wrong, said in (("local:0", "should be local: and a number"), ("wrong.toml", "jbos"), ("no.toml", "cannot be")):
+        with pytest.raises(InputError, match=said) as caught:
+            run(study(FIXED), cluster=wrong)
+        assert "pip install" not in str(caught.value)
 
 
 def test_a_plain_run_does_without_dask(here):

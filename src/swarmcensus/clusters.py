@@ -148,16 +148,20 @@ def read(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
 @contextlib.contextmanager
 def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[Workers]:
     """The workers of a scheduler's address, of "local:4", or of a TOML file. Raises InputError."""
+    expected, queue = 1, None
+    if where.startswith("local:"):
+        expected = _count(where)
+    elif "://" not in where:
+        queue = read_queue(Path(where))
+        expected = queue.jobs * queue.cores
     try:
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
     renew: Callable[[], str] = str  # nothing to do, and nothing to say
-    expected = 1
     with contextlib.ExitStack() as stack:
         stack.enter_context(_quiet())
         if where.startswith("local:"):
-            expected = _count(where)
             show(f"starting {expected} worker processes")
             scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
             try:
@@ -168,11 +172,9 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             except (OSError, RuntimeError) as error:
                 raise InputError(f"--cluster {where}: no processes could be started: {error}") from error
             stack.enter_context(cluster)
-        elif "://" in where:
+        elif queue is None:
             cluster = where
         else:
-            queue = read_queue(Path(where))
-            expected = queue.jobs * queue.cores
             show(f"submitting {queue.jobs} jobs of {queue.cores} workers to {queue.system}")
             stack.enter_context(ended_politely())
             try:
