@@ -28,8 +28,9 @@ from numpy.typing import NDArray
 from swarmcensus.errors import InputError
 from swarmcensus.floors import floor_of, tiles_across
 from swarmcensus.metrics import right_bin
+from swarmcensus.origins import setting_of
 from swarmcensus.panels import require, truth_of
-from swarmcensus.results import load, setting_of
+from swarmcensus.results import load
 from swarmcensus.sheets import SMALL, halo
 from swarmcensus.traces import replay
 
