@@ -1,8 +1,8 @@
 """What results were made from: their studies and brains, read from what the results carry themselves.
 
-The text of a study in a results file may name files: they are somebody else's words. No edge list and no image is opened
-but from the results, and no brain file is run but one that was given, or that lies in the folder in which one works,
-under the name that the study says and with the very bytes that the results hold.
+The text of a study in a results file may name files, and may be somebody else's. No edge list and no image is opened
+but those in the results, and no brain file is run but one that was given, or that lies below the folder in which one
+works, where the study says, with the very source that the results hold.
 """
 
 import contextlib
