@@ -121,11 +121,15 @@ def test_results_that_cannot_go_together(changes, said):
         sc.merge([ran(), ran(**changes)])
 
 
-def test_two_brains_of_one_name_are_refused():
-    one, two = ran(), ran(robots_in_swarm=5)
-    two.attrs["brains"] = two.attrs["brains"].replace('"sha256": "', '"sha256": "0')
-    with pytest.raises(InputError, match="two different brains"):
-        sc.merge([one, two])
+def test_two_brains_of_one_name_are_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = study().swarm.brain[0].source
+    results = []
+    for text in (source, source + "\n# another\n"):
+        (tmp_path / "mine.py").write_text(text)
+        results.append(ran(brain_in_swarm="mine.py", robots_in_swarm=5, topology_in_world="ring"))
+    with pytest.raises(InputError, match=r"two different brains 'mine\.py'"):
+        sc.merge(results)
 
 
 def test_a_sample_is_run_again(small_file, tmp_path, capsys):

@@ -176,7 +176,7 @@ def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
     elif damage == "empty":
         path.write_bytes(b"")
     elif damage == "rename":
-        path.rename(path.with_name(path.name.replace("-", "-0")))
+        path.rename(path.with_name(f"000001-{32 * '0'}.npz"))
     else:
         for place in random.Random(3).sample(range(len(data)), 3):
             data[place] ^= 0x10
@@ -477,7 +477,7 @@ def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
 
 def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
     cut_off("a.nc", 40)
-    for left in ("a.nc.parts/.run-0123abcd.json", "a.nc.parts/.000009-0123abcd.npz", ".a-0123abcd.nc"):
+    for left in ("a.nc.parts/.run-0123abcd.json", f"a.nc.parts/.000009-{32 * 'a'}-0123abcd.npz", ".a-0123abcd.nc"):
         Path(left).touch()
     Path(".b-0123abcd.nc").touch()  # of another output, whose run may be at work
     assert same(run(study(), out="a.nc"), whole)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus import brains
 from swarmcensus.errors import InputError
 from swarmcensus.networks import MOVING
-from swarmcensus.values import EVERY, MISSING, VARIABLES
+from swarmcensus.values import EVERY, LOCAL, MISSING, VARIABLES
 
 FORMATS = ("swarmcensus results 1", "swarmcensus results 2")  # that can be read; the last one is written
 TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
@@ -130,19 +130,21 @@ def _missing(data: xr.Dataset) -> str | None:
     done = data["convergence_round"].variable[:, :, 0] != MISSING
     exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < data["robots"].variable
     reached = xr.Variable("checkpoint", data["checkpoint"].values) <= data["rounds"].variable
+    merged = "merged" in data.attrs
     for name, (dims, *_) in EVERY.items():
         if name not in data:
             continue
         array = data[name].variable
         there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
-        # all or nothing of a trial, for what not every study asks for
-        due = done if name in VARIABLES else _any(there, set(dims) - {"setting", "trial"})
+        # of what is measured apart, or by some of merged studies: all or nothing of a trial
+        apart = name in LOCAL or (merged and name not in VARIABLES)
+        due = _any(there, set(dims) - {"setting", "trial"}) if apart else done
         if name == "true_fill_ratio":
             due = due & xr.Variable("setting", data["topology"].values == MOVING)
         if "robot" in dims:
             due = due & exists
         if "checkpoint" in dims:  # of merged results, at those of the one that ran the trial
-            due = due & reached & (_any(there, set(dims) & {"robot"}) if "merged" in data.attrs else True)
+            due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
         differ = np.argwhere((there != due).transpose(*dims).values)
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))

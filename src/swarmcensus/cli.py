@@ -141,14 +141,11 @@ def status(options: argparse.Namespace) -> int:
 
 def merge(options: argparse.Namespace) -> int:
     """Put results together."""
-    from swarmcensus import merging, results
-    from swarmcensus.files import check_writable
+    from swarmcensus import merging
 
     if options.out.suffix != ".nc":
         raise InputError(f"--out {options.out}: results are written as .nc")
-    check_writable(options.out, *options.results)
-    data = merging.merge(options.results)
-    results.save(data, options.out)
+    data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     print(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
     return 0

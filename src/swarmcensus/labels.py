@@ -32,7 +32,8 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
     for study in studies:
         settings = study.settings()
         marks = [setting.fingerprint(study.seed) for setting in settings]
-        parts.append(dataset(study, settings, marks, Values(settings, 0, len(study.checkpoints), study.measure.local)))
+        asked = study.measure.local, study.measure.estimates
+        parts.append(dataset(study, settings, marks, Values(settings, 0, len(study.checkpoints), *asked)))
     first = parts[0]
     if len(parts) > 1:
         first = _together(parts)

@@ -10,9 +10,11 @@ from numpy.typing import NDArray
 
 from swarmcensus import checking
 from swarmcensus.errors import InputError
+from swarmcensus.files import check_writable
 from swarmcensus.labels import MAKERS, most_trials, outline, unlike
 from swarmcensus.origins import studies_of
-from swarmcensus.results import load
+from swarmcensus.results import load, save
+from swarmcensus.shards import Identity, Parts, listed
 from swarmcensus.studies import Study
 from swarmcensus.values import EVERY, MISSING
 
@@ -46,6 +48,43 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             studies.setdefault((study.text, *study.settings()), study)
         planned.append(_planned(data, own))
     return _together(names, datasets, outline(list(studies.values()), True), planned)
+
+
+def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
+    """`merge` files into the file `out`, which no run may be writing meanwhile.
+
+    What `out` holds already must be in the others too, unless `fresh`. Raises InputError.
+    """
+    check_writable(out, *map(Path, results))
+    data = merge(results)
+    about = data.attrs
+    identity = Identity(*(about[k] for k in ("title", "seed", "swarmcensus_version", "delta", "bins", "truth")))
+    with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
+        if not fresh and listed(parts.folder):
+            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or --fresh")
+        if not fresh and out.exists():
+            _check_kept(out, data)
+        save(data, out)
+        parts.clear()
+    return data
+
+
+def _check_kept(out: Path, data: xr.Dataset) -> None:
+    """Raise InputError where a file holds trials that are not in `data`."""
+    hint = "merge it too into another file, write elsewhere with --out, or replace it with --fresh"
+    try:
+        old = load(out)
+    except InputError as error:
+        raise InputError(f"{error}: it is in the way, {hint}") from None
+    lost = len(_trials(old) - _trials(data))
+    if lost:
+        raise InputError(f"{out} is there, with {lost:,} trials that are not in what is merged: {hint}")
+
+
+def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
+    """The finished trials: fingerprints of their settings, and their numbers."""
+    place, trial = np.nonzero(checking.finished(data))
+    return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:

@@ -117,11 +117,12 @@ def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
         return
     values = Values.of(data)
     failed = {setting for setting, _ in checking.failures(data)}
+    done = values.done()
     ended = data.attrs["trials_done"] + len(checking.failures(data)) == data.attrs["trials_total"]
     for k, number in enumerate(data["setting"].values.tolist()):
         found = [math.nan]
         for trials in study.stages():
-            if trials > values.trials or not values.done()[k, :trials].all():
+            if trials > values.trials or not done[k, :trials].all():
                 break
             found.append(half_width(study, values, k, trials))
             if rule.holds(found[-1]):
@@ -130,7 +131,7 @@ def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
         said = stored.values[k].item()
         if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
             yield f"setting {number}: {OF_A_RULE} is {said!r} in the file, and {found[-1]!r} of its trials"
-        elif whole and not rule.holds(found[-1]) and not values.done()[k].sum() >= rule.at_most:
+        elif whole and not rule.holds(found[-1]) and not done[k].sum() >= rule.at_most:
             yield f"setting {number}: {rule.until!r} does not hold yet, and no trial of it is said to be missing"
 
 
