@@ -56,6 +56,9 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
+    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
+    if data.attrs.get("format") not in FORMATS or lacking:
+        return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
     try:
         return _shape(data) or _attributes(data) or _missing(data) or (made_from(data) and None)
     except InputError as error:

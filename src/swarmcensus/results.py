@@ -9,13 +9,14 @@ from typing import Any
 import h5py
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from swarmcensus import __version__, checking
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import EVERY, MISSING, PER_ROBOT, VARIABLES, Values
+from swarmcensus.values import EVERY, MISSING, PER_ROBOT, Values
 
 FORMAT = checking.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
@@ -58,6 +59,12 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     data = xr.Dataset(variables, coordinates, provenance(study))
     data["checkpoint"].attrs["units"] = "rounds"
     return data
+
+
+def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
+    """The variable `half_width` of a study with a rule, one number a setting."""
+    assert study.until is not None
+    return "setting", widths, {"long_name": "half the interval that the rule looks at", "rule": study.until.until}
 
 
 def provenance(study: Study) -> dict[str, Any]:
@@ -113,8 +120,8 @@ def load(path: str | Path) -> xr.Dataset:
             f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
             f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
         ) from error
-    if data.attrs.get("format") not in checking.FORMATS or not {*VARIABLES, "fingerprint"} <= set(data.data_vars):
-        raise InputError(f"results file {path}: not a results file of swarmcensus, or of a later one")
+    if not str(data.attrs.get("format")).startswith("swarmcensus results"):
+        raise InputError(f"results file {path}: not a results file of swarmcensus")
     wrong = checking.unmask(data) or checking.wrong(data)
     if wrong:
         raise InputError(f"results file {path}: damaged or changed: {wrong}")

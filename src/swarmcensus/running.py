@@ -183,11 +183,7 @@ def run(
         if share is not None:
             data.attrs["share"] = "{}/{}".format(*share)
         if study.until is not None:
-            data["half_width"] = (
-                "setting",
-                state.widths,
-                {"long_name": "half the interval that the rule looks at", "rule": study.until.until},
-            )
+            data["half_width"] = results.widths_of_rule(study, state.widths)
         if state.failures:
             _tell(state, data)
         if state.holding is not None:

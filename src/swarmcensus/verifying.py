@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -166,34 +167,38 @@ def _compare(
     columns[:, trials] = wanted
     again = recompute(study, settings, columns, local, jobs, progress)
     known = [study.checkpoints.index(c) if c in study.checkpoints else -1 for c in data["checkpoint"].values.tolist()]
-    out = []
-    for row, trial in np.argwhere(columns).tolist():
-        where = {"setting": places[row], "trial": int(np.flatnonzero(trials == trial)[0])}
-        for name in (name for name in EVERY if name in data and name in again.arrays):
-            stored = np.atleast_1d(data[name].isel(where).values)
-            found = _fitted(again, name, row, trial, known, data.sizes["robot"])
-            lacking = stored == MISSING if stored.dtype.kind == "i" else np.isnan(stored)
-            if name not in VARIABLES and lacking.all():
-                continue  # not asked for by the one of merged studies that ran this trial
-            if "checkpoint" in EVERY[name][0]:
-                found = np.where(lacking, stored, found)  # nor these checkpoints
-            differ = np.argwhere(~((stored == found) | ((stored != stored) & (found != found))))
-            if differ.size:
-                number, at = int(data["setting"].values[places[row]]), tuple(differ[0])
-                out.append(Difference(number, trial, name, stored[at].item(), found[at].item()))
-                break
-    return out
+    out: dict[tuple[int, int], Difference] = {}
+    for name in (name for name in EVERY if name in data and name in again.arrays):
+        dims = EVERY[name][0]
+        others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
+        stored = data[name].values[places]
+        found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
+        differ = ~((stored == found) | ((stored != stored) & (found != found)))
+        there = stored != MISSING if stored.dtype.kind == "i" else ~np.isnan(stored)
+        due = wanted
+        if name not in VARIABLES:  # not asked for by some of merged studies
+            due = due & there.any(axis=others)
+        if "checkpoint" in dims:  # nor these checkpoints
+            differ &= there
+        for row, column in np.argwhere(differ.any(axis=others) & due).tolist():
+            number, trial = int(data["setting"].values[places[row]]), int(trials[column])
+            one = {"setting": row, "trial": column}
+            at = tuple(one.get(d, slice(None)) for d in dims)
+            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
+            out.setdefault((number, trial), Difference(number, trial, name, *values))
+    return list(out.values())
 
 
-def _fitted(values: Values, name: str, row: int, trial: int, known: list[int], robots: int) -> NDArray[np.float64]:
-    """A trial's numbers as a dataset of other sizes holds them; `known` are the places of its checkpoints, or -1."""
-    dims = [d for d in EVERY[name][0] if d != "setting"]
-    array = values.arrays[name][row].take(trial, dims.index("trial"))
+def _fitted(
+    array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
+) -> NDArray[Any]:
+    """A variable as a dataset of other sizes holds it; `known` are the places of its checkpoints, or -1."""
+    array = array.take(trials, dims.index("trial"))
     if "checkpoint" in dims:
-        array = array[known]
-        array[np.array(known) < 0] = np.nan
+        array = array[:, known]
+        array[:, np.array(known) < 0] = np.nan
     if "robot" in dims:
         blank = MISSING if array.dtype.kind == "i" else np.nan
-        more = [(0, 0)] * (array.ndim - 1) + [(0, max(0, robots - array.shape[-1]))]
+        more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
         array = np.pad(array, more, constant_values=blank)[..., :robots]
-    return np.atleast_1d(array)
+    return array
