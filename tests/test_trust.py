@@ -48,7 +48,8 @@ def files(tmp_path_factory):
     for name, trials in (("measures", 2), ("rule", RULE)):
         text = PLAIN.format(trials=trials)
         if name == "rule":
-            text = text.replace("local = true\nestimates = true\n", "")
+            text = text.replace("local = true\nestimates = true\n", "").replace('["ring", "full"]', '"ring"')
+            text = text.replace("[0.3, 0.6]", "0.3").replace("[2, 3]", "3")
         sc.save(sc.run(sc.Study.parse(text), jobs=1), here / f"{name}.nc")
     one, two = PLAIN.format(trials=2), PLAIN.format(trials=1).replace("[2, 8]", "[4]").replace("0.3, 0.6", "0.6, 0.9")
     parts = [sc.run(sc.Study.parse(text.replace("local = true\n", "")), jobs=1) for text in (one, two)]

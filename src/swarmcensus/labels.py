@@ -3,6 +3,7 @@
 What should be there is made by the very code that writes it: a dataset of the same studies before any trial is run.
 """
 
+import functools
 import json
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -12,14 +13,14 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus import __version__
-from swarmcensus.checking import IN_FORMAT_1, failures, is_old
+from swarmcensus.checking import IN_FORMAT_1, failures, finished, is_old
 from swarmcensus.errors import InputError
-from swarmcensus.results import dataset
+from swarmcensus.results import dataset, widths_of_rule
+from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import EVERY, Values
+from swarmcensus.values import EVERY, VARIABLES, Values
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # of the numbers
-OF_A_RULE = "half_width"  # see `verifying`
 
 
 def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
@@ -30,10 +31,12 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
     """
     parts = []
     for study in studies:
-        settings = study.settings()
-        marks = [setting.fingerprint(study.seed) for setting in settings]
+        marked = settings_of(study)
+        settings = list(marked.values())
         asked = study.measure.local, study.measure.estimates
-        parts.append(dataset(study, settings, marks, Values(settings, 0, len(study.checkpoints), *asked)))
+        parts.append(dataset(study, settings, list(marked), Values(settings, 0, len(study.checkpoints), *asked)))
+        if study.until and not merged:
+            parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
     first = parts[0]
     if len(parts) > 1:
         first = _together(parts)
@@ -41,6 +44,12 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
     if merged:
         first.attrs["merged"] = json.dumps([study.text for study in studies])
     return first
+
+
+@functools.lru_cache(maxsize=8)
+def settings_of(study: Study) -> dict[str, Setting]:
+    """A study's settings by their fingerprints, in order."""
+    return {setting.fingerprint(study.seed): setting for setting in study.settings()}
 
 
 def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
@@ -78,16 +87,13 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     With whole=False settings and trials may have been taken away.
     """
     want = outline(studies, "merged" in data.attrs)
-    return [
-        *_names(data, want),
-        *_settings(data, want),
-        *_rest(data, want),
-        *(_size(data, studies, want) if whole else ()),
-    ]
+    size = _size(data, studies, want) if whole else ()
+    looked = _looked(data, studies) if "merged" in data.attrs else ()
+    return [*_names(data, want), *_settings(data, want), *_rest(data, want), *looked, *size]
 
 
 def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    mine, due = ({str(name) for name in one.variables} - {OF_A_RULE} for one in (data, want))
+    mine, due = ({str(name) for name in one.variables} for one in (data, want))
     for name in sorted(mine - due):
         yield f"{name} is in the file, and no run of its study writes it"
     for name in sorted(due - mine):
@@ -139,6 +145,27 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
 
 
+def _looked(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """In merged results each trial has the checkpoints of one of the studies, or of some together."""
+    checkpoints, done = data["checkpoint"].values, finished(data)
+    asked: dict[str, list[NDArray[np.bool_]]] = {}
+    for study in studies:
+        ours = np.isin(checkpoints, study.checkpoints)
+        for mark, setting in settings_of(study).items():
+            asked.setdefault(mark, []).append(ours & (checkpoints <= setting.rounds))
+    for name in (name for name in EVERY if name in data and "checkpoint" in EVERY[name][0]):
+        there = np.isfinite(data[name].values)
+        for k, mark in enumerate(data["fingerprint"].values.tolist()):
+            found = there[k][:, done[k]].reshape(checkpoints.size, done[k].sum(), -1)[..., 0]
+            made = np.zeros_like(found)
+            for one in asked.get(mark, ()):
+                made |= one[:, np.newaxis] & ~(one[:, np.newaxis] & ~found).any(axis=0)
+            bare = name in VARIABLES and all(one.any() for one in asked.get(mark, ())) and not found.any(axis=0).all()
+            if bare or (found != made).any():
+                yield f"setting {data['setting'].values[k]}: {name} is missing where none of the studies has it so"
+                break
+
+
 def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:
     """How much there should be, if all had been run."""
     lacking = want.sizes["setting"] - data.sizes["setting"]
@@ -161,8 +188,7 @@ def most_trials(studies: Sequence[Study], want: xr.Dataset) -> list[int]:
     """How many trials, at the most, studies ask for of each setting of their outline."""
     most = dict.fromkeys(want["fingerprint"].values.tolist(), 0)
     for study in studies:
-        for setting in study.settings():
-            mark = setting.fingerprint(study.seed)
+        for mark in settings_of(study):
             most[mark] = max(most[mark], study.trials)
     return list(most.values())
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from swarmcensus import __version__, checking
 from swarmcensus.errors import InputError
-from swarmcensus.labels import OF_A_RULE, unlike
+from swarmcensus.labels import unlike
 from swarmcensus.origins import Brains, must_be_read, studies_of
 from swarmcensus.results import load
 from swarmcensus.running import Progress, half_width, recompute
@@ -106,17 +106,11 @@ def _notes(data: xr.Dataset) -> Iterator[str]:
 
 def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """What is wrong with the widths of a rule, and with how many trials it needed."""
-    (study, *more), merged = studies, "merged" in data.attrs
-    rule = None if merged or more else study.until
-    if rule is None or OF_A_RULE not in data:
-        if rule is not None or OF_A_RULE in data:
-            yield f"{OF_A_RULE} is {'not ' if rule else ''}in the file, and its study has {'a' if rule else 'no'} rule"
-        return
-    stored = data[OF_A_RULE]
-    if stored.dims != ("setting",) or stored.attrs.get("rule") != rule.until:
-        yield f"{OF_A_RULE} should have one number a setting, and name the rule {rule.until!r}"
-        return
-    values = Values.of(data)
+    study = studies[0]
+    rule = study.until
+    if rule is None or "merged" in data.attrs or "half_width" not in data or data["half_width"].dims != ("setting",):
+        return  # none is due, or that it is not there is told already
+    values, stored = Values.of(data), data["half_width"].values
     failed = {setting for setting, _ in checking.failures(data)}
     done = values.done()
     ended = data.attrs["trials_done"] + len(checking.failures(data)) == data.attrs["trials_total"]
@@ -129,9 +123,9 @@ def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
             if rule.holds(found[-1]):
                 break
         whole = ended and number not in failed
-        said = stored.values[k].item()
+        said = stored[k].item()
         if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
-            yield f"setting {number}: {OF_A_RULE} is {said!r} in the file, and {found[-1]!r} of its trials"
+            yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
         elif whole and not rule.holds(found[-1]) and not done[k].sum() >= rule.at_most:
             yield f"setting {number}: {rule.until!r} does not hold yet, and no trial of it is said to be missing"
 
