@@ -76,6 +76,7 @@ class Holding:
 
     def announce(self, found: int, total: int, work: float) -> None:
         """Say for `status` what is going to be run."""
+        self.parts.flush()  # what is counted as found is not counted again as a shard
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
             rule=self.study.until.until if self.study.until else "", share=self.share,
