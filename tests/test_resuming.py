@@ -643,7 +643,8 @@ def test_status_of_shares_and_of_what_was_merged(here):
 
 def test_status_of_the_stages_of_a_rule(here):
     rule = '{until = "convergence_error median +- 0.01", at_least = 6, at_most = 40}'
-    text = STUDY.replace("trials = 6", f"trials = {rule}").replace(', "moving"', "").replace("density    = 1\n", "")
+    text = STUDY.replace("trials = 6", f"trials = {rule}").replace(', "moving"', "")
+    text = text.replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     cut_when(lambda p: p.total > 16 * 6, study(text), "a.nc")
     found = status("a.nc")
     assert found.total > found.done >= 16 * 6  # the first stage is done, and more trials are wanted
@@ -667,8 +668,9 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
         return batch
 
     monkeypatch.setattr(tasks, "run_batch", spoiled)
+    text = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
     with pytest.warns(UserWarning, match="failed"):
-        data = run(study(STUDY.replace(', "moving"', "").replace("density    = 1\n", "")), 1, out="a.nc")
+        data = run(study(text), 1, out="a.nc")
     failed = json.loads(data.attrs["failed"])
     assert {one["trial"] for one in failed} == {2}
     assert len(failed) == 8 == data.attrs["trials_total"] - data.attrs["trials_done"]

@@ -174,7 +174,8 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
         for one in json.loads(data.attrs.get("failed", "[]"))
         if one["setting"] in data["setting"].values and one["trial"] in data["trial"].values
     ]
-    kept = {k: v for k, v in data.attrs.items() if k != "failed"} | {"trials_done": int(finished(data).sum())}
+    counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
+    kept = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
     return kept | ({"failed": json.dumps(left)} if left else {})
 
 
