@@ -186,6 +186,7 @@ def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave(tmp_pa
     assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
     assert captions(density=[1, 2])[1] == ["N = 2, D = 1", "N = 2, D = 2", "N = 5, D = 1", "N = 5, D = 2"]
     old = results.drop_vars("side")  # as older versions wrote them
+    old.attrs["format"], old["convergence_round"].encoding = "swarmcensus results 1", {}
     sc.save(old, tmp_path / "old.nc")
     assert sc.load(tmp_path / "old.nc").equals(old)
     assert len({panel.caption for panel in panels_of(old)}) == 4

@@ -7,7 +7,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli import main
+from swarmcensus.engine import compiler
 from swarmcensus.errors import InputError
+from swarmcensus.resuming import hold
 
 TABLES = {
     "name": "parts",
@@ -121,11 +123,15 @@ def test_results_that_cannot_go_together(changes, said):
         sc.merge([ran(), ran(**changes)])
 
 
-def test_two_brains_of_one_name_are_refused():
-    one, two = ran(), ran(robots_in_swarm=5)
-    two.attrs["brains"] = two.attrs["brains"].replace('"sha256": "', '"sha256": "0')
-    with pytest.raises(InputError, match="two different brains"):
-        sc.merge([one, two])
+def test_two_brains_of_one_name_are_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shipped, compile_brain, results = study().swarm.brain[0], compiler.compile_brain, []
+    monkeypatch.setattr(compiler, "compile_brain", lambda _, name="kernel": compile_brain(shipped, name))  # the same
+    for text in (shipped.source, shipped.source + "\n# another\n"):
+        (tmp_path / "mine.py").write_text(text)
+        results.append(ran(brain_in_swarm="mine.py", robots_in_swarm=5, topology_in_world="ring"))
+    with pytest.raises(InputError, match=r"two different brains 'mine\.py'"):
+        sc.merge(results)
 
 
 def test_a_sample_is_run_again(small_file, tmp_path, capsys):
@@ -199,3 +205,43 @@ def test_what_only_some_of_merged_results_measured_is_no_difference():
         changed[name].values[where] += 1
         (found,) = sc.verify(changed, 1.0, jobs=2).differences
         assert (found.setting, found.variable) == (where[0], name)
+
+
+def test_an_output_is_not_thrown_away(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"robots_in_swarm": 4}), ("c", {"trials": 5})):
+        sc.save(ran(topology_in_world="ring", **changes), f"{name}.nc")
+    assert main(["merge", "a.nc", "--out", "m.nc"]) == 0
+    assert main(["merge", "a.nc", "b.nc", "--out", "m.nc"]) == 0  # holds all that was there
+    assert sc.load("m.nc").attrs["trials_done"] == 8
+    before = (tmp_path / "m.nc").read_bytes()
+    assert main(["merge", "a.nc", "--out", "m.nc"]) == 2
+    assert "m.nc is there, with 4 trials that are not in what is merged" in capsys.readouterr().err
+    (tmp_path / "n.nc").write_text("my notes")
+    assert main(["merge", "a.nc", "--out", "n.nc"]) == 2
+    assert "it is in the way" in capsys.readouterr().err
+    assert (tmp_path / "m.nc").read_bytes() == before
+    assert (tmp_path / "n.nc").read_text() == "my notes"
+    with hold(tmp_path / "m.nc", study(), [], [], False, print):
+        assert main(["merge", "c.nc", "--out", "m.nc"]) == 2
+    assert "another run" in capsys.readouterr().err
+    assert main(["merge", "a.nc", "--out", "m.nc", "--fresh"]) == 0
+    assert sc.load("m.nc").attrs["trials_done"] == 4
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["a.nc", "b.nc", "c.nc", "m.nc", "n.nc"]
+
+
+def test_time_is_counted_once_where_results_overlap():
+    one, two = ran(robots_in_swarm=4), ran(robots_in_swarm=6)
+    one.attrs["wall_seconds"], two.attrs["wall_seconds"] = 10.0, 20.0
+    both = sc.merge([one, two])
+    assert both.attrs["wall_seconds"] == 30.0
+    assert sc.merge([both, one, two]).attrs["wall_seconds"] == 30.0
+    assert sc.merge([one, both]).attrs["wall_seconds"] == 25.0  # by trials: those of `both` took 3.75 each
+
+
+def test_totals_of_what_is_merged():
+    rule = {"until": "convergence_error median +- 0.02", "at_least": 6, "at_most": 40}
+    one, two = ran(trials=rule, robots_in_swarm=4), ran(robots_in_swarm=6, trials=3)
+    merged = sc.merge([one, two])
+    assert merged.attrs["trials_total"] == merged.attrs["trials_done"] == one.attrs["trials_done"] + 6
+    assert not sc.verify(merged, 1.0).labels

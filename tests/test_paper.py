@@ -168,6 +168,14 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     assert bars[-1].work_done == pytest.approx(bars[-1].work_total)
 
 
+def test_somebody_elses_page_is_left_alone(tmp_path, monkeypatch):
+    monkeypatch.setattr(paper, "run", lambda *_, **__: pytest.fail("was run"))
+    (tmp_path / "index.html").write_text("<title>My home page</title>")
+    with pytest.raises(InputError, match=r"index\.html is there, and no page of reproduce"):
+        paper.reproduce(tmp_path, trials=2)
+    assert (tmp_path / "index.html").read_text() == "<title>My home page</title>"
+
+
 def test_an_unknown_part_is_refused_with_the_known_ones(tmp_path):
     with pytest.raises(InputError, match=r"'fig9'.*fig2, fig3, fig4, fig5, claims"):
         paper.reproduce(tmp_path / "out", only=["fig2", "fig9"])

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import results, shards
+from swarmcensus import results, shards, tasks
 from swarmcensus.cli import main
 from swarmcensus.engine import compiler
 from swarmcensus.errors import InputError, Interrupted
@@ -176,7 +176,7 @@ def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
     elif damage == "empty":
         path.write_bytes(b"")
     elif damage == "rename":
-        path.rename(path.with_name(path.name.replace("-", "-0")))
+        path.rename(path.with_name(f"000001-{32 * '0'}.npz"))
     else:
         for place in random.Random(3).sample(range(len(data)), 3):
             data[place] ^= 0x10
@@ -477,7 +477,7 @@ def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
 
 def test_what_killed_processes_left_beside_their_names_is_removed(here, whole):
     cut_off("a.nc", 40)
-    for left in ("a.nc.parts/.run-0123abcd.json", "a.nc.parts/.000009-0123abcd.npz", ".a-0123abcd.nc"):
+    for left in ("a.nc.parts/.run-0123abcd.json", f"a.nc.parts/.000009-{32 * 'a'}-0123abcd.npz", ".a-0123abcd.nc"):
         Path(left).touch()
     Path(".b-0123abcd.nc").touch()  # of another output, whose run may be at work
     assert same(run(study(), out="a.nc"), whole)
@@ -575,3 +575,104 @@ def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):
     assert same(run(study(), 1, vanish, out="made/a.nc"), whole)
     assert same(sc.load("made/a.nc"), whole)
     assert [p.name for p in Path("made").iterdir()] == ["a.nc"]
+
+
+@pytest.mark.parametrize("finished", [True, False])
+def test_only_what_a_run_wrote_is_removed(finished, here, whole):
+    folder = shards.folder_of(Path("a.nc"))
+    mine = ["mine.npz", "000001-0123.npz", ".mine.npz", ".000001-0123abcd.npz", f".000001-{32 * 'a'}-mine.npz"]
+    if not finished:
+        cut_off("a.nc", 40)
+    folder.mkdir(exist_ok=True)
+    for name in mine:
+        (folder / name).write_text("my notes")
+    (here / "elsewhere.npz").write_text("my notes")
+    (folder / f"000001-{32 * '0'}.npz").symlink_to(here / "elsewhere.npz")
+    (folder / f".000001-{32 * 'a'}-0123abcd.npz").symlink_to(here / "elsewhere.npz")
+    assert same(run(study(), 1, out="a.nc"), whole)
+    assert same(run(study(), 1, out="a.nc", fresh=True), whole)
+    assert (here / "elsewhere.npz").read_text() == "my notes"
+    assert all((folder / name).read_text() == "my notes" for name in mine)
+    assert len(list(folder.iterdir())) == len(mine) + 2
+
+
+@pytest.mark.parametrize("name", ["", "lock", "run.json", "fresh"])
+def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
+    folder = shards.folder_of(Path("a.nc"))
+    (here / "elsewhere").mkdir()
+    if name:
+        folder.mkdir()
+        (here / "elsewhere" / "notes").write_text("my notes")
+        (folder / name).symlink_to(here / "elsewhere" / "notes")
+    else:
+        (here / "elsewhere" / f"000001-{32 * '0'}.npz").write_text("my notes")
+        folder.symlink_to(here / "elsewhere")
+    with pytest.raises(InputError, match="is a link: a run keeps its work there"):
+        run(study(), out="a.nc", fresh=True)
+    (kept,) = (here / "elsewhere").iterdir()
+    assert kept.read_text() == "my notes"
+    assert not Path("a.nc").exists()
+
+
+def test_status_of_shares_and_of_what_was_merged(here):
+    def lines(name):
+        return status(name).lines[1:]
+
+    for k in (1, 2, 3):
+        run(study(), 2, out=f"{k}.nc", share=(k, 3))
+    done = "this share is done, swarmcensus merge puts it together with the others"
+    assert lines("1.nc") == ["share 1/3: 48 of its 48 trials done", f"not running: {done}"]
+    cut_when(lambda p: p.done >= 10, study(), "4.nc", share=(2, 3))
+    assert lines("4.nc") == [
+        "share 2/3: these are its trials",
+        "not running: the same swarmcensus run goes on from here",
+    ]
+    assert status("4.nc").total == 48
+    assert main(["merge", "1.nc", "2.nc", "--out", "m.nc"]) == 0
+    assert lines("m.nc") == ["not running: swarmcensus run of its study, with --out m.nc, goes on from here"]
+    assert (status("m.nc").done, status("m.nc").total) == (96, 144)
+    other = study(STUDY.replace("[3, 20]", "4").replace("trials = 6", "trials = 9"))
+    results.save(run(other), "o.nc")
+    assert main(["merge", "1.nc", "o.nc", "--out", "n.nc"]) == 0
+    (said,) = lines("n.nc")
+    assert "run of one study that holds all settings of the 2 merged, with --out n.nc, goes on from here" in said
+    assert (status("n.nc").done, status("n.nc").total) == (48 + 108, 144 + 108)
+    run(study(), out="m.nc")
+    assert status("m.nc").lines == ["resumed: 24 settings; 144 of 144 trials done (100.0 %)"]
+
+
+def test_status_of_the_stages_of_a_rule(here):
+    rule = '{until = "convergence_error median +- 0.01", at_least = 6, at_most = 40}'
+    text = STUDY.replace("trials = 6", f"trials = {rule}").replace(', "moving"', "")
+    text = text.replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    cut_when(lambda p: p.total > 16 * 6, study(text), "a.nc")
+    found = status("a.nc")
+    assert found.total > found.done >= 16 * 6  # the first stage is done, and more trials are wanted
+    assert found.lines == [
+        f"resumed: 16 settings; {found.done} trials done",
+        "trials are added until: convergence_error median +- 0.01",
+        "not running: the same swarmcensus run goes on from here",
+    ]
+    data = run(study(text), 1, out="a.nc")
+    assert status("a.nc").done == status("a.nc").total == data.attrs["trials_done"]
+    assert len(status("a.nc").lines) == 1
+
+
+def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
+    run_batch = tasks.run_batch
+
+    def spoiled(setting, seed, first, trials, *rest):
+        batch = run_batch(setting, seed, first, trials, *rest)
+        if first <= 2 < first + trials and setting.robots == 20:
+            batch.final[2 - first, 5] = np.nan
+        return batch
+
+    monkeypatch.setattr(tasks, "run_batch", spoiled)
+    text = STUDY.replace(', "moving"', "").replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    with pytest.warns(UserWarning, match="failed"):
+        data = run(study(text), 1, out="a.nc")
+    failed = json.loads(data.attrs["failed"])
+    assert {one["trial"] for one in failed} == {2}
+    assert len(failed) == 8 == data.attrs["trials_total"] - data.attrs["trials_done"]
+    assert "an estimate is no finite number" in failed[0]["why"]
+    assert sc.load("a.nc").identical(data)

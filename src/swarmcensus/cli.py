@@ -163,14 +163,11 @@ def status(options: argparse.Namespace) -> int:
 
 def merge(options: argparse.Namespace) -> int:
     """Put results together."""
-    from swarmcensus import merging, results
-    from swarmcensus.files import check_writable
+    from swarmcensus import merging
 
     if options.out.suffix != ".nc":
         raise InputError(f"--out {options.out}: results are written as .nc")
-    check_writable(options.out, *options.results)
-    data = merging.merge(options.results)
-    results.save(data, options.out)
+    data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     print(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
     return 0
@@ -189,12 +186,14 @@ def verify(options: argparse.Namespace) -> int:
         found = verifying.verify(
             options.results, sample, brain=options.brain, seed=seed, jobs=options.jobs, progress=progress
         )
-    for difference in found.differences:
+    for difference in (*found.labels, *found.differences):
         print(difference)
     what = f"{found.checked:,} of {found.stored:,} trials run again" + ("" if options.all else f" (--seed {seed})")
-    differ = len(found.differences)
-    print(f"{options.results}: {what}: " + (f"{differ:,} differ" if differ else "the same to the last bit"))
-    return DIFFER if differ else 0
+    same = "the numbers are the same to the last bit" if found.labels or found.notes else "the same to the last bit"
+    differ = f"{len(found.differences):,} differ" if found.differences else same
+    labels = [f"{len(found.labels):,} of the file's labels are not its study's"] if found.labels else []
+    print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))
+    return DIFFER if found.differences or found.labels else 0
 
 
 def export(options: argparse.Namespace) -> int:

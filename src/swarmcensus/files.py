@@ -40,11 +40,16 @@ def whole(path: str | Path) -> Iterator[Path]:
 def remove_leftovers(path: str | Path) -> None:
     """Remove what processes that were killed while they wrote `path` left beside it; nobody else may be writing it."""
     place = Path(os.path.realpath(path))
-    temporary = re.compile(rf"\.{re.escape(place.stem)}-[0-9a-f]{{8}}{re.escape(place.suffix)}")
     with contextlib.suppress(OSError):
         for left in place.parent.iterdir():
-            if temporary.fullmatch(left.name):
+            if is_leftover(left, re.escape(place.stem), re.escape(place.suffix)):
                 left.unlink(missing_ok=True)
+
+
+def is_leftover(path: Path, stem: str, suffix: str) -> bool:
+    """Whether this is a file as `whole` begins it, for a name of such stem and suffix (regular expressions)."""
+    ours = re.fullmatch(rf"\.(?:{stem})-[0-9a-f]{{8}}{suffix}", path.name)
+    return ours is not None and path.is_file() and not path.is_symlink()
 
 
 def _to_disk(path: Path) -> None:

@@ -3,13 +3,19 @@
 import json
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
+from swarmcensus import checking
 from swarmcensus.errors import InputError
-from swarmcensus.results import load
+from swarmcensus.files import check_writable
+from swarmcensus.labels import MAKERS, most_trials, outline, unlike
+from swarmcensus.origins import studies_of
+from swarmcensus.results import load, save
+from swarmcensus.shards import Identity, Parts, listed
+from swarmcensus.studies import Study
 from swarmcensus.values import EVERY, MISSING
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -19,12 +25,15 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     """One dataset of all settings and trials of several, settings in the order in which they first appear.
 
     A setting is known by its fingerprint. Where two hold the same trial of one setting, it must be the same to the
-    last bit. Raises InputError where that is not so, or where the results cannot go together.
+    last bit; what each says of its settings must be what its study says. Raises InputError where that is not so, or
+    where the results cannot go together.
     """
     names = [str(one) if isinstance(one, str | Path) else f"results {k + 1}" for k, one in enumerate(results)]
     datasets = [one if isinstance(one, xr.Dataset) else load(one) for one in results]
     if not datasets:
         raise InputError("nothing to merge")
+    studies: dict[object, Study] = {}  # each once
+    planned = []
     for name, data in zip(names, datasets, strict=True):
         for key in ALIKE:
             if data.attrs.get(key) != datasets[0].attrs.get(key):
@@ -32,44 +41,105 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
                     f"{name} and {names[0]} cannot go together: {key} is {data.attrs.get(key)} and "
                     f"{datasets[0].attrs.get(key)}"
                 )
-    merged = _blank(datasets)
+        own = studies_of(data, run=False)
+        for wrong in filter(None, (checking.wrong(data), *unlike(data, own, whole=False))):
+            raise InputError(f"{name}: damaged or changed: {wrong}")
+        for study in own:
+            studies.setdefault((study.text, *study.settings()), study)
+        planned.append(_planned(data, own))
+    return _together(names, datasets, outline(list(studies.values()), True), planned)
+
+
+def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
+    """`merge` files into the file `out`, which no run may be writing meanwhile.
+
+    What `out` holds already must be in the others too, unless `fresh`. Raises InputError.
+    """
+    check_writable(out, *map(Path, results))
+    data = merge(results)
+    about = data.attrs
+    identity = Identity(*(about[k] for k in ("title", "seed", "swarmcensus_version", "delta", "bins", "truth")))
+    with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
+        if not fresh and listed(parts.folder):
+            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or --fresh")
+        if not fresh and out.exists():
+            _check_kept(out, data)
+        save(data, out)
+        parts.clear()
+    return data
+
+
+def _check_kept(out: Path, data: xr.Dataset) -> None:
+    """Raise InputError where a file holds trials that are not in `data`."""
+    hint = "merge it too into another file, write elsewhere with --out, or replace it with --fresh"
+    try:
+        old = load(out)
+    except InputError as error:
+        raise InputError(f"{error}: it is in the way, {hint}") from None
+    lost = len(_trials(old) - _trials(data))
+    if lost:
+        raise InputError(f"{out} is there, with {lost:,} trials that are not in what is merged: {hint}")
+
+
+def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
+    """The finished trials: fingerprints of their settings, and their numbers."""
+    place, trial = np.nonzero(checking.finished(data))
+    return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
+
+
+def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
+    """How many trials a dataset has of each setting, or is to have: of a rule that holds, those that it needed."""
+    marks = data["fingerprint"].values.tolist()
+    failed = checking.failures(data)
+    if any(study.until for study in studies):
+        done = checking.finished(data)
+        if data.attrs["trials_total"] == done.sum() + len(failed):
+            lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
+            return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
+    want = outline(studies, True)
+    most = dict(zip(want["fingerprint"].values.tolist(), most_trials(studies, want), strict=True))
+    return {mark: most[mark] for mark in marks}
+
+
+def _together(
+    names: Sequence[str], datasets: Sequence[xr.Dataset], want: xr.Dataset, planned: Sequence[dict[str, int]]
+) -> xr.Dataset:
+    present = {mark for data in datasets for mark in data["fingerprint"].values.tolist()}
+    merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
+    sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
+    arrays = {}
+    for name in (name for name in EVERY if any(name in data for data in datasets)):
+        one = next(data[name] for data in (want, *datasets) if name in data)
+        blank = MISSING if one.dtype.kind == "i" else np.nan
+        arrays[name] = (one.dims, np.full([sizes[str(d)] for d in one.dims], blank, one.dtype), one.attrs, one.encoding)
+    merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
-    origin = np.full((merged.sizes["setting"], merged.sizes["trial"]), -1)
+    origin = np.full((sizes["setting"], sizes["trial"]), -1)
+    failed: dict[tuple[int, int], dict[str, object]] = {}
     for k, data in enumerate(datasets):
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
         _put(merged, data, place, origin, k, names)
-    _describe(merged, datasets, names, origin)
+        row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
+        for one in json.loads(data.attrs.get("failed", "[]")):
+            failed[row_of[one["setting"]], one["trial"]] = one
+    total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
+    merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
+    numbers = merged["setting"].values.tolist()
+    still = [one | {"setting": numbers[k], "trial": t} for (k, t), one in sorted(failed.items()) if origin[k, t] < 0]
+    if still:
+        merged.attrs["failed"] = json.dumps(still)
+    merged.attrs |= _making_of(datasets, origin)
     return merged
 
 
-def _blank(datasets: Sequence[xr.Dataset]) -> xr.Dataset:
-    """A dataset with room for all, its coordinates filled in."""
-    marks: dict[str, tuple[int, int]] = {}
-    for k, data in enumerate(datasets):
-        for place, mark in enumerate(data["fingerprint"].values.tolist()):
-            marks.setdefault(mark, (k, place))
-    checkpoints = np.unique(np.concatenate([d["checkpoint"].values for d in datasets]))
-    sizes = {
-        "setting": len(marks),
-        "trial": max(int(d["trial"].values.max()) + 1 for d in datasets),
-        "robot": max(d.sizes["robot"] for d in datasets),
-        "checkpoint": checkpoints.size,
+def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dict[str, object]:
+    """What made the numbers, and how long it took: of datasets that overlap, by the trials that each gave."""
+    first = datasets[0].attrs
+    taken = [int((origin == k).sum()) / max(1, int(d.attrs["trials_done"])) for k, d in enumerate(datasets)]
+    return {key: first[key] for key in (*MAKERS, "started", "finished") if key in first} | {
+        key: round(sum(float(d.attrs.get(key, 0.0)) * part for d, part in zip(datasets, taken, strict=True)), 3)
+        for key in ("wall_seconds", "cpu_seconds")
     }
-    first = datasets[0]
-    coordinates: dict[str, Any] = {name: np.arange(n) for name, n in sizes.items()}
-    coordinates["checkpoint"] = ("checkpoint", checkpoints, first["checkpoint"].attrs)
-    for name, column in first.coords.items():
-        if column.dims == ("setting",) and name != "setting":
-            values = [datasets[k][name].values[place] for k, place in marks.values()]
-            coordinates[str(name)] = ("setting", np.array(values, dtype=object if isinstance(values[0], str) else None))
-    variables: dict[str, Any] = {}
-    for name, (dims, kind, *_) in EVERY.items():
-        holders = [d for d in datasets if name in d]
-        if holders:
-            blank = MISSING if np.issubdtype(kind, np.integer) else np.nan
-            variables[name] = (dims, np.full([sizes[d] for d in dims], blank, kind), holders[0][name].attrs)
-    variables["fingerprint"] = ("setting", np.array(list(marks), dtype=object), first["fingerprint"].attrs)
-    return xr.Dataset(variables, coordinates)
 
 
 def _put(
@@ -100,40 +170,3 @@ def _put(
     done = np.argwhere(data["convergence_round"].values[:, :, 0] != MISSING)
     fresh = origin[place[done[:, 0]], trials[done[:, 1]]] < 0
     origin[place[done[fresh, 0]], trials[done[fresh, 1]]] = number
-
-
-def _describe(merged: xr.Dataset, datasets: Sequence[xr.Dataset], names: Sequence[str], origin: np.ndarray) -> None:
-    """Say what was merged; Raises InputError where one name stands for two brains or two edge lists."""
-    brains: dict[str, Any] = {}
-    texts: list[str] = []
-    failed: dict[tuple[int, int], Any] = {}
-    rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
-    for name, data in zip(names, datasets, strict=True):
-        for brain, source in json.loads(data.attrs["brains"]).items():
-            if brains.setdefault(brain, source)["sha256"] != source["sha256"]:
-                raise InputError(f"{name} and another of the results name two different brains {brain!r}")
-        for key, array in data.data_vars.items():
-            if str(key).startswith(("edges_", "floor_")):
-                if key in merged and not array.equals(merged[key]):
-                    raise InputError(f"{name} and another of the results have two different {key}")
-                merged[key] = array
-        texts += json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
-        marks = dict(zip(data["setting"].values.tolist(), data["fingerprint"].values.tolist(), strict=True))
-        for one in json.loads(data.attrs.get("failed", "[]")):
-            failed[rows[marks[one["setting"]]], one["trial"]] = one
-    texts = list(dict.fromkeys(texts))
-    first = datasets[0].attrs
-    merged.attrs = first | {
-        "title": " + ".join(dict.fromkeys(str(d.attrs["title"]) for d in datasets)),
-        "study": texts[0],
-        "brains": json.dumps(brains, sort_keys=True),
-        "trials_done": int((origin >= 0).sum()),
-        "trials_total": int(origin.size),
-        **{key: sum(float(d.attrs.get(key, 0.0)) for d in datasets) for key in ("wall_seconds", "cpu_seconds")},
-    }
-    if len(texts) > 1:
-        merged.attrs["merged"] = json.dumps(texts)
-    merged.attrs.pop("failed", None)
-    still = [one | {"setting": k, "trial": t} for (k, t), one in sorted(failed.items()) if origin[k, t] < 0]
-    if still:
-        merged.attrs["failed"] = json.dumps(still)

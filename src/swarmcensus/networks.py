@@ -138,10 +138,10 @@ def _heard(edges: np.ndarray, directed: bool) -> tuple[np.ndarray, np.ndarray]:
     return (links // n).astype(np.uint32), (links % n).astype(np.uint32)
 
 
-def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topology:
+def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
     """Read any form of topology that a study may hold. Raises ValueError with what would be right.
 
-    Edge-list files are looked for in `known` (path to edges) first, then below `base`.
+    Edge-list files are looked for in `known` (path to edges) first, then below `base`; without it none is opened.
     """
     if isinstance(value, Topology):
         return value
@@ -174,10 +174,15 @@ def parse_topology(value: object, base: Path, known: Mapping[str, Any]) -> Topol
     raise ValueError(f"a topology is {FORMS}")
 
 
-def _of_file(path: str, directed: bool, base: Path, known: Mapping[str, Any]) -> Topology:
-    if path not in known and not (base / path).is_file():
+def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, Any]) -> Topology:
+    if path in known:
+        pairs = known[path]
+    elif base is None:
+        raise ValueError("these edges are not here, and no file is opened that is only named here")
+    elif not (base / path).is_file():
         raise ValueError(f"{did_you_mean(path, NAMED)}a topology is {FORMS}; there is no file {base / path}")
-    pairs = known[path] if path in known else read_edges(base / path, weights=False)
+    else:
+        pairs = read_edges(base / path, weights=False)
     return Topology(_file_name(path), _edges(pairs, directed), source=path, directed=directed)
 
 

@@ -81,6 +81,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub = command("merge", "Put results together whose settings or trials differ.")
     sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True)
+    sub.add_argument("--fresh", action="store_true", help="replace what --out holds, though it is not in the others")
 
     sub = command("verify", "Run trials of a results file again and compare them bit for bit.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")

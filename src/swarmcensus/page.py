@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from swarmcensus.paper import Reproduction
     from swarmcensus.paper_figures import PaperFigure
 
+TITLE = "The paper, run again"
 SYMBOLS = (
     "N robots estimate f, the share of the floor that is black; b and w are how often their sensors are right about "
     "black and about white. On a fixed network they live C communication rounds, with R observations in each; robots "
@@ -43,7 +44,7 @@ def html(done: Reproduction) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>The paper, run again</title><style>{style}</style></head><body>"
+        f"<title>{TITLE}</title><style>{style}</style></head><body>"
         "<header><h1>The paper, run again</h1><p class=lead>What a paper says about swarms of robots with lying "
         "sensors, simulated afresh, drawn, and checked sentence by sentence.</p>"
         f"<p>{escape(PAPER)}: its evaluation on fixed communication networks (Sec. IV-B) and with robots that "

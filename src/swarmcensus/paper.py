@@ -99,7 +99,7 @@ def reproduce(
     files = [path for path in sorted(studies_folder().glob("*.toml")) if path.stem in needed]
     studies = {path.stem: Study.load(path).with_(trials=trials, seed=seed) for path in files}
     stems = [out / "figures" / figure.name for figure in figures]
-    check_writable(out / "index.html")
+    _check_own(out / "index.html")
     check_writable(out / "claims.json")
     for path in [data_path(out, name) for name in studies] + [stem.with_suffix(".png") for stem in stems]:
         check_writable(path)
@@ -141,6 +141,13 @@ def _parts(only: str | Iterable[str] | None) -> list[str]:
                 f"there is no part {part!r} of the paper: {did_you_mean(part, PARTS)}known are {', '.join(PARTS)}"
             )
     return [part for part in PARTS if part in asked]
+
+
+def _check_own(path: Path) -> None:
+    """Raise InputError where a page cannot be written, or is somebody else's."""
+    check_writable(path)
+    if path.exists() and f"<title>{page.TITLE}</title>" not in path.read_text(encoding="utf-8", errors="replace"):
+        raise InputError(f"{path} is there, and no page of reproduce: write to another folder with --out")
 
 
 def _command(out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:

@@ -70,10 +70,10 @@ class Floor:
             )
 
 
-def parse_floor(value: object, base: Path, known: Mapping[str, np.ndarray]) -> Floor:
+def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray]) -> Floor:
     """Read any form of floor that a study may hold. Raises ValueError or InputError with what would be right.
 
-    Image files are looked for in `known` (path to grey levels) first, then below `base`.
+    Image files are looked for in `known` (path to grey levels) first, then below `base`; without it none is opened.
     """
     if isinstance(value, Floor):
         return value
@@ -91,7 +91,9 @@ def parse_floor(value: object, base: Path, known: Mapping[str, np.ndarray]) -> F
             raise ValueError(f"{did_you_mean(str(mode), MODES)}the mode of an image is one of {', '.join(MODES)}")
         if not isinstance(source, str):
             raise ValueError("an image is the path of a PNG file")
-        grey = known[source] if source in known else read_image(base / source)
+        if source not in known and base is None:
+            raise ValueError("this image is not here, and no file is opened that is only named here")
+        grey = known[source] if source in known else read_image(base / source)  # type: ignore[operator]
         grey = np.ascontiguousarray(grey, "<u2")
         digest = hashlib.blake2b(repr(grey.shape).encode() + grey.tobytes(), digest_size=16).hexdigest()
         return Floor("image", picture=Picture(Path(source).stem, digest, source, grey), mode=mode)

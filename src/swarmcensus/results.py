@@ -1,34 +1,24 @@
 """The dataset's schema: how results are laid out, stored, opened and exported."""
 
-import dataclasses
 import importlib.metadata
 import json
 import platform
-import types
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
-from swarmcensus import __version__, brains
+from swarmcensus import __version__, checking
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import EVERY, MISSING, PER_ROBOT, VARIABLES, Values
+from swarmcensus.values import EVERY, MISSING, PER_ROBOT, Values
 
-Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
-FORMAT = "swarmcensus results 1"
-TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
-MAYBE = ("side",)  # older files lack it
-NUMBERS = ("robots", "density", "fill_ratio", "link_success", "rounds", "observations_per_round")
-ATTRIBUTES: dict[str, Any] = {
-    "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
-    **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
-}  # fmt: skip
+FORMAT = checking.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 
 
@@ -45,8 +35,10 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
         dims, _, units, meaning = EVERY[name]
-        comment = {"comment": f"{MISSING}: no such robot, or not run"} if array.dtype.kind == "i" else {}
-        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment})
+        whole_numbers = array.dtype.kind == "i"
+        comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
+        fill = {"_FillValue": MISSING} if whole_numbers else {}  # so that other readers see what is missing
+        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
     variables["fingerprint"] = (
         "setting", np.array(fingerprints, dtype=object),
         {"long_name": "the address of all that a setting's numbers depend on"},
@@ -67,6 +59,12 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     data = xr.Dataset(variables, coordinates, provenance(study))
     data["checkpoint"].attrs["units"] = "rounds"
     return data
+
+
+def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
+    """The variable `half_width` of a study with a rule, one number a setting."""
+    assert study.until is not None
+    return "setting", widths, {"long_name": "half the interval that the rule looks at", "rule": study.until.until}
 
 
 def provenance(study: Study) -> dict[str, Any]:
@@ -98,145 +96,36 @@ def _processor() -> str:
 
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
+    if data.attrs.get("format") in checking.FORMATS:
+        data = data.drop_attrs(deep=False).assign_attrs(checking.selected(data))
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
+    encoding = {n: packed | {k: v for k, v in data[n].encoding.items() if k == "_FillValue"} for n in integers}
     with whole(path) as beside:
-        data.to_netcdf(beside, engine="h5netcdf", encoding=dict.fromkeys(integers, packed))
+        data.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Read a results file. Raises InputError where it is not there, cut short, or not of swarmcensus."""
+    """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
     path = Path(path)
     if not path.is_file():
         raise InputError(f"results file {path}: there is no such file")
     try:
         with h5py.File(path) as file:
             file["/"]  # h5netcdf would complain twice of a root that cannot be read, once past all handlers
-        with xr.open_dataset(path, engine="h5netcdf", decode_times=False) as data:
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False) as data:
             data = data.load()
     except Exception as error:  # whatever a damaged HDF5 file provokes
         raise InputError(
             f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
             f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
         ) from error
-    if data.attrs.get("format") != FORMAT or not {*VARIABLES, "fingerprint"} <= set(data.data_vars):
+    if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
-    wrong = _wrong(data)
-    try:
-        _made_from(data)
-    except InputError as error:
-        wrong = wrong or str(error)
+    wrong = checking.unmask(data) or checking.wrong(data)
     if wrong:
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
-
-
-def _wrong(data: xr.Dataset) -> str | None:
-    """What of a dataset is not as `dataset` makes it, in words; None where nothing is."""
-    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
-    kinds |= {name: "iuf" for name in MAYBE if name in data}
-    for name, (dims, kind, *_) in EVERY.items():
-        if name in data and (data[name].dims != dims or data[name].dtype != kind):
-            return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
-    for name, allowed in kinds.items():
-        if name not in data or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
-            return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
-        if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
-            return f"{name} should be text"
-    for name in ("setting", "trial", "robot", "checkpoint"):
-        numbers = data[name].values if name in data.coords else np.zeros(0)
-        if numbers.dtype.kind not in "iu" or numbers.shape != (data.sizes[name],) or not numbers.size:
-            return f"{name} should number what there is of it"
-        if (np.diff(numbers) <= 0).any() or numbers[0] < 0 or numbers[-1] >= 2**31:
-            return f"{name} should be numbers from 0 in rising order"
-    if not (data["robots"].values == np.clip(data["robots"].values, 1, data.sizes["robot"])).all():
-        return f"robots should be 1 to {data.sizes['robot']}"
-    if len(set(data["fingerprint"].values.tolist())) < data.sizes["setting"]:
-        return "two settings have one fingerprint"
-    for name, kind in ATTRIBUTES.items():
-        if not isinstance(data.attrs.get(name), kind):
-            return f"the attribute {name} is missing or of another kind"
-    for key, array in data.data_vars.items():
-        inside = "iu" if str(key).startswith("edges_") else "u" if str(key).startswith("floor_") else ""
-        if inside and (array.ndim != 2 or array.dtype.kind not in inside or "source" not in array.attrs):
-            return f"{key} should be whole numbers in rows, with their source"
-    try:
-        for one in json.loads(data.attrs.get("failed", "[]")):
-            if one["setting"] not in data["setting"].values or not isinstance(one["trial"], int):
-                return "the attribute failed names a setting that is not there"
-    except (ValueError, KeyError, TypeError):
-        return "the attribute failed is no list of failures"
-    return None
-
-
-def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study, Setting]:
-    """The setting of this number in a dataset, and the study that it is of: see `studies_of`. Raises InputError."""
-    if number not in data["setting"].values:
-        known = data["setting"].values
-        raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
-    mark = str(data["fingerprint"].sel(setting=number).values)
-    for study in studies_of(data, brain):
-        settings = study.settings()
-        # its place in the grid, but for merged studies
-        order = [settings[number], *settings] if 0 <= number < len(settings) else settings
-        for setting in order:
-            if setting.fingerprint(study.seed) == mark:
-                must_be_read(setting.brain)
-                return study, setting
-    raise InputError(f"setting {number}: it is not of the study that these results name")
-
-
-def studies_of(data: xr.Dataset, brain: Brains = ()) -> list[Study]:
-    """The studies that a dataset holds, as they were run: one, but for merged results.
-
-    Brains that are not shipped are given as files, and must have the sources that the results were made with; a
-    file named in results is not run unasked. Others of the studies' brains stay unread: see `must_be_read`.
-    Raises InputError.
-    """
-    sources, texts = _made_from(data)
-    known: dict[str, brains.Brain] = {}
-    for path in [brain] if isinstance(brain, str | Path) else brain or ():
-        given = brains.load(path)
-        names = [n for n, s in sources.items() if s["sha256"] == given.sha256]
-        if not names:
-            raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
-        known |= {n: dataclasses.replace(given, name=n) for n in names}
-    for name, source in sources.items():
-        if name not in known and name not in brains.shipped():
-            known[name] = brains.Brain(name, Path(name), source["source"], {}, (), (), types.ModuleType("unread"))
-    edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
-    images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    context = {"edges": edges, "brains": known, "images": images, "kept": True}
-    studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
-    for used in (brain for study in studies for brain in study.brains):
-        if used.sha256 != sources.get(used.name, {}).get("sha256"):
-            raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
-    return studies
-
-
-def _made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
-    """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
-    try:
-        sources = {
-            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
-            for n, s in json.loads(data.attrs["brains"]).items()
-        }
-        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
-        texts = texts or [str(data.attrs["study"])]
-    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise InputError(
-            f"these results do not say how they were made (attributes study and brains): {error!r}"
-        ) from None
-    return sources, texts
-
-
-def must_be_read(brain: Any) -> None:
-    """Raise InputError for a brain file that results name and that nobody gave."""
-    if not brain.message:
-        raise InputError(
-            f"the brain {brain.name!r} is a file, and a file named in results is not run unasked: "
-            "give it yourself (--brain FILE, or brain=...)"
-        )
 
 
 def to_frame(data: xr.Dataset) -> Any:

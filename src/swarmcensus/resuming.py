@@ -38,6 +38,7 @@ class Holding:
     parts: Parts
     say: Callable[[str], None]
     old: xr.Dataset | None  # the output as it was, if it was there
+    share: str = ""  # which part of the trials is run, as "1/4"; empty for all
     seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor, of what is taken over
     _numbers: dict[str, int] = field(default_factory=dict)
 
@@ -75,9 +76,10 @@ class Holding:
 
     def announce(self, found: int, total: int, work: float) -> None:
         """Say for `status` what is going to be run."""
+        self.parts.flush()  # what is counted as found is not counted again as a shard
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
-            rule=self.study.until.until if self.study.until else "",
+            rule=self.study.until.until if self.study.until else "", share=self.share,
             shards=[path.name for path in listed(self.parts.folder)],
         )  # fmt: skip
 

@@ -156,9 +156,10 @@ def run(
     with contextlib.ExitStack() as stack:
         if out is not None:
             state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
+            state.holding.share = "{}/{}".format(*share) if share else ""
             state.holding.fill(state.values)
-            done = int(state.values.done().sum())
-            state.holding.announce(done, study.trials * len(settings), 0.0)  # while it compiles, or waits for workers
+            known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
+            state.holding.announce(known, total, 0.0)  # while it compiles, or waits for workers
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
         try:
@@ -167,7 +168,8 @@ def run(
             interrupted = True
         data = results.dataset(study, settings, marks, state.values)
         before = state.holding.seconds if state.holding else (0.0, 0.0)
-        done = int(state.values.done().sum())
+        done = int(state.values.finished().sum())
+        state.failures = list({(f.setting, f.trial): f for f in reversed(state.failures)}.values())
         enough = study.until is not None and not interrupted  # a rule's total is known once it holds
         data.attrs |= {
             "trials_done": done,
@@ -177,12 +179,10 @@ def run(
             "wall_seconds": round(before[0] + time.monotonic() - begun, 3),
             "cpu_seconds": round(before[1] + time.process_time() - cpu, 3),
         }
+        if share is not None:
+            data.attrs["share"] = "{}/{}".format(*share)
         if study.until is not None:
-            data["half_width"] = (
-                "setting",
-                state.widths,
-                {"long_name": "half the interval that the rule looks at", "rule": study.until.until},
-            )
+            data["half_width"] = results.widths_of_rule(study, state.widths)
         if state.failures:
             _tell(state, data)
         if state.holding is not None:
@@ -229,7 +229,7 @@ def _tell(state: State, data: xr.Dataset) -> None:
     state.failures.sort(key=lambda f: (f.setting, f.trial))
     data.attrs["failed"] = json.dumps([vars(f) for f in state.failures])
     first = state.failures[0].why
-    if not data.attrs["trials_done"]:
+    if not state.values.done().any():
         raise InputError(first)
     numbers = {f.setting for f in state.failures}
     warnings.warn(
@@ -297,7 +297,7 @@ def _run_stages(state: State, pool: Pool) -> bool:
     open_ = np.ones(len(state.settings), np.bool_)
     for trials in state.study.stages():
         state.values.grow(trials)
-        mine = open_[:, np.newaxis] & np.isin(np.arange(trials), np.arange(trials)[state.share])
+        mine = open_[:, np.newaxis] & _in_share(state, trials)
         lacking = mine & ~state.values.done()[:, :trials]
         local = None
         if state.study.measure.local:
@@ -306,7 +306,7 @@ def _run_stages(state: State, pool: Pool) -> bool:
             sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
         )
         tasks = plan(state.settings, lacking, local, some)
-        state.done, state.total = int((mine & ~lacking).sum()), int(mine.sum())
+        state.done, state.total = _so_far(state, trials, open_)
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
         if state.holding:
             state.holding.announce(state.done, state.total, state.work_total)
@@ -320,6 +320,17 @@ def _run_stages(state: State, pool: Pool) -> bool:
         if not open_.any():
             break
     return False
+
+
+def _in_share(state: State, trials: int) -> NDArray[np.bool_]:
+    return np.isin(np.arange(trials), np.arange(trials)[state.share])
+
+
+def _so_far(state: State, trials: int, open_: NDArray[np.bool_]) -> tuple[int, int]:
+    """How many trials there are, and with those that the settings still open to a rule lack of so many each."""
+    done = state.values.done()[:, :trials] & _in_share(state, trials)
+    lacking = open_[:, np.newaxis] & _in_share(state, trials) & ~done
+    return int(done.sum()), int(done.sum() + lacking.sum())
 
 
 def half_width(study: Study, values: Values, number: int, trials: int) -> float:

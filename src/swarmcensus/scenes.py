@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from swarmcensus.errors import InputError
 from swarmcensus.floors import floor_of, tiles_across
 from swarmcensus.networks import MOVING
-from swarmcensus.results import load, setting_of
+from swarmcensus.origins import setting_of
+from swarmcensus.results import load
 from swarmcensus.settings import Setting
 from swarmcensus.traces import replay
 

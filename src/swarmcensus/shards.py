@@ -23,11 +23,12 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
-from swarmcensus.files import remove_leftovers, whole
+from swarmcensus.files import is_leftover, remove_leftovers, whole
 from swarmcensus.tasks import Piece
 from swarmcensus.values import Columns, shapes
 
 FORMAT = "swarmcensus shard 1"
+OURS = ("lock", "run.json", "fresh")  # what else a run keeps beside its shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
 AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
@@ -102,8 +103,12 @@ def checksum(data: bytes) -> str:
 
 
 def listed(folder: Path) -> list[Path]:
-    """The shards of a folder, in the order in which they were written."""
-    return sorted(path for path in folder.glob("*.npz") if not path.name.startswith("."))
+    """The shards of a folder, in the order in which they were written; what has another name is no run's."""
+    return sorted(path for path in folder.glob("*.npz") if NAME.fullmatch(path.name) and _is_plain(path))
+
+
+def _is_plain(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
 
 
 def is_busy(folder: Path) -> bool:
@@ -128,7 +133,10 @@ class Parts:
         self._work = 0.0
 
     def __enter__(self) -> Self:
-        """Take the lock. Raises InputError where another run has it."""
+        """Take the lock. Raises InputError where another run has it, or where a link leads elsewhere."""
+        for path in (self.folder, *(self.folder / name for name in OURS)):
+            if path.is_symlink():
+                raise InputError(f"{path} is a link: a run keeps its work there and leaves no links; remove it")
         try:
             self._take_lock()
         except Timeout:
@@ -138,11 +146,11 @@ class Parts:
         self._begun = self._last = time.monotonic()
         self._cpu = time.process_time()
         for left in self.folder.glob(".*.npz"):  # of a run that was killed while it wrote
-            left.unlink(missing_ok=True)
+            if is_leftover(left, NAME.pattern.removesuffix(r"\.npz"), r"\.npz"):
+                left.unlink(missing_ok=True)
         for path in (self.out, self.folder / "run.json"):
             remove_leftovers(path)
-        numbers = [int(match[1]) for path in listed(self.folder) if (match := NAME.fullmatch(path.name))]
-        self._next = max(numbers, default=0) + 1
+        self._next = max((int(path.name.partition("-")[0]) for path in listed(self.folder)), default=0) + 1
         return self
 
     def __exit__(self, *_: object) -> None:

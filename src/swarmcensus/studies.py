@@ -79,9 +79,9 @@ class Study:
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
         """Read a study from TOML text.
 
-        `context` may hold `base` (the folder of brain files, edge lists and images), `brains`, `edges` and `images`
-        (known by name, so that no file is read), and `kept` (the text is that of results: keys that mean nothing
-        there are let pass). Raises InputError, naming file, key and value.
+        `context` may hold `base` (the folder of brain files, edge lists and images; None: no file is opened),
+        `brains`, `edges` and `images` (known by name, so that no file is read), and `kept` (the text is that of
+        results: keys that mean nothing there are let pass). Raises InputError, naming file, key and value.
         """
         study = cls.__new__(cls)
         study._fill(read_toml(text, where), text, where, context)

@@ -47,7 +47,10 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     known = _context(info, "brains", {})
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
-    return brains.load(value, _context(info, "base", None))
+    base = _context(info, "base", Path())
+    if base is None and str(value) not in brains.shipped():
+        raise ValueError("this brain's source is not here, and no file is opened that is only named here")
+    return brains.load(value, base)
 
 
 def plain_text(value: str) -> str:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.engine.blaming import line_of_failure
 from swarmcensus.engine.rides import run_ride
-from swarmcensus.engine.trials import Metrics, run_batch, seconds, walk_seconds
+from swarmcensus.engine.trials import Metrics, blame, run_batch, seconds, walk_seconds
 from swarmcensus.errors import InputError
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
@@ -190,7 +190,12 @@ def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, s
         batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, task.kind == "local")
         batches = None if batch is None else [batch] * len(chosen)
     local = task.kind == "local"
-    return [
-        Piece(number, task.first, columns(batch, local), local)
-        for number, batch in zip(task.settings, batches or [], strict=bool(batches))
-    ]
+    pieces = []
+    for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
+        setting, kept = settings[number], batch.kept
+        looked = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
+        if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
+            what = ArithmeticError("an estimate is no finite number")
+            raise blame(setting, task.first, task.trials, what)
+        pieces.append(Piece(number, task.first, columns(batch, local), local))
+    return pieces

@@ -15,7 +15,8 @@ from swarmcensus.engine.rides import record_ride
 from swarmcensus.engine.trials import record_readings, record_trial
 from swarmcensus.errors import InputError
 from swarmcensus.faults import PARTS
-from swarmcensus.results import load, setting_of
+from swarmcensus.origins import setting_of
+from swarmcensus.results import load
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
 

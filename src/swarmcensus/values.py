@@ -1,7 +1,7 @@
 """A study's numbers as they come in: which variables there are, and arrays that fill up piece by piece."""
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,14 @@ class Values:
             shape = [sizes[d] for d in dims]
             self.arrays[name] = np.full(shape, MISSING if np.issubdtype(kind, np.integer) else np.nan, kind)
 
+    @classmethod
+    def of(cls, data: Mapping[Any, Any]) -> Self:
+        """Those of a dataset, which are not copied."""
+        values = cls.__new__(cls)
+        values.robots = data["robots"].values.tolist()
+        values.arrays = {name: data[name].values for name in EVERY if name in data}
+        return values
+
     @property
     def trials(self) -> int:
         """For how many trials there is room."""
@@ -110,3 +118,7 @@ class Values:
         """Which trials have run, (setting, trial)."""
         name = "local_convergence_step" if local else "convergence_round"
         return np.asarray(self.arrays[name][:, :, 0] != MISSING)
+
+    def finished(self) -> NDArray[np.bool_]:
+        """Of which trials there is all that was asked for, (setting, trial)."""
+        return self.done() & self.done(local=True) if "local_convergence_step" in self.arrays else self.done()

@@ -1,20 +1,24 @@
-"""Whether results are what they say: trials are run again and compared bit for bit."""
+"""Whether results are what they say: labels are held against the study, trials run again and compared bit for bit."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus import __version__, checking
 from swarmcensus.errors import InputError
-from swarmcensus.results import Brains, load, must_be_read, studies_of
-from swarmcensus.running import Progress, recompute
+from swarmcensus.labels import unlike
+from swarmcensus.origins import Brains, must_be_read, studies_of
+from swarmcensus.results import load
+from swarmcensus.running import Progress, half_width, recompute
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import EVERY, LOCAL, MISSING, Values
+from swarmcensus.values import EVERY, MISSING, VARIABLES, Values
 
 
 @dataclass(frozen=True)
@@ -37,11 +41,17 @@ class Difference:
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of it: how many trials were run again, of how many, and the first difference of each that differs."""
+    """What came of it: how many trials were run again, of how many, and the first difference of each that differs.
+
+    `labels` are sentences on what else the results say otherwise than their study; `notes` on what is no fault, but
+    should be known.
+    """
 
     checked: int
     stored: int
     differences: list[Difference]
+    labels: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
 
 
 def verify(
@@ -55,12 +65,16 @@ def verify(
 ) -> Verification:
     """Run a random share `sample` of the trials in results again, at least one, and compare all that was measured.
 
-    With sample=1 all are. `seed` makes the choice the same each time. Brains that are not shipped must be given.
-    Raises InputError.
+    With sample=1 all are. `seed` makes the choice the same each time. Brains that are not shipped must be given, or
+    found: see `origins`. What results say beside their numbers is compared in any case. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
         raise InputError(f"sample = {sample:g}: should be a share above 0, and 1 at the most")
     data = results if isinstance(results, xr.Dataset) else load(results)
+    if wrong := checking.wrong(data):
+        raise InputError(f"damaged or changed: {wrong}")
+    studies = studies_of(data, brain)
+    labels = [*unlike(data, studies), *_widths(data, studies)]
     done = np.argwhere(data["convergence_round"].values[:, :, 0] != MISSING)
     if not len(done):
         raise InputError("these results hold no finished trial")
@@ -70,15 +84,52 @@ def verify(
     wanted[chosen[:, 0], chosen[:, 1]] = True
     differences: list[Difference] = []
     left = np.asarray(wanted.any(axis=1))
-    for study in (_looking(data, study) for study in studies_of(data, brain)):
+    for study in (_looking(data, study) for study in studies):
         places, settings = _ours(data, study, left)
         if settings:
             left[places] = False
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
-    if left.any():
-        number = int(data["setting"].values[np.flatnonzero(left)[0]])
-        raise InputError(f"setting {number} is not of the study that these results name")
-    return Verification(count, len(done), sorted(differences, key=lambda d: (d.setting, d.trial)))
+    wanted[left] = False  # of no setting of these studies, as the labels say
+    differences.sort(key=lambda d: (d.setting, d.trial))
+    return Verification(int(wanted.sum()), len(done), differences, labels, list(_notes(data)))
+
+
+def _notes(data: xr.Dataset) -> Iterator[str]:
+    version = data.attrs["swarmcensus_version"]
+    if version != __version__:
+        yield f"the file is of version {version}, and this is {__version__}"
+    done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    if done < total:
+        failed = len(checking.failures(data))
+        yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+
+
+def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """What is wrong with the widths of a rule, and with how many trials it needed."""
+    study = studies[0]
+    rule = study.until
+    if rule is None or "merged" in data.attrs or "half_width" not in data or data["half_width"].dims != ("setting",):
+        return  # none is due, or that it is not there is told already
+    if checking.is_old(data):
+        return  # intervals were others then
+    values, stored = Values.of(data), data["half_width"].values
+    failed = {setting for setting, _ in checking.failures(data)}
+    done = values.done()
+    ended = data.attrs["trials_done"] + len(checking.failures(data)) == data.attrs["trials_total"]
+    for k, number in enumerate(data["setting"].values.tolist()):
+        found = [math.nan]
+        for trials in study.stages():
+            if trials > values.trials or not done[k, :trials].all():
+                break
+            found.append(half_width(study, values, k, trials))
+            if rule.holds(found[-1]):
+                break
+        whole = ended and number not in failed
+        said = stored[k].item()
+        if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
+            yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
+        elif whole and not rule.holds(found[-1]) and not done[k].sum() >= rule.at_most:
+            yield f"setting {number}: {rule.until!r} does not hold yet, and no trial of it is said to be missing"
 
 
 def _looking(data: xr.Dataset, study: Study) -> Study:
@@ -112,38 +163,38 @@ def _compare(
     columns[:, trials] = wanted
     again = recompute(study, settings, columns, local, jobs, progress)
     known = [study.checkpoints.index(c) if c in study.checkpoints else -1 for c in data["checkpoint"].values.tolist()]
-    out = []
-    for row, trial in np.argwhere(columns).tolist():
-        where = {"setting": places[row], "trial": int(np.flatnonzero(trials == trial)[0])}
-        for name in (name for name in EVERY if name in data):
-            stored = np.atleast_1d(data[name].isel(where).values)
-            found = _fitted(again, name, row, trial, known, data.sizes["robot"])
-            if name in LOCAL and data["local_convergence_step"].isel(where)[0] == MISSING:
-                continue  # not asked for by the one of merged studies that ran this trial
-            if name in ("correct", "estimates"):
-                found = np.where(np.isnan(stored), np.nan, found)  # nor these checkpoints
-            differ = np.argwhere(~((stored == found) | ((stored != stored) & (found != found))))
-            if differ.size:
-                at = tuple(differ[0])
-                number = int(data["setting"].values[places[row]])
-                out.append(Difference(number, trial, name, stored[at].item(), found[at].item()))
-                break
-    return out
+    out: dict[tuple[int, int], Difference] = {}
+    for name in (name for name in EVERY if name in data and name in again.arrays):
+        dims = EVERY[name][0]
+        others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
+        stored = data[name].values[places]
+        found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
+        differ = ~((stored == found) | ((stored != stored) & (found != found)))
+        there = stored != MISSING if stored.dtype.kind == "i" else ~np.isnan(stored)
+        due = wanted
+        if name not in VARIABLES:  # not asked for by some of merged studies
+            due = due & there.any(axis=others)
+        if "checkpoint" in dims:  # nor these checkpoints
+            differ &= there
+        for row, column in np.argwhere(differ.any(axis=others) & due).tolist():
+            number, trial = int(data["setting"].values[places[row]]), int(trials[column])
+            one = {"setting": row, "trial": column}
+            at = tuple(one.get(d, slice(None)) for d in dims)
+            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
+            out.setdefault((number, trial), Difference(number, trial, name, *values))
+    return list(out.values())
 
 
-def _fitted(values: Values, name: str, row: int, trial: int, known: list[int], size: int) -> NDArray[np.float64]:
-    """A trial's numbers as a dataset of other sizes holds them."""
-    if name == "correct":
-        column = values.arrays[name][row, :, trial]
-        return np.array([column[k] if k >= 0 else np.nan for k in known])
-    if name == "estimates":
-        out = np.full((len(known), size), np.nan)
-        asked = [k >= 0 for k in known]
-        kept = values.arrays[name][row, [k for k in known if k >= 0], trial, :size]
-        out[asked, : kept.shape[1]] = kept
-        return out
-    if name == "true_fill_ratio":
-        return values.arrays[name][row, [trial]]
-    array = values.arrays[name][row, trial]
-    blank = MISSING if array.dtype.kind == "i" else np.nan
-    return np.pad(array, (0, max(0, size - array.size)), constant_values=blank)[:size]
+def _fitted(
+    array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
+) -> NDArray[Any]:
+    """A variable as a dataset of other sizes holds it; `known` are the places of its checkpoints, or -1."""
+    array = array.take(trials, dims.index("trial"))
+    if "checkpoint" in dims:
+        array = array[:, known]
+        array[:, np.array(known) < 0] = np.nan
+    if "robot" in dims:
+        blank = MISSING if array.dtype.kind == "i" else np.nan
+        more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
+        array = np.pad(array, more, constant_values=blank)[..., :robots]
+    return array

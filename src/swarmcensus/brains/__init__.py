@@ -54,7 +54,7 @@ class Brain:
     @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
-        return hashlib.sha256(self.source.encode()).hexdigest()
+        return digest(self.source)
 
     @property
     def steers(self) -> bool:
@@ -94,19 +94,32 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
 
     Raises InputError where the file is not there or breaks the contract.
     """
-    if str(name) in shipped():
-        path = HERE / f"{name}.py"
-    else:
-        path = (base or Path()) / name
-        if not path.is_file():
-            raise InputError(
-                f"brain {str(name)!r}: {did_you_mean(str(name), shipped())}neither a shipped brain "
-                f"({', '.join(shipped())}) nor a file at {path}"
-            )
+    path = find(name, base)
+    return parse(read(path), str(name), path)
+
+
+def find(name: str | Path, base: Path | None = None) -> Path:
+    """Where a brain's file is. Raises InputError where there is none."""
+    path = HERE / f"{name}.py" if str(name) in shipped() else (base or Path()) / name
+    if not path.is_file():
+        raise InputError(
+            f"brain {str(name)!r}: {did_you_mean(str(name), shipped())}neither a shipped brain "
+            f"({', '.join(shipped())}) nor a file at {path}"
+        )
+    return path
+
+
+def read(path: Path) -> str:
+    """A brain file's source, which is not run. Raises InputError."""
     try:
-        return parse(path.read_text(encoding="utf-8-sig"), str(name), path)
+        return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError(f"brain file {path}: cannot be read as text: {error}") from error
+
+
+def digest(source: str) -> str:
+    """The hash of a source, as stored with results."""
+    return hashlib.sha256(source.encode()).hexdigest()
 
 
 def parse(source: str, name: str, path: Path) -> Brain:

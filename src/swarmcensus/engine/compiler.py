@@ -24,6 +24,7 @@ import numba
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
+from swarmcensus.engine.keeping import sealed
 
 HERE = Path(__file__).parent
 SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "compiler.py")  # what every kernel depends on
@@ -76,7 +77,7 @@ def compiled(function: types.FunctionType) -> Any:
 
 def entry(function: types.FunctionType) -> Any:
     """The same, kept on disk: what CPython calls."""
-    return numba.njit(nogil=True, error_model="python", cache=True)(function)
+    return sealed(numba.njit(nogil=True, error_model="python", cache=True)(function), function)
 
 
 @functools.lru_cache(maxsize=64)
@@ -140,7 +141,7 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
     beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
     beside.chmod(0o755)
     for name, text in files.items():
-        (beside / name).write_text(text, encoding="utf-8")
+        (beside / name).write_bytes(text.encode())
     try:
         beside.rename(folder)
     except OSError:
@@ -207,6 +208,16 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
     if f"{name}.{main}" in sys.modules:
         return sys.modules[f"{name}.{main}"]
     folder = _folder(digest, files)
+    try:
+        return _imported(name, folder, main)
+    except Exception:  # Python's own compiled files beside the sources may be damaged: they are made anew
+        for known in [known for known in sys.modules if known.partition(".")[0] == name]:
+            del sys.modules[known]
+        shutil.rmtree(folder, ignore_errors=True)
+        return _imported(name, _folder(digest, files), main)
+
+
+def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
     _execute(name, folder / "__init__.py", package=True)
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
     home = HERE if numba.config.DISABLE_JIT else folder  # type: ignore[attr-defined]
@@ -217,8 +228,8 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
     """The cache folder, whole; or, on a machine without a usable one, a folder for this process alone."""
     try:
         folder = cache_root() / digest
-        if folder.is_dir() and any(not (folder / name).is_file() for name in files):
-            shutil.rmtree(folder)  # what cleaners of old files leave
+        if folder.is_dir() and not all(_holds(folder / name, text) for name, text in files.items()):
+            shutil.rmtree(folder)  # damaged, or what cleaners of old files leave
         if not folder.is_dir():
             _write_once(folder, files)
         if os.access(folder, os.R_OK | os.W_OK | os.X_OK):
@@ -231,13 +242,8 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
     return folder
 
 
-def forget(brain: Brain) -> Path:
-    """Remove a brain's machine code from disk, where it turned out to be damaged; returns where it was."""
-    files = _brain_files(brain)
-    folder = _folder(_digest(files), files)
-    shutil.rmtree(folder, ignore_errors=True)
-    compile_brain.cache_clear()
-    return folder
+def _holds(path: Path, text: str) -> bool:
+    return path.is_file() and path.read_bytes() == text.encode()
 
 
 def _execute(name: str, path: Path, package: bool) -> types.ModuleType:

@@ -1,7 +1,6 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
 import math
-import pickle
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,10 +94,6 @@ def run_batch(
     )  # fmt: skip
     try:
         finished = kernel.simulate(*arguments)
-    except (EOFError, pickle.UnpicklingError) as error:
-        raise InputError(
-            f"the compiled code in {compiler.forget(setting.brain)} was damaged, and is removed now: run again"
-        ) from error
     except Exception as error:
         raise blame(setting, first, trials, error) from error
     if not finished:

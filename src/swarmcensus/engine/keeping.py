@@ -1,0 +1,44 @@
+"""Machine code on disk under a seal: a hash of it, so that damage is noticed before it is run and it is made anew."""
+
+import contextlib
+import hashlib
+import types
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.files import whole
+
+
+def sealed(made: Any, function: types.FunctionType) -> Any:
+    """The same compiled function, with a cache on disk of which a damaged file is removed and never loaded."""
+    if isinstance(made, types.FunctionType):  # under NUMBA_DISABLE_JIT: nothing is kept
+        return made
+    kept = made._cache
+    load, save = kept.load_overload, kept.save_overload
+    place = Path(kept.cache_path)
+    name = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
+    seal = place / f"{name}.sha256"
+
+    def files() -> list[Path]:
+        return sorted(place.glob(f"{name}-*.nb[ic]"))
+
+    def digest() -> str:
+        return hashlib.sha256(b"".join(path.name.encode() + path.read_bytes() for path in files())).hexdigest()
+
+    def load_whole(signature: Any, target: Any) -> Any:
+        with contextlib.suppress(Exception):  # whatever a damaged pickle provokes
+            if not files() or seal.read_text(encoding="ascii") == digest():
+                return load(signature, target)
+        for path in (seal, *files()):
+            with contextlib.suppress(OSError):
+                path.unlink(missing_ok=True)
+        return None
+
+    def save_sealed(signature: Any, result: Any) -> None:
+        save(signature, result)
+        if files():
+            with whole(seal) as beside:
+                beside.write_text(digest(), encoding="ascii")
+
+    kept.load_overload, kept.save_overload = load_whole, save_sealed
+    return made

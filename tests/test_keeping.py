@@ -1,0 +1,58 @@
+"""Compiled code on disk: what is damaged is noticed and made anew, and gives the same numbers."""
+
+import subprocess
+import sys
+
+import pytest
+
+from swarmcensus.engine import compiler
+
+FILES = {
+    "__init__.py": "",
+    "tiny.py": "from swarmcensus.engine.compiler import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n",
+}
+CODE = f"""
+from swarmcensus.engine import compiler
+tiny = compiler._module({FILES!r}, "tiny")
+print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values()))
+"""
+
+
+def ran():
+    return subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True).stdout.split()
+
+
+def flip(path):
+    data = bytearray(path.read_bytes())
+    data[2 * len(data) // 3] ^= 0x10  # of the machine code itself, and no pickle fails
+    path.write_bytes(data)
+
+
+DAMAGE = {
+    "cut": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
+    "empty": lambda path: path.write_bytes(b""),
+    "flip": flip,
+    "other": lambda path: path.write_bytes(b"my notes"),
+}
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    root = tmp_path_factory.mktemp("cache")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("SWARMCENSUS_CACHE", str(root))
+        assert ran() == ["42", "3.0", "0"]
+        assert ran() == ["42", "3.0", "2"]
+        yield root / compiler._digest(FILES)
+
+
+@pytest.mark.parametrize(
+    ("name", "damage"),
+    [("tiny.py", "flip"), ("tiny.py", "cut"), ("*.nbi", "empty"), ("*.nbi", "other"), ("*.1.nbc", "flip"),
+     ("*.1.nbc", "cut"), ("*.sha256", "other")],
+)  # fmt: skip
+def test_damaged_files_are_made_anew(name, damage, folder):
+    (path,) = folder.rglob(name)
+    DAMAGE[damage](path)
+    assert ran() == ["42", "3.0", "0"]
+    assert (folder / "tiny.py").read_text() == FILES["tiny.py"]

@@ -1,0 +1,369 @@
+"""Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
+
+import json
+import shutil
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus import brains, networks, patterns, verifying
+from swarmcensus.cli import main
+from swarmcensus.errors import InputError
+from swarmcensus.values import EVERY
+
+DATA = Path(__file__).parent / "data"
+PLAIN = """
+name = "apart"
+seed = 3
+trials = {trials}
+[swarm]
+robots = [2, 3]
+accuracy = [0.7, "U(0.6, 0.9)"]
+assumed_accuracy = 0.75
+[world]
+topology = ["ring", "full"]
+fill_ratio = [0.3, 0.6]
+link_success = 0.9
+[schedule]
+rounds = [4, 8]
+observations_per_round = 2
+[measure]
+checkpoints = [2, 8]
+local = true
+estimates = true
+"""
+RULE = '{until = "convergence_error median +- 0.05", at_least = 6, at_most = 9}'
+
+# Attributes of a file that nothing can be held against: who made it, and when.
+EXEMPT = {
+    "python_version": "of the maker", "library_versions": "of the maker", "machine": "of the maker",
+    "processor": "of the maker", "started": "time", "finished": "time", "wall_seconds": "time", "cpu_seconds": "time",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """A file that holds all kinds of settings, one with all that can be measured, one of a rule, and a merged one."""
+    here = tmp_path_factory.mktemp("trust")
+    sc.save(sc.run(sc.Study.load(DATA / "results.toml"), jobs=1), here / "kinds.nc")
+    for name, trials in (("measures", 2), ("rule", RULE)):
+        text = PLAIN.format(trials=trials)
+        if name == "rule":
+            text = text.replace("local = true\nestimates = true\n", "").replace('["ring", "full"]', '"ring"')
+            text = text.replace("[0.3, 0.6]", "0.3").replace("[2, 3]", "3")
+        sc.save(sc.run(sc.Study.parse(text), jobs=1), here / f"{name}.nc")
+    one, two = PLAIN.format(trials=2), PLAIN.format(trials=1).replace("[2, 8]", "[4]").replace("0.3, 0.6", "0.6, 0.9")
+    parts = [sc.run(sc.Study.parse(text.replace("local = true\n", "")), jobs=1) for text in (one, two)]
+    sc.save(sc.merge(parts), here / "merged.nc")
+    return here
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """Trials that were run again once are not run a third time: the same study gives the same numbers."""
+    known, recompute = {}, verifying.recompute
+
+    def remembered(study, settings, wanted, *rest):
+        key = study.text, tuple(settings), wanted.tobytes(), rest[0]
+        if key not in known:
+            known[key] = recompute(study, settings, wanted, *rest)
+        return known[key]
+
+    monkeypatch.setattr(verifying, "recompute", remembered)
+
+
+def noticed(results):
+    try:
+        found = sc.verify(results, 1.0, jobs=1)
+    except InputError:
+        return True
+    return bool(found.differences or found.labels or found.notes)
+
+
+def others(values):
+    """Other arrays of the same shape and kind."""
+    flat = values.ravel()
+    kinds = {"O": ("other", ""), "U": ("other", ""), "i": (7, -1, 0), "u": (7, 0), "f": (0.125, np.nan, 1e300)}
+    for place in (0, flat.size - 1):
+        for value in kinds[values.dtype.kind]:
+            changed = flat.copy()
+            changed[place] = value
+            yield f"[{place}] = {value!r}", changed.reshape(values.shape)
+    for axis in range(values.ndim):
+        yield f"reversed along {axis}", np.flip(values, axis)
+    if values.dtype.kind == "f":
+        yield "the next numbers", np.nextafter(values, 2.0)
+
+
+def changes(data, but=()):
+    """Every way in which something of a dataset is changed: what is changed, and the dataset with it."""
+    for name, variable in ((name, variable) for name, variable in data.variables.items() if name not in but):
+        for how, values in others(variable.values):
+            pairs = zip(values.ravel(), variable.values.ravel(), strict=True)
+            if not all(a == b or (a != a and b != b) for a, b in pairs):
+                yield f"{name} {how}", data.assign({name: (variable.dims, values, variable.attrs)})
+        yield f"{name} removed", data.drop_vars(name)
+        yield f"{name} twice", data.assign({f"{name}_too": variable})
+        for key, value in variable.attrs.items():
+            for other in (value + type(value)("1"), None):
+                changed = data.copy()
+                changed[name].attrs = {k: v for k, v in (variable.attrs | {key: other}).items() if v is not None}
+                yield f"{name}:{key} = {other}", changed
+    for key, value in data.attrs.items():
+        for other in (value + type(value)("1"), value * 0, None):
+            kept = {k: v for k, v in (data.attrs | {key: other}).items() if v is not None}
+            if key not in EXEMPT:
+                yield f"{key} = {other}", data.drop_attrs(deep=False).assign_attrs(kept)
+
+
+@pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged"])
+def test_whatever_is_changed_is_noticed(name, files, quick):
+    """Every variable, coordinate and attribute that is in the file, in several ways each."""
+    data = sc.load(files / f"{name}.nc")
+    assert not noticed(data)
+    # what is said of settings is of one kind everywhere, and each change costs some milliseconds
+    ways = dict(changes(data, () if name == "kinds" else set(sc.load(files / "kinds.nc").variables) - set(EVERY)))
+    assert len(ways) > 70
+    assert [what for what, changed in ways.items() if not noticed(changed)] == []
+
+
+@pytest.mark.parametrize(
+    ("name", "key", "value"),
+    [
+        ("convergence_round", "_FillValue", np.int32(3)),
+        ("convergence_round", "_FillValue", None),
+        ("robots", "_FillValue", np.int64(2)),
+        ("final_estimate", "_FillValue", 0.5),
+        ("final_estimate", "scale_factor", 2.0),
+        ("fill_ratio", "add_offset", 0.1),
+        ("rounds", "missing_value", 4),
+    ],
+)
+def test_what_would_show_other_readers_other_numbers_is_refused(name, key, value, tmp_path):
+    shutil.copy(DATA / "results-2.nc", tmp_path / "x.nc")
+    with h5py.File(tmp_path / "x.nc", "r+") as file:
+        file[name].attrs.pop(key, None)
+        if value is not None:
+            file[name].attrs[key] = value
+    with pytest.raises(InputError, match=f"damaged or changed: {name} should have"):
+        sc.load(tmp_path / "x.nc")
+
+
+class TestWhatIsMissing:
+    def erased(self, files, **attributes):
+        data = sc.load(files / "kinds.nc")
+        for name in (name for name in EVERY if name in data):
+            data[name].loc[{"setting": 3, "trial": 1}] = -1 if data[name].dtype.kind == "i" else np.nan
+        return data.assign_attrs(attributes)
+
+    def test_an_erased_trial_is_refused(self, files):
+        with pytest.raises(InputError, match="trials_done is 48, and 47 trials are there"):
+            sc.verify(self.erased(files), 1.0)
+
+    def test_one_that_the_attributes_own_to_is_named(self, files, tmp_path, capsys):
+        sc.save(self.erased(files), tmp_path / "x.nc")
+        assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
+        said = capsys.readouterr().out
+        assert "47 of 47 trials run again" in said
+        assert "1 of 48 trials are not in the file" in said
+
+    def test_a_total_that_hides_it_is_not_the_studys(self, files):
+        found = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0)
+        assert found.labels == ["the attribute trials_total is 47 in the file and 48 by its study"]
+
+    def test_a_setting_that_is_taken_away(self, files, tmp_path):
+        sc.save(sc.load(files / "kinds.nc").isel(setting=slice(1, None)), tmp_path / "x.nc")
+        assert sc.load(tmp_path / "x.nc").attrs["trials_done"] == 46
+        found = sc.verify(tmp_path / "x.nc", 1.0)
+        assert found.labels == ["1 of the 24 settings of its study are not in the file"]
+
+    def test_a_failure_of_a_trial_that_is_there(self, files):
+        data = sc.load(files / "kinds.nc").assign_attrs(failed=json.dumps([{"setting": 2, "trial": 0, "why": "?"}]))
+        with pytest.raises(InputError, match="failed names setting 2, trial 0, which is there"):
+            sc.verify(data, 1.0)
+
+
+def test_another_version_is_not_called_the_same(files, tmp_path, capsys):
+    sc.save(sc.load(files / "rule.nc").assign_attrs(swarmcensus_version="0.0.9"), tmp_path / "x.nc")
+    assert main(["verify", str(tmp_path / "x.nc"), "--all"]) == 0
+    said = capsys.readouterr().out
+    assert "the numbers are the same to the last bit; the file is of version 0.0.9, and this is 0." in said
+
+
+def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsys):
+    data = sc.load(files / "kinds.nc")
+    data["accuracy"].values[:] = data["accuracy"].values[::-1].copy()
+    sc.save(data, tmp_path / "x.nc")
+    assert main(["verify", str(tmp_path / "x.nc"), "--sample", "0.1", "--seed", "1"]) == 1
+    said = capsys.readouterr().out
+    assert (
+        "setting 0: accuracy is 'black=0.9 white=0.6' in the file and '0.8' by its study (24 settings differ)" in said
+    )
+    assert "1 of the file's labels are not its study's" in said
+
+
+@pytest.mark.parametrize("what", ["done trials with NaN", "half a trial", "a label", "dims"])
+def test_merge_refuses(what, files):
+    data = sc.load(files / "kinds.nc")
+    if what == "done trials with NaN":
+        data["correct"].values[0, 0, 0] = np.nan
+    elif what == "half a trial":
+        data["convergence_round"].values[0, 0, 1] = -1
+    elif what == "a label":
+        data["fill_ratio"].values[0] = 0.9
+    else:
+        data = data.pad(robot=(0, 2)).assign_coords(robot=np.arange(6))
+        data["convergence_round"] = data["convergence_round"].fillna(-1).astype(np.int32)
+    with pytest.raises(InputError, match="results 2: damaged or changed: "):
+        sc.merge([sc.load(files / "kinds.nc"), data])
+
+
+class TestNothingElseIsOpened:
+    """Study texts in results name files that are there; none of them is opened or run."""
+
+    @pytest.fixture
+    def here(self, tmp_path, monkeypatch):
+        monkeypatch.chdir(tmp_path)
+        for file in ("office.csv", "leaf.png"):
+            shutil.copy(DATA / file, tmp_path / f"other-{file}")
+        for module, name in ((networks, "read_edges"), (patterns, "read_image")):
+            monkeypatch.setattr(module, name, lambda path: pytest.fail(f"{path} was opened"))
+        return tmp_path
+
+    def changed(self, files, old, new):
+        data = sc.load(files / "kinds.nc")
+        text = data.attrs["study"].replace(old, new)
+        assert text != data.attrs["study"]
+        sc.save(data.assign_attrs(study=text), "x.nc")
+
+    @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "plot x.nc --kind curves",
+                                         "plot x.nc --kind arena", "merge x.nc --out y.nc"])  # fmt: skip
+    @pytest.mark.parametrize(
+        ("old", "new", "said"),
+        [
+            ('"office.csv"', '"other-office.csv"', "these edges are not here"),
+            ('"leaf.png"', '"other-leaf.png"', "this image is not here"),
+            ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not here"),
+        ],
+    )
+    def test_in_any_command(self, command, old, new, said, files, here, capsys):
+        (here / "mine.py").write_text("raise SystemExit('was run')")
+        self.changed(files, old, new)
+        assert main(command.split()) == 2
+        assert f"{said}, and no file is opened that is only named here" in capsys.readouterr().err
+
+
+class TestBrainFiles:
+    SOURCE = brains.load("minimalistic").source
+
+    @pytest.fixture
+    def here(self, tmp_path, monkeypatch):
+        (tmp_path / "work").mkdir()
+        monkeypatch.chdir(tmp_path / "work")
+        return tmp_path / "work"
+
+    def results(self, name):
+        study = sc.Study(
+            trials=1, swarm={"brain": name, "robots": 3, "accuracy": 0.8},
+            world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
+        )  # fmt: skip
+        return sc.run(study, jobs=1)
+
+    @pytest.mark.parametrize("name", ["mine.py", "brains/mine.py"])
+    def test_one_that_lies_where_the_study_said_is_taken(self, name, here):
+        (here / name).parent.mkdir(exist_ok=True)
+        (here / name).write_bytes(b"\xef\xbb\xbf" + self.SOURCE.replace("\n", "\r\n").encode())
+        data = self.results(name)
+        assert not sc.verify(data, 1.0).differences
+        assert sc.replay(data, 0, 0)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
+
+    @pytest.mark.parametrize("how", ["changed", "gone", "folder", "longer"])
+    def test_one_with_another_source_is_not_run(self, how, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").unlink()
+        if how == "changed":
+            (here / "mine.py").write_text("raise SystemExit('was run')")
+        elif how == "folder":
+            (here / "mine.py").mkdir()
+        elif how == "longer":
+            (here / "mine.py").write_text(self.SOURCE + 3 * self.SOURCE)
+        with pytest.raises(InputError, match="not run unasked"):
+            sc.verify(data, 1.0)
+
+    def test_one_outside_the_current_folder_is_not_run(self, here, monkeypatch):
+        (here.parent / "mine.py").write_text(self.SOURCE)
+        (here / "link.py").symlink_to(here.parent / "mine.py")
+        found = [self.results(name) for name in ("../mine.py", str(here.parent / "mine.py"), "link.py")]
+        for data in found:
+            with pytest.raises(InputError, match="not run unasked"):
+                sc.verify(data, 1.0)
+
+    def test_a_file_that_is_given_is_compared_before_it_is_run(self, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").write_text("raise SystemExit('was run')")
+        with pytest.raises(InputError, match="not the source that these results were made with"):
+            sc.verify(data, 1.0, brain="mine.py")
+
+    def test_a_source_and_its_hash_belong_together(self, here):
+        (here / "mine.py").write_text(self.SOURCE)
+        data = self.results("mine.py")
+        (here / "mine.py").write_text(self.SOURCE + "\n# other\n")
+        known = json.loads(data.attrs["brains"])
+        known["mine.py"]["source"] += "\n# other\n"
+        with pytest.raises(InputError, match="is not the one that the hash beside it is of"):
+            sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+        known["mine.py"]["sha256"] = brains.digest(known["mine.py"]["source"])
+        found = sc.verify(data.assign_attrs(brains=json.dumps(known)), 1.0, brain="mine.py")
+        assert any("is not of the study that these results name" in label for label in found.labels)
+
+
+class TestFormats:
+    """Files of each format that was ever written: they are read for good."""
+
+    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc"])
+    def test_all_that_is_done_with_results_is_done_with_them(self, name, tmp_path, monkeypatch, capsys):
+        monkeypatch.chdir(tmp_path)
+        shutil.copy(DATA / name, "r.nc")
+        data = sc.load("r.nc")
+        assert data["convergence_round"].dtype == np.int32
+        assert data["convergence_round"].values[0, 0].tolist()[-1] == -1  # three robots of four
+        for command in ("verify r.nc --all", "replay r.nc --setting 1 --trial 1", "plot r.nc --where robots==3",
+                        "plot r.nc --kind arena", "export r.nc", "status r.nc", "merge r.nc --out m.nc",
+                        "verify m.nc --all"):  # fmt: skip
+            assert main(command.split()) == 0, command
+        said = capsys.readouterr().out
+        assert said.count("48 of 48 trials run again: the same to the last bit") == 2
+        assert "48 of 48 trials done" in said
+
+    def test_both_hold_the_same(self):
+        one, two = (sc.load(DATA / f"results-{n}.nc") for n in (1, 2))
+        assert one.drop_attrs().identical(two.drop_attrs().drop_vars(set(two.variables) - set(one.variables)))
+        merged = sc.merge([one, two])
+        assert merged.attrs["trials_done"] == 48
+        assert merged.attrs["format"] == two.attrs["format"]
+
+    def test_a_run_goes_on_from_the_first(self, tmp_path):
+        for file in DATA.iterdir():
+            shutil.copy(file, tmp_path)
+        study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
+        data = sc.run(study, jobs=1, out=tmp_path / "results-1.nc")
+        assert data.drop_attrs().identical(sc.run(study, jobs=1).drop_attrs())
+        assert sc.load(tmp_path / "results-1.nc").identical(data)
+
+    def test_other_readers_see_what_is_missing(self, files):
+        with xr.open_dataset(files / "measures.nc", engine="h5netcdf") as plain:
+            assert np.isnan(plain["convergence_round"].values[0, 0, 2])
+            assert np.isnan(plain["local_convergence_step"].values[0, 0, 2])
+            assert np.isfinite(plain["convergence_round"].values[0, 0, :2]).all()
+        with h5py.File(files / "measures.nc") as file:
+            assert file["convergence_round"].attrs["_FillValue"] == -1
+
+    def test_a_format_to_come_is_refused(self, files):
+        with pytest.raises(InputError, match="of a later version"):
+            sc.verify(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 99"))
