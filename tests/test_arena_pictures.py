@@ -20,8 +20,8 @@ from swarmcensus.errors import InputError
 from swarmcensus.figures import save
 from swarmcensus.films import film
 from swarmcensus.floors import floor_of
+from swarmcensus.origins import studies_of
 from swarmcensus.recordings import write_trace
-from swarmcensus.results import studies_of
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -488,7 +488,7 @@ def test_what_cannot_be_pictured_is_said_in_one_line(options, said, file, tmp_pa
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
-def test_a_brain_of_ones_own_must_be_given(tmp_path, monkeypatch, capsys):
+def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(brains.load("legacy").source)
     text = STUDY.replace('["ring", "moving"]', '"moving"').replace("[1, 9]", "2").replace("[0.3, 0.95]", "0.3")
@@ -496,8 +496,11 @@ def test_a_brain_of_ones_own_must_be_given(tmp_path, monkeypatch, capsys):
     Path("own.toml").write_text(text.replace("[swarm]", '[swarm]\nbrain = "mine.py"'))
     assert main(["run", "own.toml"]) == 0
     capsys.readouterr()
+    assert main(["plot", "own.nc", "--kind", "arena", "--out", "x.png"]) == 0
+    Path("mine.py").rename("moved.py")
+    capsys.readouterr()
     assert main(["plot", "own.nc", "--kind", "arena"]) == 2
     error = capsys.readouterr().err
     assert "mine" in error
     assert error.count("\n") == 1
-    assert main(["plot", "own.nc", "--kind", "arena", "--brain", "mine.py", "--out", "x.png"]) == 0
+    assert main(["plot", "own.nc", "--kind", "arena", "--brain", "moved.py", "--out", "y.png"]) == 0

@@ -5,13 +5,13 @@ import re
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import results
+from swarmcensus import checking
 from swarmcensus.cli import main
 from swarmcensus.hints import OTHER_WORDS, did_you_mean
 from swarmcensus.selecting import where
 from tests.conftest import SMALL
 
-KNOWN = [*results.TEXTS, *results.NUMBERS, "setting"]
+KNOWN = [*checking.TEXTS, *checking.NUMBERS, "setting"]
 
 
 @pytest.mark.parametrize(

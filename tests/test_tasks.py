@@ -20,7 +20,7 @@ LONG = {
 def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
     tables = LONG
     if local:
-        tables = LONG | {"world": {"topology": ["ring", "full"], "fill_ratio": 0.55}}
+        tables = LONG | {"world": {"topology": ["ring", "full"], "fill_ratio": 0.55}, "schedule": {"rounds": 1000}}
     settings = sc.Study(**tables).settings()
     wanted = np.ones((len(settings), 40), np.bool_)
     tasks = plan(settings, wanted, wanted if local else None, seconds)
