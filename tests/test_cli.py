@@ -76,10 +76,12 @@ def test_a_first_session(here, capsys):
     assert float(last[-1]) == sc.load("hello.nc")["final_estimate"].values[1, 2, -1]
 
 
-def test_seed_and_trials_can_be_given(here):
+def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
     assert main(["run", "hello.toml", "--trials", "2", "--seed", "5", "--out", "a.nc"]) == 0
     data = sc.load("a.nc")
     assert (data.sizes["trial"], data.attrs["seed"]) == (2, 5)
+    assert main(["run", "hello.toml", "--share", "1/2", "--out", "b.nc"]) == 0
+    assert "b.nc: share 1/2 of 4 settings of 3 trials" in capsys.readouterr().out
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
 
 
@@ -136,6 +138,9 @@ def test_bad_studies(change, said, here, capsys):
         (["verify", "good.nc", "--jobs", "9999"], "jobs = 9999: should be 1 to "),
         (["show", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
         (["show", "none.nc"], "there is no such file"),
+        (["run", "folder.nc"], "study file folder.nc: cannot be read: Is a directory"),
+        *[([name, "folder.nc"], "results file folder.nc: it is a folder") for name in ("show", "status", "verify")],
+        (["merge", "good.nc", "folder.nc", "--out", "x.nc"], "results file folder.nc: it is a folder"),
         (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
         (["plot", "hello.toml"], "results file hello.toml: not a readable"),
         (["plot", "none.nc"], "there is no such file"),

@@ -88,11 +88,12 @@ def run(options: argparse.Namespace) -> int:
     from swarmcensus.studies import Study
     from swarmcensus.tables import failures, settings
 
+    study = Study.load(options.study)
     out = options.out or Path(options.study.stem + ".nc")
     if out.suffix != ".nc":
         raise InputError(f"--out {out}: results are written as .nc")
     check_writable(out, options.study)
-    study = Study.load(options.study).with_(trials=options.trials, seed=options.seed)
+    study = study.with_(trials=options.trials, seed=options.seed)
     begun = time.monotonic()
 
     def say(line: str) -> None:
@@ -116,7 +117,8 @@ def run(options: argparse.Namespace) -> int:
     settings(data, out)
     warn_of_start(data)
     trials = f"up to {study.trials}" if study.until else str(study.trials)
-    print(f"{out}: {data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
+    part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
+    print(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
     return failures(data)
 
 
@@ -288,6 +290,7 @@ def brains(options: argparse.Namespace) -> int:
         return 0
     from swarmcensus.conformance import check
 
+    print(f"checking {options.check}: compiled too, which takes up to a minute", file=sys.stderr, flush=True)
     return 0 if checks(options.check, check(options.check)) else 2
 
 

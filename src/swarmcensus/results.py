@@ -109,7 +109,7 @@ def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"results file {path}: there is no such file")
+        raise InputError(f"results file {path}: {'it is a folder' if path.is_dir() else 'there is no such file'}")
     try:
         with h5py.File(path) as file:
             file["/"]  # h5netcdf would complain twice of a root that cannot be read, once past all handlers

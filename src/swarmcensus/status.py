@@ -57,6 +57,8 @@ class Status:
 def status(out: str | Path) -> Status:
     """How far the study is that writes `out`. Raises InputError where there is nothing of it."""
     out = Path(out)
+    if out.is_dir():
+        raise InputError(f"results file {out}: it is a folder")
     folder = shards.folder_of(out)
     if (folder / "run.json").is_file():
         return _of_run(out, folder)

@@ -71,7 +71,9 @@ class Study:
         """Read a study file. Brain files, edge lists and images are looked for beside it."""
         try:
             text = Path(path).read_text(encoding="utf-8-sig")
-        except (OSError, UnicodeDecodeError, ValueError) as error:
+        except OSError as error:
+            raise InputError(f"study file {path}: cannot be read: {error.strerror or error}") from error
+        except ValueError as error:
             raise InputError(f"study file {path}: cannot be read as text: {error}") from error
         return cls.parse(text, where=f"study file {path}", context={"base": Path(path).parent})
 
