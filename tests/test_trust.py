@@ -173,7 +173,10 @@ class TestWhatIsMissing:
 
     def test_a_total_that_hides_it_is_not_the_studys(self, files):
         found = sc.verify(self.erased(files, trials_done=47, trials_total=47), 1.0)
-        assert found.labels == ["the attribute trials_total is 47 in the file and 48 by its study"]
+        assert found.labels == [
+            "the attribute trials_total is 47 in the file and 48 by its study",
+            "setting 3: of its 2 trials some are missing, and none is said to be",
+        ]
 
     def test_a_setting_that_is_taken_away(self, files, tmp_path):
         sc.save(sc.load(files / "kinds.nc").isel(setting=slice(1, None)), tmp_path / "x.nc")
@@ -220,6 +223,126 @@ def test_merge_refuses(what, files):
         data["convergence_round"] = data["convergence_round"].fillna(-1).astype(np.int32)
     with pytest.raises(InputError, match="results 2: damaged or changed: "):
         sc.merge([sc.load(files / "kinds.nc"), data])
+
+
+def hidden(data, kept, names=tuple(EVERY), **attributes):
+    """A dataset with nothing left of these variables but of the trials that are `kept` (setting, trial)."""
+    data = data.copy(deep=True)
+    there = xr.Variable(("setting", "trial"), kept)
+    for name in (name for name in names if name in data):
+        blank = -1 if data[name].dtype.kind == "i" else np.nan
+        variable = data[name].variable
+        data[name].values[:] = variable.where(there, blank).transpose(*variable.dims).values
+    done = int((data["convergence_round"].values[:, :, 0] >= 0).sum())
+    return data.assign_attrs({"trials_done": done, "trials_total": done} | attributes)
+
+
+class TestTrialsThatAreHidden:
+    """Whoever counts trials anew cannot hide that some are gone."""
+
+    def done(self, data):
+        return data["convergence_round"].values[:, :, 0] >= 0
+
+    def test_in_merged_results_of_a_rule(self, files):
+        data = sc.merge([files / "rule.nc"])
+        assert not noticed(data)
+        kept = self.done(data)
+        kept[:, ::2] = False
+        assert "some are missing, and none is said to be" in sc.verify(hidden(data, kept), 1.0).labels[0]
+
+    def test_behind_one_that_is_said_to_have_failed(self, files):
+        data = sc.load(files / "rule.nc")
+        kept = self.done(data)
+        kept[0] = np.arange(kept.shape[1]) == 3
+        failed = json.dumps([{"setting": 0, "trial": 0, "why": "ZeroDivisionError"}])
+        data["half_width"].values[0] = np.nan
+        found = sc.verify(hidden(data, kept, failed=failed, trials_total=int(kept.sum()) + 1), 1.0)
+        assert "setting 0: of its 6 trials some are missing, and none is said to be" in found.labels
+
+    def test_said_to_have_failed_though_it_runs(self, files):
+        data = sc.load(files / "kinds.nc")
+        kept = self.done(data)
+        kept[2, 1] = False
+        failed = json.dumps([{"setting": 2, "trial": 1, "why": "a worker was lost"}])
+        found = sc.verify(hidden(data, kept, failed=failed, trials_total=kept.size), 1.0)
+        assert [(d.setting, d.trial, d.stored) for d in found.differences] == [(2, 1, -1)]
+
+    @pytest.mark.parametrize("names", [("estimates",), ("local_convergence_step", "local_convergence_error")])
+    def test_what_every_study_measures_of_merged_results(self, names, files):
+        data = sc.merge([files / "measures.nc"])
+        assert not noticed(data)
+        kept = np.tile([True, False], (data.sizes["setting"], 1))
+        found = sc.verify(hidden(data, kept, names), 1.0)
+        assert "setting 0, trial 1: some of what its study measures is missing" in found.labels
+
+    def test_trials_that_no_study_asks_for(self, files):
+        data = sc.load(files / "kinds.nc")
+        other = data.assign_coords(trial=[2, 3])
+        with pytest.raises(InputError, match="trial 3 is in the file, and its study asks for 2"):
+            sc.merge([data, other])
+
+
+def test_half_a_trial_of_a_run_that_was_cut_off_is_not_merged(files):
+    data = sc.load(files / "measures.nc")
+    kept = np.tile([True, False], (data.sizes["setting"], 1))
+    half = hidden(data, kept, ("local_convergence_step", "local_convergence_error"), trials_total=kept.size)
+    half.attrs["trials_done"] = int(kept.sum())
+    merged = sc.merge([half])
+    assert not (merged["convergence_round"].values[:, 1] >= 0).any()
+    assert merged.attrs["trials_done"] == kept.sum()
+    assert sc.verify(merged, 1.0).labels == []
+
+
+def test_minus_zero_is_not_the_same_to_the_last_bit(files):
+    data = sc.load(files / "kinds.nc")
+    place = tuple(np.argwhere(data["correct"].values == 0.0)[0])
+    data["correct"].values[place] = -0.0
+    assert len(sc.verify(data, 1.0).differences) == 1
+
+
+def test_the_first_format_hides_nothing(files):
+    data = sc.load(files / "rule.nc").assign_attrs(format="swarmcensus results 1")
+    data["half_width"].values[:] = 1e-9
+    assert any("what a rule came to are not compared" in note for note in sc.verify(data, 1.0).notes)
+
+
+def test_attributes_of_other_programs_are_told(files):
+    found = sc.verify(sc.load(files / "kinds.nc").assign_attrs(Conventions="CF"), 0.1)
+    assert found.notes == ["the attribute Conventions is not of a run"]
+    assert not found.labels
+
+
+@pytest.mark.parametrize(
+    ("how", "said"),
+    [
+        ("elsewhere", "the numbers of fill_ratio are not in the file"),
+        ("virtual", "the numbers of fill_ratio are not in the file"),
+        ("linked", "fill_ratio is a link"),
+        ("group", "notes is a group"),
+    ],
+)
+def test_no_other_file_is_read(how, said, tmp_path):
+    """HDF5 can keep an array in any file: whoever merged such results would copy that file into them."""
+    path, other = tmp_path / "x.nc", tmp_path / "other"
+    shutil.copy(DATA / "results-2.nc", path)
+    with h5py.File(path, "r+") as file:
+        old = file["fill_ratio"]
+        shape, kind = old.shape, old.dtype
+        if how == "group":
+            file.create_group("notes")
+        else:
+            del file["fill_ratio"]
+        if how == "elsewhere":
+            other.write_bytes(bytes(8 * shape[0]))
+            file.create_dataset("fill_ratio", shape, kind, external=[(str(other), 0, 8 * shape[0])])
+        elif how == "virtual":
+            layout = h5py.VirtualLayout(shape, kind)
+            layout[...] = h5py.VirtualSource(str(other), "x", shape)
+            file.create_virtual_dataset("fill_ratio", layout)
+        elif how == "linked":
+            file["fill_ratio"] = h5py.ExternalLink(str(other), "x")
+    with pytest.raises(InputError, match=f"damaged or changed: {said}$"):
+        sc.load(path)
 
 
 class TestNothingElseIsOpened:
@@ -338,7 +461,7 @@ class TestFormats:
                         "verify m.nc --all"):  # fmt: skip
             assert main(command.split()) == 0, command
         said = capsys.readouterr().out
-        assert said.count("48 of 48 trials run again: the same to the last bit") == 2
+        assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
 
     def test_both_hold_the_same(self):

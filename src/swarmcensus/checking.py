@@ -73,7 +73,8 @@ def _shape(data: xr.Dataset) -> str | None:
     for name, allowed in kinds.items():
         if name not in data and is_old(data) and name not in IN_FORMAT_1:
             continue
-        if name not in data or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
+        known = data.coords if name != "fingerprint" else data
+        if name not in known or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
             return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
         if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
             return f"{name} should be text"

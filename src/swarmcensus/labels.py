@@ -18,7 +18,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.results import dataset, widths_of_rule
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
-from swarmcensus.values import EVERY, VARIABLES, Values
+from swarmcensus.values import EVERY, MISSING, Values
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # of the numbers
 
@@ -88,8 +88,8 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     """
     want = outline(studies, "merged" in data.attrs)
     size = _size(data, studies, want) if whole else ()
-    looked = _looked(data, studies) if "merged" in data.attrs else ()
-    return [*_names(data, want), *_settings(data, want), *_rest(data, want), *looked, *size]
+    trials = _trials(data, studies, "merged" in data.attrs)
+    return [*_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
 
 
 def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
@@ -145,25 +145,40 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
 
 
-def _looked(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
-    """In merged results each trial has the checkpoints of one of the studies, or of some together."""
-    checkpoints, done = data["checkpoint"].values, finished(data)
-    asked: dict[str, list[NDArray[np.bool_]]] = {}
+def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
+    """Each trial that is there is asked for by a study; in merged results it has what one of them, or some, measure."""
+    checkpoints, trials, done = data["checkpoint"].values, data["trial"].values, finished(data)
+    asked: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
     for study in studies:
-        ours = np.isin(checkpoints, study.checkpoints)
+        looked = np.isin(checkpoints, study.checkpoints)
         for mark, setting in settings_of(study).items():
-            asked.setdefault(mark, []).append(ours & (checkpoints <= setting.rounds))
-    for name in (name for name in EVERY if name in data and "checkpoint" in EVERY[name][0]):
-        there = np.isfinite(data[name].values)
-        for k, mark in enumerate(data["fingerprint"].values.tolist()):
-            found = there[k][:, done[k]].reshape(checkpoints.size, done[k].sum(), -1)[..., 0]
+            ours = looked & (checkpoints <= setting.rounds)
+            needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local])
+            asked.setdefault(mark, []).append((study.trials, needs))
+    for k, mark in enumerate(data["fingerprint"].values.tolist()):
+        if mark not in asked:
+            continue
+        number, there = data["setting"].values[k], trials[done[k]]
+        most = max(trials for trials, _ in asked[mark])
+        if there.size and there[-1] >= most:
+            yield f"setting {number}: trial {there[-1]} is in the file, and its study asks for {most}"
+        elif merged:
+            found = _measured(data, k)[done[k]]
             made = np.zeros_like(found)
-            for one in asked.get(mark, ()):
-                made |= one[:, np.newaxis] & ~(one[:, np.newaxis] & ~found).any(axis=0)
-            bare = name in VARIABLES and all(one.any() for one in asked.get(mark, ())) and not found.any(axis=0).all()
-            if bare or (found != made).any():
-                yield f"setting {data['setting'].values[k]}: {name} is missing where none of the studies has it so"
-                break
+            for most, needs in asked[mark]:
+                made |= needs & ((there < most) & (found >= needs).all(axis=1))[:, np.newaxis]
+            for trial in there[(found != made).any(axis=1) | ~made.any(axis=1)][:1]:
+                yield f"setting {number}, trial {trial}: some of what its study measures is missing"
+
+
+def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
+    """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones."""
+    nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
+    decisions = np.isfinite(data["correct"].values[k].T)
+    kept = np.isfinite(data["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
+    name = "local_convergence_step"
+    local = data[name].values[k, :, :1] != MISSING if name in data else nothing[:, :1]
+    return np.hstack([decisions, kept, local])
 
 
 def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:

@@ -145,8 +145,9 @@ def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dic
 def _put(
     merged: xr.Dataset, data: xr.Dataset, place: np.ndarray, origin: np.ndarray, number: int, names: Sequence[str]
 ) -> None:
-    """Copy one dataset to its place. Raises InputError where it disagrees with what is there."""
+    """Copy a dataset's finished trials to their place. Raises InputError where it disagrees with what is there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
+    done = checking.finished(data)
     ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
     for name, (dims, *_) in EVERY.items():
         if name not in data:
@@ -154,7 +155,8 @@ def _put(
         where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])
         array, new = merged[name].values, data[name].values
         old = array[where]
-        blank = new == MISSING if new.dtype.kind == "i" else np.isnan(new)
+        half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
+        blank = half | (new == MISSING if new.dtype.kind == "i" else np.isnan(new))
         unset = old == MISSING if old.dtype.kind == "i" else np.isnan(old)
         differ = np.argwhere(~blank & ~unset & (old != new))
         if differ.size:
@@ -167,6 +169,5 @@ def _put(
                 f"{names[number]}, trial {trial}: {name} is {mine!r} and {other!r}"
             )
         array[where] = np.where(blank, old, new)
-    done = np.argwhere(data["convergence_round"].values[:, :, 0] != MISSING)
-    fresh = origin[place[done[:, 0]], trials[done[:, 1]]] < 0
-    origin[place[done[fresh, 0]], trials[done[fresh, 1]]] = number
+    own = np.ix_(place, trials)
+    origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

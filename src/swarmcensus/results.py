@@ -112,9 +112,13 @@ def load(path: str | Path) -> xr.Dataset:
         raise InputError(f"results file {path}: {'it is a folder' if path.is_dir() else 'there is no such file'}")
     try:
         with h5py.File(path) as file:
-            file["/"]  # h5netcdf would complain twice of a root that cannot be read, once past all handlers
+            elsewhere = _not_here(file["/"])  # h5netcdf would complain of a bad root once past all handlers
+        if elsewhere:
+            raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
         with xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False) as data:
             data = data.load()
+    except InputError:
+        raise
     except Exception as error:  # whatever a damaged HDF5 file provokes
         raise InputError(
             f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
@@ -126,6 +130,19 @@ def load(path: str | Path) -> xr.Dataset:
     if wrong:
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
+
+
+def _not_here(root: h5py.Group) -> str | None:
+    """What of a file is no plain array in it, in words: HDF5 may lead to other files, which nobody meant to open."""
+    for name in root:
+        if not isinstance(root.get(name, getlink=True), h5py.HardLink):
+            return f"{name} is a link"
+        one = root[name]
+        if not isinstance(one, h5py.Dataset):
+            return f"{name} is a group"
+        if one.is_virtual or one.external:
+            return f"the numbers of {name} are not in the file"
+    return None
 
 
 def to_frame(data: xr.Dataset) -> Any:

@@ -135,8 +135,9 @@ class Parts:
     def __enter__(self) -> Self:
         """Take the lock. Raises InputError where another run has it, or where a link leads elsewhere."""
         for path in (self.folder, *(self.folder / name for name in OURS)):
-            if path.is_symlink():
-                raise InputError(f"{path} is a link: a run keeps its work there and leaves no links; remove it")
+            if path.is_symlink() or (path.is_dir() and path != self.folder):
+                what = "link" if path.is_symlink() else "folder"
+                raise InputError(f"{path} is a {what}: a run keeps its work there, and leaves none; remove it")
         try:
             self._take_lock()
         except Timeout:

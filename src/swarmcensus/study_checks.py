@@ -88,8 +88,9 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
     if isinstance(until, Until) and until.checkpoint is not None:
         if known is not None and until.checkpoint not in known:
             raise ValueError(f"trials.until = {until.until!r}: {until.checkpoint} is no checkpoint")
-        if until.checkpoint > last:
-            raise ValueError(f"trials.until = {until.until!r}: that comes after the last round")
+        if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
+            which = "the last round" if shortest == last else f"the last round of settings of {shortest} rounds"
+            raise ValueError(f"trials.until = {until.until!r}: that comes after {which}")
     late = [c for c in known or () if c > last]
     if late:
         raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {last}")

@@ -12,13 +12,16 @@ from numpy.typing import NDArray
 
 from swarmcensus import __version__, checking
 from swarmcensus.errors import InputError
-from swarmcensus.labels import unlike
+from swarmcensus.labels import settings_of, unlike
 from swarmcensus.origins import Brains, must_be_read, studies_of
-from swarmcensus.results import load
+from swarmcensus.results import load, provenance
 from swarmcensus.running import Progress, half_width, recompute
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
 from swarmcensus.values import EVERY, MISSING, VARIABLES, Values
+
+COUNTED = ("trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
+           "cpu_seconds")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -74,10 +77,13 @@ def verify(
     if wrong := checking.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
-    labels = [*unlike(data, studies), *_widths(data, studies)]
-    done = np.argwhere(data["convergence_round"].values[:, :, 0] != MISSING)
-    if not len(done):
+    labels = [*unlike(data, studies), *_ended(data, studies)]
+    tried = data["convergence_round"].values[:, :, 0] != MISSING
+    if not tried.any():
         raise InputError("these results hold no finished trial")
+    for setting, trial in checking.failures(data):  # these should fail again
+        tried |= np.outer(data["setting"].values == setting, data["trial"].values == trial)
+    done = np.argwhere(tried)
     count = min(len(done), max(1, math.ceil(sample * len(done))))
     chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
     wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
@@ -91,45 +97,72 @@ def verify(
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
     wanted[left] = False  # of no setting of these studies, as the labels say
     differences.sort(key=lambda d: (d.setting, d.trial))
-    return Verification(int(wanted.sum()), len(done), differences, labels, list(_notes(data)))
+    return Verification(int(wanted.sum()), len(done), differences, labels, list(_notes(data, studies)))
 
 
-def _notes(data: xr.Dataset) -> Iterator[str]:
+def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
-        yield f"the file is of version {version}, and this is {__version__}"
+        yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
+    if checking.is_old(data):
+        yield "the file is of the first format: descriptions and what a rule came to are not compared"
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
         failed = len(checking.failures(data))
         yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+    own = {*provenance(studies[0]), *COUNTED}
+    for name in sorted({*data.attrs} - own):
+        yield f"the attribute {name} is not of a run"
 
 
-def _widths(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
-    """What is wrong with the widths of a rule, and with how many trials it needed."""
-    study = studies[0]
-    rule = study.until
-    if rule is None or "merged" in data.attrs or "half_width" not in data or data["half_width"].dims != ("setting",):
-        return  # none is due, or that it is not there is told already
+def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """Where results say that no trial is to come: what their rules ask for and is not there, and what they came to."""
     if checking.is_old(data):
         return  # intervals were others then
-    values, stored = Values.of(data), data["half_width"].values
-    failed = {setting for setting, _ in checking.failures(data)}
-    done = values.done()
-    ended = data.attrs["trials_done"] + len(checking.failures(data)) == data.attrs["trials_total"]
-    for k, number in enumerate(data["setting"].values.tolist()):
-        found = [math.nan]
-        for trials in study.stages():
-            if trials > values.trials or not done[k, :trials].all():
-                break
+    failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
+    rows, columns = ({n: k for k, n in enumerate(data[d].values.tolist())} for d in ("setting", "trial"))
+    for setting, trial in checking.failures(data):
+        failed[rows[setting], columns[trial]] = True
+    values = Values.of(data)
+    ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
+    for study in studies:
+        if not {*study.checkpoints} <= {*data["checkpoint"].values.tolist()}:
+            continue  # which is told already
+        if "merged" in data.attrs:
+            values = Values.of(data.sel(checkpoint=study.checkpoints))
+        ours = settings_of(study)
+        for k, mark in enumerate(data["fingerprint"].values.tolist()):
+            if mark not in ours:
+                continue
+            number = data["setting"].values[k]
+            found, lacking = _stages(study, values, k, failed[k])
+            if ended and lacking:
+                yield f"setting {number}: of its {lacking} trials some are missing, and none is said to be"
+            if "half_width" not in data or data["half_width"].dims != ("setting",) or study.until is None:
+                continue
+            said = data["half_width"].values[k].item()
+            whole = ended and not failed[k].any()
+            if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
+                yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
+
+
+def _stages(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
+    """What a rule's half width was at each look, as far as there are trials, and how many more trials it asks for.
+
+    The latter is the number of trials of the stage that was not ended, or 0.
+    """
+    found = [math.nan]
+    tried = values.done()[k] | failed
+    for trials in study.stages():
+        if trials > tried.size or not tried[:trials].all():
+            return found, trials
+        if failed[:trials].any():
+            return found, 0  # no rule is asked any more
+        if study.until is not None:
             found.append(half_width(study, values, k, trials))
-            if rule.holds(found[-1]):
+            if study.until.holds(found[-1]):
                 break
-        whole = ended and number not in failed
-        said = stored[k].item()
-        if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
-            yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
-        elif whole and not rule.holds(found[-1]) and not done[k].sum() >= rule.at_most:
-            yield f"setting {number}: {rule.until!r} does not hold yet, and no trial of it is said to be missing"
+    return found, 0
 
 
 def _looking(data: xr.Dataset, study: Study) -> Study:
@@ -169,7 +202,8 @@ def _compare(
         others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
         stored = data[name].values[places]
         found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
-        differ = ~((stored == found) | ((stored != stored) & (found != found)))
+        same = (stored == found) & (np.signbit(stored) == np.signbit(found))
+        differ = ~(same | ((stored != stored) & (found != found)))
         there = stored != MISSING if stored.dtype.kind == "i" else ~np.isnan(stored)
         due = wanted
         if name not in VARIABLES:  # not asked for by some of merged studies
