@@ -155,6 +155,13 @@ def test_bad_studies(change, said, here, capsys):
         (["replay", *FIRST, "--out", "new.nc", "--plot", "obs.csv/x.png"], "obs.csv is a file, not a folder"),
         (["replay", *FIRST, "--out", "new.nc", "--recording", "obs.csv"], "obs.csv is a file, not a folder"),
         (["export", "cut.nc"], "cut.nc"),
+        (["export", "good.nc", "--to", "parquet", "--out", "x.csv"], "--to parquet is written as .parquet"),
+        (["verify", "good.nc", "--all", "--seed", "3"], "--seed 3 chooses a sample: it does not go with --all"),
+        *[(["plot", "good.nc", "--out", name], "it is a folder") for name in (".", "..", "/", "plain")],
+        (["replay", *FIRST, "--plot", "."], "cannot write .: it is a folder"),
+        (["plot", "good.nc", "--local", "--delta", "0.1"], "--local does not go with --delta"),
+        (["show", "good.nc", "--where", "setting == 1 == 1"], "a chain has a coordinate between"),
+        (["show", "/dev/null"], "results file /dev/null: it is no file"),
         (["export", "good.nc", "--out", "hello.toml/x.csv"], "cannot write"),
         (["infer", "none.csv", "--accuracy", "0.8"], "none.csv: cannot be read"),
         (["infer", "obs.csv", "--accuracy", "x"], "accuracy 'x': should be"),
@@ -172,8 +179,8 @@ def test_bad_commands(command, said, here, capsys, small_file):
     (here / "cut.nc").write_bytes(whole[: len(whole) // 2])
     (here / "obs.csv").write_text("0,1\n1,1\n")
     (here / "bad.csv").write_text("0,2\n")
-    for suffix in (".nc", ".png"):
-        (here / f"folder{suffix}").mkdir()
+    for name in ("folder.nc", "folder.png", "plain"):
+        (here / name).mkdir()
     files = set(here.iterdir())
     assert main(command) == 2
     error = capsys.readouterr().err

@@ -182,6 +182,8 @@ def verify(options: argparse.Namespace) -> int:
     from swarmcensus import verifying
     from swarmcensus.progress import reporting
 
+    if options.all and options.seed is not None:
+        raise InputError(f"--seed {options.seed} chooses a sample: it does not go with --all")
     seed = secrets.randbelow(2**31) if options.seed is None else options.seed
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
@@ -205,10 +207,14 @@ def export(options: argparse.Namespace) -> int:
     from swarmcensus.remeasuring import remeasure
     from swarmcensus.selecting import where
 
-    out = options.out or Path(f"{options.results.stem}.{options.to}")
+    kinds = {".csv": "csv", ".parquet": "parquet"}
+    kind = options.to or (kinds.get(options.out.suffix.lower(), "csv") if options.out else "csv")
+    out = options.out or Path(f"{options.results.stem}.{kind}")
+    if kinds.get(out.suffix.lower(), kind) != kind:
+        raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
     check_writable(out, options.results)
     data = remeasure(results.load(options.results), delta=options.delta)
-    rows = results.export(where(data, options.where), out, options.to)
+    rows = results.export(where(data, options.where), out, kind)
     print(f"{out}: {rows:,} rows")
     return 0
 

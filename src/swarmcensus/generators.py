@@ -44,11 +44,16 @@ def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndar
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 
 
-def numbered(graph: Any) -> list[tuple[int, int]]:
-    """A graph's edges by the places of their nodes in it. Raises ValueError where they have weights."""
+def numbered(graph: Any, own: bool = False) -> list[tuple[int, int]]:
+    """A graph's edges by the places of their nodes in it, or by their `own` numbers if all are whole and from 0.
+
+    Raises ValueError where edges have weights.
+    """
     if any(weight != 1 for *_, weight in graph.edges(data="weight", default=1)):
         raise ValueError(f"the graph's edges have weights: {WEIGHTS}")
     number = {node: k for k, node in enumerate(graph.nodes)}
+    if own and all(isinstance(node, int | np.integer) and not isinstance(node, bool) and node >= 0 for node in number):
+        number = {node: int(node) for node in number}
     return [(number[a], number[b]) for a, b, *_ in graph.edges]
 
 

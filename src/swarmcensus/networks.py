@@ -170,7 +170,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in NAMED else name
-        return Topology(name, _edges(generators.numbered(value), directed), directed=directed)
+        return Topology(name, _edges(generators.numbered(value, own=True), directed), directed=directed)
     raise ValueError(f"a topology is {FORMS}")
 
 
@@ -183,6 +183,8 @@ def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, A
         raise ValueError(f"{did_you_mean(path, NAMED)}a topology is {FORMS}; there is no file {base / path}")
     else:
         pairs = read_edges(base / path, weights=False)
+        if not pairs:
+            raise ValueError(f"{base / path} holds no edge: write edges = [] for robots without links")
     return Topology(_file_name(path), _edges(pairs, directed), source=path, directed=directed)
 
 

@@ -115,7 +115,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
 
     sub = command("export", "Write results as a table: one row a robot and trial.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--to", choices=("csv", "parquet"), default="csv")
+    sub.add_argument("--to", choices=("csv", "parquet"), help="default: as --out ends, else csv")
     sub.add_argument("--where", metavar="EXPR", help="settings to export, as 'accuracy == 0.675'")
     sub.add_argument("--delta", type=float, help="of convergence, asked anew of kept estimates")
     sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")

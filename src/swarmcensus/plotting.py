@@ -26,6 +26,8 @@ def plot(options: argparse.Namespace) -> int:
         given = getattr(options, name)
         if given is not None and given is not False and options.kind not in kinds:  # 0 is given too
             raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+    if options.local and options.delta is not None:
+        raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
     if options.kind != "film":
         figure_files(out)
@@ -105,6 +107,8 @@ def figure_files(out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: 
     """The name without its suffix, and the formats; raises InputError where they cannot be written."""
     from swarmcensus.files import check_writable
 
+    if not out.suffix and (out.is_dir() or out.name in ("", "..")):
+        raise InputError(f"cannot write {out}: it is a folder")
     suffix = out.suffix.lower().lstrip(".")
     if suffix and suffix not in ("png", "svg", "pdf"):
         raise InputError(f"{out}: figures are written as .png, .svg or .pdf")

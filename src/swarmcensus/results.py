@@ -109,7 +109,8 @@ def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
     path = Path(path)
     if not path.is_file():
-        raise InputError(f"results file {path}: {'it is a folder' if path.is_dir() else 'there is no such file'}")
+        what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"
+        raise InputError(f"results file {path}: {what}")
     try:
         with h5py.File(path) as file:
             elsewhere = _not_here(file["/"])  # h5netcdf would complain of a bad root once past all handlers

@@ -64,6 +64,8 @@ def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
         return np.logical_not(_evaluate(node.operand, known))
     if isinstance(node, ast.Compare):
         operands = [node.left, *node.comparators]
+        if len(node.ops) > 1 and not any(isinstance(one, ast.Name) for one in operands[1:-1]):
+            raise ValueError("a chain has a coordinate between, as 0.5 < accuracy < 0.9")
         parts = [
             _compare(op, left, right, known) for op, left, right in zip(node.ops, operands, operands[1:], strict=False)
         ]
