@@ -103,6 +103,8 @@ def test_who_fails_differs_between_trials_and_faults():
         ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0: should be greater"),
         ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9: there are 8 robots"),
         ('{at = 5, robots = 1.5, stop = "sensing"}', "a whole number, or a fraction in [0, 1]"),
+        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true: robots of a fault are a whole number"),
+        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3": robots of a fault are a whole number'),
         ('{at = 5, robots = 3, stop = "smiling"}', "faults[0].stop = \"smiling\": should be 'moving', 'sensing' or"),
         ("{at = 5, robots = 3, stop = []}", "faults[0].stop = []"),
         ('{at = 5, robots = 3, stop = "moving"}', "these robots never move"),

@@ -52,6 +52,8 @@ def test_error_at():
         (0.95, 1.0, True),  # the last bin is closed
         (1.0, 0.93, True),
         (0.0, 0.0, True),
+        (0.0, -0.1, True),  # the first and the last are open to what no fill ratio is
+        (1.0, 1.1, True),
         (0.0, 0.1, False),
         (0.3, 0.3, True),
         (0.3, 0.29999, False),
@@ -62,6 +64,8 @@ def test_error_at():
 )
 def test_bins(fill_ratio, estimate, right):
     assert metrics.correct(np.array([estimate]), fill_ratio) == right
+    low, high = metrics.right_bin(fill_ratio)  # ten bins, as a study has them where it says nothing
+    assert (low <= estimate < high) == right
 
 
 @pytest.mark.parametrize("bins", [1, 2, 7, 10, 100])

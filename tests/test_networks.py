@@ -1,5 +1,7 @@
 """Topologies: who hears whom."""
 
+import itertools
+
 import networkx as nx
 import numpy as np
 import pytest
@@ -83,13 +85,13 @@ def test_first_robots_attach_in_proportion_to_degree(tmp_path):
 
 
 def test_edge_list_file(tmp_path):
-    (tmp_path / "office.csv").write_text("from,to\n0,1\n1,2\n2,1\n")
+    (tmp_path / "office.csv").write_text("from,to\n0,1\n1,4\n4,1\n")
     topology = parse("office.csv", tmp_path)
     assert not topology.directed
-    assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 2)))
-    topology.check(3)
-    with pytest.raises(ValueError, match=r"office.csv: edge \(1, 2\).*not there: 2 robots are numbered 0 to 1"):
-        topology.check(2)
+    assert (topology.name, topology.edges) == ("office", ((0, 1), (1, 4)))
+    topology.check(5)
+    with pytest.raises(ValueError, match=r"office.csv: edge \(1, 4\).*not there: 4 robots are numbered 0 to 3"):
+        topology.check(4)
 
 
 @pytest.mark.parametrize(
@@ -222,6 +224,11 @@ def test_networkx_generator(tmp_path):
     one, two = links_of(topology, 20, 2), links_of(topology, 20, 2)
     assert (one.senders == two.senders).all()
     assert not nx.utils.graphs_equal(graph_of(one, 0, 20), graph_of(one, 1, 20))
+    denser = parse({"networkx": "watts_strogatz_graph", "k": 4, "p": 0.51}, tmp_path)
+    others = topology.links(20, 4, 0, 2, True, True), denser.links(20, 1, 0, 2, True, True)
+    for t in (0, 1):  # the graph of a trial is its seed's, and its topology's
+        graphs = [graph_of(links, t, 20) for links in (one, *others)]
+        assert not any(nx.utils.graphs_equal(a, b) for a, b in itertools.combinations(graphs, 2))
 
 
 @pytest.mark.parametrize(

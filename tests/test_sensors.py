@@ -23,6 +23,30 @@ def test_forms(value, text):
     accuracy = sensors.parse_accuracy(value)
     assert str(accuracy) == text
     assert sensors.parse_accuracy(accuracy) is accuracy
+    assert sensors.parse_accuracy(accuracy.form) == accuracy
+
+
+@pytest.mark.parametrize(("value", "form"), [(0.7, 0.7), ("U(0.5, 1)", "U(0.5,1.0)")])
+def test_forms_in_a_study_file_are_as_plain_as_can_be(value, form):
+    accuracy = sensors.parse_accuracy(value)
+    assert accuracy.form == form
+    assert type(accuracy.form) is type(form)
+    assert sensors.parse_accuracy({"black": value, "white": value}).form == {"black": form, "white": form}
+
+
+@pytest.mark.parametrize(("value", "text"), [(0.1, "error=0.1"), ("U(-1, 1)", "error=U(-1.0,1.0)"), (-1, "error=-1.0")])
+def test_forms_of_errors(value, text):
+    assumed = sensors.parse_assumed({"error": value})
+    assert str(assumed) == text
+    assert sensors.parse_assumed(assumed) is assumed
+    assert sensors.parse_assumed(assumed.form) == assumed
+    assert sensors.parse_assumed(0.7) == sensors.parse_accuracy(0.7)
+
+
+@pytest.mark.parametrize("value", [1.1, -1.1, "U(0.5,0.2)", "U(-0.5,1.2)", "N(0,0)", "U(-2,0)", True, None, {}])
+def test_what_is_no_error(value):
+    with pytest.raises(ValueError, match=r"error|accuracy|needs"):
+        sensors.parse_assumed({"error": value})
 
 
 @pytest.mark.parametrize(

@@ -11,10 +11,17 @@ from swarmcensus.engine.random import address
 from swarmcensus.times import OR_TIME
 
 PARTS = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
+HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"
 
 
 def _listed(value: object) -> object:
     return value if isinstance(value, list | tuple) else (value,)
+
+
+def _number(value: object) -> object:
+    if isinstance(value, bool | str):  # pydantic would read a number from them
+        raise ValueError(HOW_MANY)
+    return value
 
 
 class Fault(BaseModel):
@@ -26,14 +33,13 @@ class Fault(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
     at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME]
-    robots: int | float
+    robots: Annotated[int | float, BeforeValidator(_number)]
     stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
 
     @model_validator(mode="after")
     def _right(self) -> Self:
-        whole = isinstance(self.robots, int) and not isinstance(self.robots, bool) and self.robots >= 0
-        if not whole and not 0.0 <= self.robots <= 1.0:
-            raise ValueError("robots of a fault are a whole number, or a fraction in [0, 1]")
+        if not (isinstance(self.robots, int) and self.robots >= 0) and not 0.0 <= self.robots <= 1.0:
+            raise ValueError(HOW_MANY)
         return self
 
     def count(self, robots: int) -> int:

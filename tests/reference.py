@@ -1,0 +1,152 @@
+"""A swarm's whole life by brute force: written from the docs, in plain Python, and slow. The engine is held against it.
+
+Nothing here is shared with the engine but brains and settings: random numbers, places, walks, rays, contact, radio and
+messages stand here a second time, with no list of neighbours, no chunk, no block and no sum.
+"""
+
+import math
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from swarmcensus.settings import Setting
+
+MASK = (1 << 64) - 1
+ROTATIONS = (16, 42, 12, 31, 16, 32, 24, 21)
+FOREVER = 10**9
+Key = tuple[int, int]
+
+
+# ---- random numbers: Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011
+
+
+def threefry(key: Key, high: tuple[int, int], low: tuple[int, int]) -> Key:
+    """Threefry-2x64-13 of a counter whose two words are made of two 32-bit numbers each."""
+    keys = (*key, 0x1BD11BDAA9FC1A22 ^ key[0] ^ key[1])
+    a, b = ((high[0] << 32 | high[1]) + keys[0]) & MASK, ((low[0] << 32 | low[1]) + keys[1]) & MASK
+    for step in range(13):
+        turn = ROTATIONS[step % 8]
+        a = (a + b) & MASK
+        b = (b << turn & MASK | b >> 64 - turn) ^ a
+        if step % 4 == 3:
+            more = step // 4 + 1
+            a, b = (a + keys[more % 3]) & MASK, (b + keys[(more + 1) % 3] + more) & MASK
+    return a, b
+
+
+def unit(word: int) -> float:
+    """The 53 uppermost bits as a number in [0, 1)."""
+    return (word >> 11) / 2.0**53
+
+
+def key_of(key: np.ndarray) -> Key:
+    """Two whole numbers."""
+    return int(key[0]), int(key[1])
+
+
+def robots_word(key: np.ndarray, trial: int, tick: int, robot: int, part: int = 0) -> int:
+    """A robot's own 64 bits of a tick; robots 2 j and 2 j + 1 share a block."""
+    return threefry(key_of(key), (trial, tick), (part, robot // 2))[robot % 2]
+
+
+def tile_unit(key: np.ndarray, trial: int, purpose: int, column: int, row: int) -> tuple[float, float]:
+    """Two uniform numbers of a tile or a node."""
+    one, other = threefry(key_of(key), (trial, purpose), (2**30 + column, 2**30 + row))
+    return unit(one), unit(other)
+
+
+# ---- who hears whom on fixed networks
+
+
+def hearers(setting: Setting, key: np.ndarray | None, trial: int) -> list[list[int]]:
+    """Whom each robot hears, in order."""
+    n, topology = setting.robots, setting.topology
+    out: list[set[int]] = [set() for _ in range(n)]
+    if topology.edges is not None:
+        pairs = list(topology.edges)
+    elif topology.name == "full":
+        pairs = list(combinations(range(n), 2))
+    elif topology.name == "scale-free":
+        assert key is not None
+        pairs = [(0, 1)] if n > 1 else []
+        for i in range(2, n):  # an end of a link, each as likely: so robots are met in proportion to their links
+            ends = [end for child, parent in ((c, p) for p, c in pairs) for end in (child, parent)]
+            pairs.append((ends[int(unit(robots_word(key, trial, 0, i)) * len(ends))], i))
+    else:
+        pairs = [(i, i + 1) for i in range(n - 1)] + ([(0, n - 1)] if topology.name == "ring" and n > 2 else [])
+    for i, j in pairs:  # of a directed edge, the second hears the first
+        out[j].add(i)
+        out[i] |= set() if topology.directed else {j}
+    return [sorted(heard) for heard in out]
+
+
+def arrives(setting: Setting, key: np.ndarray, trial: int, tick: int, receiver: int, sender: int) -> bool:
+    """Whether a message is not lost."""
+    if setting.link_success == 1.0:
+        return True
+    return threefry(key_of(key), (trial, tick), (receiver, sender))[0] < setting.link_success * 2.0**64
+
+
+@dataclass
+class Failures:
+    """From which round or tick on parts of robots do not work."""
+
+    moving: list[int]
+    sensing: list[int]
+    talking: list[int]
+
+
+def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
+    """Those of all faults, given the key of each one's lots: the robots with the smallest lots fail."""
+    out = Failures(*([FOREVER] * setting.robots for _ in range(3)))
+    for fault, key in zip(setting.faults, keys, strict=True):
+        lots = [unit(robots_word(key, trial, 0, i)) for i in range(setting.robots)]
+        for i in sorted(range(setting.robots), key=lots.__getitem__)[: fault.count(setting.robots)]:
+            for part in fault.stop:
+                row = getattr(out, part)
+                row[i] = min(row[i], fault.at)
+    return out
+
+
+# ---- minds
+
+
+class Minds:
+    """The minds of a swarm, what they said in each tick, and their estimates."""
+
+    def __init__(self, setting: Setting, seed: int, trial: int, failed: Failures) -> None:
+        _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
+        self.setting, self.trial, self.failed = setting, trial, failed
+        self.f = setting.brain.functions
+        self.losses = setting.losses_key(seed)
+        n = setting.robots
+        every = zip(np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
+        self.minds = [setting.brain.robot(*beliefs) for beliefs in every]
+        self.said = [[self.f.broadcast(me) for me in self.minds]]
+        self.estimates = [[self.f.estimate(me) for me in self.minds]]
+
+    def live(self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0) -> None:
+        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse."""
+        for i, me in enumerate(self.minds):
+            if not math.isnan(blacks[i]) and tick < self.failed.sensing[i]:
+                self.f.observe(me, float(blacks[i]), float(looks))
+        self.said.append([self.f.broadcast(me) for me in self.minds])
+        for i, me in enumerate(self.minds):
+            for j in heard[i] if tick >= delay else ():
+                spoke = tick - delay < self.failed.talking[j]
+                if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
+                    self.f.receive(me, self.said[tick - delay][j])
+        for me in self.minds:
+            self.f.fuse(me)
+        self.estimates.append([self.f.estimate(me) for me in self.minds])
+
+
+def fixed(
+    setting: Setting, seed: int, trial: int, failed: Failures, heard: list[list[int]], blacks: np.ndarray
+) -> Minds:
+    """One trial on a fixed network, given how many of each round's readings said black (round, robot)."""
+    minds = Minds(setting, seed, trial, failed)
+    for tick in range(1, setting.rounds + 1):
+        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard)
+    return minds

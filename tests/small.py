@@ -1,0 +1,50 @@
+"""Small swarms in every kind of world, and what the reference needs to know of them."""
+
+import numpy as np
+
+import swarmcensus as sc
+from swarmcensus.engine.random import address
+from tests import reference
+
+GO = np.zeros(1, np.uint8)
+SEED = 29
+FAULTS = [
+    {"at": 3, "robots": 2, "stop": "sensing"},
+    {"at": 5, "robots": 0.4, "stop": "talking"},
+    {"at": 2, "robots": 1, "stop": ["talking", "sensing"]},
+]
+
+
+def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), **world):
+    """The settings of a study on fixed networks."""
+    swarm = {"robots": robots, "brain": brain, "accuracy": accuracy}
+    if "assumed_accuracy" in world:
+        swarm["assumed_accuracy"] = world.pop("assumed_accuracy")
+    study = sc.Study(
+        trials=3, seed=SEED, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55} | world, faults=list(faults),
+        schedule={"rounds": rounds, "observations_per_round": looks},
+    )  # fmt: skip
+    return study.settings()
+
+
+def moving_of(robots=6, brain="minimalistic", accuracy=0.7, ticks=12, faults=(), body=None, **world):
+    """The one setting of a study of robots that move."""
+    study = sc.Study(
+        trials=3, seed=SEED, swarm={"robots": robots, "brain": brain, "accuracy": accuracy}, faults=list(faults),
+        world={"topology": "moving", "density": 8, "fill_ratio": 0.55, "body": {"tile": 0.05} | (body or {})} | world,
+        schedule={"ticks": ticks},
+    )  # fmt: skip
+    (setting,) = study.settings()
+    return setting
+
+
+def failing(setting, trial):
+    """When parts fail, in the reference."""
+    keys = [address(SEED, "faults", number=k, robots=setting.robots) for k in range(len(setting.faults))]
+    return reference.failures(setting, keys, trial)
+
+
+def heard_in(setting, trial):
+    """Who hears whom in the reference."""
+    content = setting.topology.content
+    return reference.hearers(setting, address(SEED, "topology", topology=content, robots=setting.robots), trial)
