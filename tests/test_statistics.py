@@ -78,7 +78,7 @@ def test_robots_that_repeat_one_another_add_no_certainty(statistic):
 
 
 @pytest.mark.parametrize("trials", [6, 30, 1000])
-@pytest.mark.parametrize("value", [0.0, 0.1, 1 / 3, 1.0, 17.0])
+@pytest.mark.parametrize("value", [0.0, 0.1, 1 / 3, 1.0, 17.0, -1 / 3])
 def test_equal_trials_have_an_interval_of_what_may_not_have_been_seen(value, trials):
     """Each trial in q may differ by 1 and yet none of n does so with a chance of 5 %: (1 - q)^n = 0.05."""
     values = np.full((trials, 7), value)
@@ -86,7 +86,7 @@ def test_equal_trials_have_an_interval_of_what_may_not_have_been_seen(value, tri
         found, low, high = interval_of(values, statistic)
         assert found == pytest.approx(value)
         assert (1 - (high - low) / 2) ** trials == pytest.approx(0.05)
-    if value <= 1.0:
+    if 0.0 <= value <= 1.0:
         _, low, high = interval_of(values, "mean", share=True)
         assert high - low > 1 / trials
 

@@ -32,6 +32,8 @@ def steer(me):
         return 0.05, 0.5
     if me.w == STRAIGHT:
         return 0.14, 0.0
+    if me.w == SPIN:
+        return 0.0, 0.5
     if me.w == DIVIDES:
         return 0.1 / (me.t - me.t), 0.0
     if me.w == BROKEN:
@@ -40,7 +42,8 @@ def steer(me):
         return None
     return 0.1, 1.0
 """
-WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85, "DIVIDES": 0.9}
+WANTS = {"NEVER": 0.6, "ABSURD": 0.65, "CIRCLE": 0.7, "STRAIGHT": 0.75, "BROKEN": 0.8, "SEEN": 0.85, "DIVIDES": 0.9,
+         "SPIN": 0.95}  # fmt: skip
 STUDY = """
 seed = 3
 trials = 2

@@ -189,7 +189,12 @@ def folder(tmp_path_factory):
 @pytest.mark.parametrize(
     ("want", "body"),
     [(want, {}) for want in ("NEVER", "ABSURD", "CIRCLE", "STRAIGHT", "SEEN")]
-    + [("CIRCLE", {"speed": 0.0}), ("CIRCLE", {"turn_speed": 0.0}), ("STRAIGHT", {"turn_speed": 0.0})],
+    + [
+        ("CIRCLE", {"speed": 0.0}),
+        ("CIRCLE", {"turn_speed": 0.0}),
+        ("STRAIGHT", {"turn_speed": 0.0}),
+        ("SPIN", {"speed": 0.0}),
+    ],
 )
 def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, monkeypatch):
     """With a fault of their wheels, wheels that cannot do all, and a floor painted beforehand or as they go."""
