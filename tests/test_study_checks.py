@@ -31,6 +31,7 @@ USELESS = [
     (RING, {"measure": {"truth": "floor"}}, 'measure.truth = "floor" is of robots that move'),
     (MOVING, {"schedule": {"rounds": 5}}, "schedule.rounds is of fixed networks"),
     (MOVING, {"schedule": {"observations_per_round": 5}}, "schedule.observations_per_round is of fixed networks"),
+    (MOVING | {"body": {"message_delay": 40}}, {"schedule": {"ticks": 40}}, "no message is heard within 40 ticks"),
     (RING, {"faults": fault(at=1001)}, "faults[0].at = 1001 comes after the last round, 1000"),
     (MOVING, {"faults": fault(at=10_001)}, "faults[0].at = 10001 comes after the last round, 10000"),
     (RING, {"faults": fault(robots=0.05)}, "faults[0].robots = 0.05: that is less than one of 5 robots: none"),

@@ -54,7 +54,7 @@ def _one_name(key: str, what: str, values: Iterable[Any]) -> None:
     known: dict[str, Any] = {}
     for value in values:
         if known.setdefault(value.name, value) != value:
-            raise ValueError(f"two {what} of {key} and of cases have one name: {value.name}")
+            raise ValueError(f"two {what} of {key} and of cases have one name: {value.name}{NAMES[key.split('.')[1]]}")
 
 
 def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
@@ -73,6 +73,10 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
             useless += [grid for grid in grids if key in grid.given and not getattr(grid, kind)]
             for grid in useless:
                 raise ValueError(f"{grid.key(key)} is of {MEANING[kind]}")
+    for grid in (grid for grid in grids if grid.moves and "message_delay" in grid.world.body.model_fields_set):
+        delay, last = grid.world.body.message_delay, max(grid.schedule.ticks)
+        if delay >= last:
+            raise ValueError(f"world.body.message_delay = {delay}: no message is heard within {last} ticks")
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise ValueError(f'measure.truth = "floor" is of {MEANING["moves"]}')
 

@@ -1,6 +1,7 @@
 """Whether results are what they say: labels are held against the study, trials run again and compared bit for bit."""
 
 import math
+import warnings
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -169,7 +170,9 @@ def _looking(data: xr.Dataset, study: Study) -> Study:
     """The same study, looking at a dataset's checkpoints: merged results have those of all their studies."""
     longest = max(setting.rounds for setting in study.settings())
     looked = [c for c in data["checkpoint"].values.tolist() if c <= longest] or [longest]
-    return study.with_(measure=study.measure.model_dump(exclude_none=True) | {"checkpoints": looked})
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of the same study once more
+        return study.with_(measure=study.measure.model_dump(exclude_none=True) | {"checkpoints": looked})
 
 
 def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[Setting]]:
