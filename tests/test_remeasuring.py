@@ -1,5 +1,7 @@
 """Kept estimates: what they are, and other bins and deltas asked of them instead of a new run."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -97,6 +99,30 @@ def test_trials_that_are_missing_stay_missing(kept):
 
 def test_nothing_asked_is_nothing_changed(kept):
     assert sc.remeasure(kept) is kept
+    assert sc.remeasure(kept, delta=0.01, bins=10) is kept, "what the study has"
+
+
+def test_what_was_asked_anew_is_said(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    kept = measured(FIXED | {"trials": 8}, estimates=True, checkpoints=[1, 2, 5, 20, 40])
+    sc.save(kept, "kept.nc")
+
+    def shown(*options):
+        assert main(["show", "kept.nc", *options]) == 0
+        return capsys.readouterr().out
+
+    assert shown("--delta", "0.01", "--bins", "10") == shown()
+    assert "asked anew" not in shown()
+    said = shown("--delta", "0.001", "--bins", "3")
+    assert "delta 0.001, asked anew: K is the first of the checkpoints 1, 2, 5, 20, 40 from which on" in said
+    assert "bins 3, asked anew" in said
+    about = json.loads(shown("--json", "--delta", "0.001"))
+    assert about["asked_anew"] == ["delta"]
+    assert json.loads(shown("--json"))["asked_anew"] == []
+    ends = np.array([one["convergence_round"]["interval"] for one in about["settings"]])
+    rounds = np.array([one["rounds"] for one in about["settings"]])
+    assert (ends[:, 1] == rounds).any(), "some reach the end"
+    assert (ends[:, 1] <= rounds).all(), "no convergence is after the last round"
 
 
 @pytest.mark.parametrize(

@@ -62,7 +62,7 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
             values = many[name].values[k, :, :robots].astype(float)
             _, low, high = statistics.interval_of(values, "median")
             assert row[name] == np.median(values)
-            assert (row[f"{name}_low"], row[f"{name}_high"]) == (max(low, 0), high)
+            assert (row[f"{name}_low"], row[f"{name}_high"]) == (max(low, 0), min(high, rounds) if "round" in name else high)
             assert row[f"{name}_low"] <= row[name] <= row[f"{name}_high"]
         right = many["correct"].sel(checkpoint=rounds).values[k]
         assert row["checkpoint"] == rounds
@@ -253,3 +253,21 @@ def test_a_run_of_many_settings_ends_with_a_summary(tmp_path, monkeypatch, capsy
     assert sum(line.split()[0].isdigit() for line in lines[:-2]) == 40
     assert lines[-2].startswith("40 of 48 settings; others: swarmcensus show 'my results.nc' --where ")
     assert lines[-1].startswith("my results.nc: 48 settings of 6 trials")
+
+
+def test_legends_tell_the_truth_of_floors_and_the_widths_of_rules(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    moving = """
+trials = {until = "convergence_error median +- 0.3", at_least = 6, at_most = 12}
+swarm = {robots = 5, accuracy = [0.7, 0.9]}
+world = {topology = "moving", density = 1, fill_ratio = 0.55}
+schedule = {ticks = 20}
+"""
+    for name, more in (("floor", 'measure = {truth = "floor"}\n'), ("plain", "")):
+        sc.save(sc.run(sc.Study.parse(moving + more)), f"{name}.nc")
+        assert main(["show", f"{name}.nc"]) == 0
+        out = capsys.readouterr().out
+        assert ("f: the black share of the trial's own floor" in out) == (name == "floor")
+        assert "+-: half the interval of the rule convergence_error median +- 0.3: wider" in out
+        rows = out.splitlines()[2:4]
+        assert len({len(row.split()[-1]) for row in rows}) == 1, "equal decimals"

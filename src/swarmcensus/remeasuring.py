@@ -21,8 +21,13 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     lie together otherwise. The rest is as it was, but for what belongs to the old delta: half widths of rules, and
     local estimates. Paper, Sec. IV-A.
 
+    The attribute `asked_anew` says which of the two were. To ask for those that the results have changes nothing.
+
     Raises InputError where estimates were not kept, or where delta or bins are not such as a study may have.
     """
+    delta, bins = (
+        None if value == results.attrs.get(key) else value for key, value in (("delta", delta), ("bins", bins))
+    )
     asked = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
     if not asked:
         return results
@@ -33,7 +38,8 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
         )
     _check(asked)
     new = results.drop_vars(DERIVED, errors="ignore")
-    new.attrs = results.attrs | asked
+    before = str(results.attrs.get("asked_anew", "")).split(", ")
+    new.attrs = results.attrs | asked | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
     truth = _truth(results)

@@ -77,6 +77,11 @@ def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: in
     return data.isel(setting=np.argsort(-values if reverse else values, kind="stable"))
 
 
+def asked_anew(data: xr.Dataset) -> list[str]:
+    """Which of "bins" and "delta" are not the study's own: see `remeasure`."""
+    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
+
+
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
     """The failed trials of the settings that are there: `setting`, `trial` and `why`."""
     there = set(data["setting"].values.tolist())
@@ -91,6 +96,7 @@ def as_json(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None)
         "format": FORMAT,
         "title": str(data.attrs["title"]),
         **{key: _plain(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+        "asked_anew": asked_anew(stored),
         "rule": rule,
         "level": LEVEL,
         "settings_total": stored.sizes["setting"],
@@ -158,7 +164,10 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[np.float64]:
-    """The ends of a column's intervals over trials, (setting, 2); none of these columns is ever below 0."""
+    """The ends of a column's intervals over trials, (setting, 2); none of these columns is ever below 0.
+
+    No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
+    """
     array, robots = data[name].values, data["robots"].values.tolist()
     ran, place = done(data), _reached(data, checkpoint)
     ends = np.full((len(ran), 2), np.nan)
@@ -167,4 +176,5 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
             _, *ends[row] = interval_of(array[row, place[row], trials, np.newaxis], "mean", share=True)
         else:
             _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
-    return np.asarray(np.maximum(ends, 0.0))
+    most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
+    return np.asarray(np.clip(ends, 0.0, most))

@@ -15,11 +15,12 @@ from swarmcensus.options import MOST_ROWS
 from swarmcensus.panels import told
 from swarmcensus.report import places, rounded
 from swarmcensus.statistics import FEWEST
-from swarmcensus.summaries import SHORT, done, failed_trials, summary
+from swarmcensus.summaries import SHORT, asked_anew, done, failed_trials, summary
 from swarmcensus.terminal import UNFOLDED, console, table
 
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
 DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
+MOST_CHECKPOINTS = 8  # that are named
 DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
 
 
@@ -90,7 +91,8 @@ def _rows(frame: Any, coordinates: dict[str, Any], trials: int, below: bool = Fa
     if frame["failed"].any():
         numbers["failed"] = [f"{n:,}" for n in frame["failed"]]
     if "half_width" in frame:
-        numbers["+-"] = [f"{width:.2g}" for width in frame["half_width"]]
+        decimals = places(frame["half_width"].min())
+        numbers["+-"] = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
     heads = [(name, name == "setting") for name in coordinates] + [(name, True) for name in numbers]
     return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
 
@@ -119,12 +121,34 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     when = f"after round {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
     known = frame["convergence_round_low"].notna().any()
+    floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
-        "K: round of convergence, error: |x - f| at K (medians over robots and trials)",
+        f"K: round of convergence, error: |x - f| at K (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
-        *([f"+-: half the interval of {data['half_width'].attrs['rule']}"] if "half_width" in data else []),
+        *(_anew(data, key) for key in asked_anew(data)),
+        *(
+            [
+                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than one shown here, "
+                "for a rule looks again and again"
+            ]
+            if "half_width" in data
+            else []
+        ),
     ]
+
+
+def _anew(data: xr.Dataset, key: str) -> str:
+    """What was asked anew of kept estimates, and what it is then."""
+    if key == "bins":
+        return f"bins {data.attrs['bins']}, asked anew: right is among these bins"
+    known = data["checkpoint"].values.tolist()
+    some = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
+    more = [] if len(some) == len(known) else ["...", str(known[-1])]
+    return (
+        f"delta {data.attrs['delta']:g}, asked anew: K is the first of the checkpoints {', '.join(some + more)} from "
+        "which on the estimates at them are within delta"
+    )
 
 
 def failures(data: xr.Dataset) -> int:
