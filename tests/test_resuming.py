@@ -12,16 +12,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus import results, shards, tasks
 from swarmcensus.cli import main
+from swarmcensus.early import opened
 from swarmcensus.engine import compiler
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.resuming import hold
 from swarmcensus.running import run
 from swarmcensus.status import status
-from swarmcensus.values import Values, shapes
+from swarmcensus.values import EVERY, LOCAL, Values, shapes
 
 STUDY = """
 name   = "resumed"
@@ -596,7 +598,7 @@ def test_only_what_a_run_wrote_is_removed(finished, here, whole):
     assert len(list(folder.iterdir())) == len(mine) + 2
 
 
-@pytest.mark.parametrize("name", ["", "lock", "run.json", "fresh"])
+@pytest.mark.parametrize("name", ["", "lock", "run.json", "fresh", shards.SKETCH])
 def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
     folder = shards.folder_of(Path("a.nc"))
     (here / "elsewhere").mkdir()
@@ -676,3 +678,67 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
     assert len(failed) == 8 == data.attrs["trials_total"] - data.attrs["trials_done"]
     assert "an estimate is no finite number" in failed[0]["why"]
     assert sc.load("a.nc").identical(data)
+
+
+@pytest.mark.parametrize("measure", ["local = false", "local = true", "local = false\nestimates = true"])
+def test_a_run_that_was_killed_has_an_early_picture(measure, here, monkeypatch, capsys):
+    """What the shards hold is shown, drawn and exported, and nothing is altered by that."""
+    monkeypatch.setattr(shards, "SKETCH_AFTER", 0.0)
+    text = STUDY.replace("local       = false", measure)
+    if measure == "local = true":  # which is of fixed networks
+        text = text.replace('"moving"', '"line"').replace("density    = 1\n", "").replace("ticks  = 200\n", "")
+    cut_off("a.nc", 50, text)
+    folder = shards.folder_of(Path("a.nc"))
+    before = {p.name: p.read_bytes() for p in folder.iterdir()}
+    done = status("a.nc").done
+    says = f"a.nc is not written yet: this is what its run has so far, {done} of 144 trials\n"
+    assert main(["show", "a.nc", "--limit", "0"]) == 0
+    out, error = capsys.readouterr()
+    assert error.startswith(says)
+    assert f"{done} of 144 trials done" in out
+    assert main(["plot", "a.nc", "--kind", "decisions", "--where", "setting < 3"]) == 0
+    assert capsys.readouterr().err == says
+    assert main(["export", "a.nc"]) == 0
+    assert capsys.readouterr().err == says
+    assert {p.name: p.read_bytes() for p in folder.iterdir()} == before
+    early = opened("a.nc")
+    final = run(study(text), out="a.nc")
+    for name in EVERY:
+        if name in early:
+            there = early[name].values
+            same_places = final[name].isel(trial=slice(early.sizes["trial"])).values
+            known = there != -1 if there.dtype.kind == "i" else ~np.isnan(there)
+            assert known.any() or name == "true_fill_ratio" or name in LOCAL  # which come last
+            assert (there[known] == same_places[known]).all()
+    capsys.readouterr()
+    assert main(["show", "a.nc"]) == 0
+    assert "not written yet" not in capsys.readouterr().err
+    assert not folder.exists()
+
+
+def test_what_is_not_written_yet_is_told_from_what_is_not_there(here, capsys):
+    cut_off("a.nc", 50)  # too short for an early picture
+    for command in (["show", "a.nc"], ["plot", "a.nc"], ["export", "a.nc"], ["verify", "a.nc"]):
+        assert main(command) == 2
+        assert "not written yet, its run was cut off: the same swarmcensus run goes on" in capsys.readouterr().err
+    with FileLock(shards.folder_of(Path("a.nc")) / "lock"):
+        assert main(["verify", "a.nc"]) == 2
+    assert "a run is at work on it: see swarmcensus status a.nc" in capsys.readouterr().err
+    assert main(["show", "b.nc"]) == 2
+    assert "there is no such file" in capsys.readouterr().err
+
+
+def test_results_that_are_not_whole_say_so_where_they_are_drawn(here, whole, capsys):
+    part = whole.copy(deep=True).isel(trial=slice(3))
+    sc.save(part, "part.nc")
+    for command in (["plot", "part.nc", "--kind", "decisions", "--where", "setting < 3"], ["export", "part.nc"]):
+        assert main(command) == 0
+        assert "part.nc: 72 of 144 trials done\n" in capsys.readouterr().err
+
+
+def test_a_rule_cannot_be_shared(here, capsys):
+    text = STUDY.replace("trials = 6", 'trials = {until = "convergence_error median +- 0.1"}')
+    assert text != STUDY
+    Path("s.toml").write_text(text)
+    assert main(["run", "s.toml", "--share", "1/2"]) == 2
+    assert "a study whose trials follow a rule cannot be shared" in capsys.readouterr().err

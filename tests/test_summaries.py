@@ -62,7 +62,10 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
             values = many[name].values[k, :, :robots].astype(float)
             _, low, high = statistics.interval_of(values, "median")
             assert row[name] == np.median(values)
-            assert (row[f"{name}_low"], row[f"{name}_high"]) == (max(low, 0), min(high, rounds) if "round" in name else high)
+            assert (row[f"{name}_low"], row[f"{name}_high"]) == (
+                max(low, 0),
+                min(high, rounds) if "round" in name else high,
+            )
             assert row[f"{name}_low"] <= row[name] <= row[f"{name}_high"]
         right = many["correct"].sel(checkpoint=rounds).values[k]
         assert row["checkpoint"] == rounds

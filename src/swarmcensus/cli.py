@@ -134,11 +134,12 @@ def _cluster(options: argparse.Namespace) -> str | None:
 
 def show(options: argparse.Namespace) -> int:
     """Print the summary of a results file."""
-    from swarmcensus import results, selecting, summaries, tables
+    from swarmcensus import selecting, summaries, tables
     from swarmcensus.cautions import warn_of_start
+    from swarmcensus.early import opened
     from swarmcensus.remeasuring import remeasure
 
-    stored = remeasure(results.load(options.results), delta=options.delta, bins=options.bins)
+    stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
     data = selecting.where(stored, options.where)
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, options.checkpoint)
@@ -203,6 +204,7 @@ def verify(options: argparse.Namespace) -> int:
 def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus import results
+    from swarmcensus.early import opened, say_partial
     from swarmcensus.files import check_writable
     from swarmcensus.remeasuring import remeasure
     from swarmcensus.selecting import where
@@ -213,7 +215,8 @@ def export(options: argparse.Namespace) -> int:
     if kinds.get(out.suffix.lower(), kind) != kind:
         raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
     check_writable(out, options.results)
-    data = remeasure(results.load(options.results), delta=options.delta)
+    data = remeasure(opened(options.results), delta=options.delta)
+    say_partial(data, options.results)
     rows = results.export(where(data, options.where), out, kind)
     print(f"{out}: {rows:,} rows")
     return 0
@@ -221,7 +224,8 @@ def export(options: argparse.Namespace) -> int:
 
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
-    from swarmcensus import figures, recordings, results, traces
+    from swarmcensus import figures, recordings, traces
+    from swarmcensus.early import opened
     from swarmcensus.files import check_writable
     from swarmcensus.progress import compiling
     from swarmcensus.tables import rounds
@@ -233,7 +237,7 @@ def replay(options: argparse.Namespace) -> int:
     recorded = options.recording / "observations.csv" if options.recording else None
     for path in filter(None, (options.out, recorded)):
         check_writable(path, options.results)
-    data = results.load(options.results)
+    data = opened(options.results)
     readings = edges = None
     with compiling(brain_of(data, options.setting)):
         trace = traces.replay(data, options.setting, options.trial, options.brain)

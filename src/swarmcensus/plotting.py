@@ -16,8 +16,9 @@ ONLY_OF = (
 
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
-    from swarmcensus import figures, results, traces
+    from swarmcensus import figures, traces
     from swarmcensus.beliefs import beliefs
+    from swarmcensus.early import opened, say_partial
     from swarmcensus.progress import compiling
     from swarmcensus.remeasuring import remeasure
     from swarmcensus.selecting import TooMuch, where
@@ -31,7 +32,8 @@ def plot(options: argparse.Namespace) -> int:
     out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
     if options.kind != "film":
         figure_files(out)
-    every = remeasure(results.load(options.results), delta=options.delta, bins=options.bins)
+    every = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
+    say_partial(every, options.results)
     data = where(every, options.where)
     if options.setting in every["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")

@@ -25,9 +25,8 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
 
     Raises InputError where estimates were not kept, or where delta or bins are not such as a study may have.
     """
-    delta, bins = (
-        None if value == results.attrs.get(key) else value for key, value in (("delta", delta), ("bins", bins))
-    )
+    delta = None if delta == results.attrs.get("delta") else delta
+    bins = None if bins == results.attrs.get("bins") else bins
     asked = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
     if not asked:
         return results
@@ -39,7 +38,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     _check(asked)
     new = results.drop_vars(DERIVED, errors="ignore")
     before = str(results.attrs.get("asked_anew", "")).split(", ")
-    new.attrs = results.attrs | asked | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
+    new.attrs = (
+        results.attrs | asked | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
+    )
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
     truth = _truth(results)

@@ -109,7 +109,7 @@ def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
     path = Path(path)
     if not path.is_file():
-        what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"
+        what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else _absent(path)
         raise InputError(f"results file {path}: {what}")
     try:
         with h5py.File(path) as file:
@@ -144,6 +144,20 @@ def _not_here(root: h5py.Group) -> str | None:
         if one.is_virtual or one.external:
             return f"the numbers of {name} are not in the file"
     return None
+
+
+def _absent(path: Path) -> str:
+    """What there is in place of a results file."""
+    from swarmcensus import shards
+
+    folder = shards.folder_of(path)
+    if not (folder / "run.json").is_file():
+        return "there is no such file"
+    if shards.is_busy(folder):
+        return (
+            f"not written yet, a run is at work on it: see swarmcensus status {path}; Ctrl-C there writes what is done"
+        )
+    return f"not written yet, its run was cut off: the same swarmcensus run goes on (swarmcensus status {path})"
 
 
 def to_frame(data: xr.Dataset) -> Any:

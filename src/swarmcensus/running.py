@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Protocol
 
@@ -140,10 +141,15 @@ def run(
     which carries the dataset of what was done. Raises InputError where nothing could be run.
     """
     jobs = threads(jobs)
-    if share is not None and (not 1 <= share[0] <= share[1] <= study.trials or study.until):
+    if share is not None and study.until:
+        raise InputError(
+            f"share {share[0]}/{share[1]}: a study whose trials follow a rule cannot be shared, for how many they are "
+            "is not known beforehand: give trials a number"
+        )
+    if share is not None and not 1 <= share[0] <= share[1] <= study.trials:
         raise InputError(
             f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
-            f"({study.trials}), which a rule does not know beforehand"
+            f"({study.trials})"
         )
     settings = study.settings()
     marks = [setting.fingerprint(study.seed) for setting in settings]
@@ -160,6 +166,7 @@ def run(
             state.holding.fill(state.values)
             known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
             state.holding.announce(known, total, 0.0)  # while it compiles, or waits for workers
+            state.holding.parts.sketch = partial(_sketch, state, marks, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
         try:
@@ -190,6 +197,20 @@ def run(
     if interrupted:
         raise Interrupted(data, data.attrs["trials_done"], data.attrs["trials_total"])
     return data
+
+
+def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
+    """Write the dataset as it is before any trial: with the shards an early picture of the run."""
+    study, settings, measure = state.study, state.settings, state.study.measure
+    data = results.dataset(
+        study, settings, marks, Values(settings, 1, len(study.checkpoints), measure.local, measure.estimates)
+    )
+    data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
+    if share is not None:
+        data.attrs["share"] = "{}/{}".format(*share)
+    if study.until is not None:
+        data["half_width"] = results.widths_of_rule(study, np.full(len(settings), np.nan))
+    results.save(data, path)
 
 
 def threads(jobs: int | None) -> int:

@@ -13,7 +13,7 @@ import os
 import re
 import socket
 import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -28,9 +28,11 @@ from swarmcensus.tasks import Piece
 from swarmcensus.values import Columns, shapes
 
 FORMAT = "swarmcensus shard 1"
-OURS = ("lock", "run.json", "fresh")  # what else a run keeps beside its shards
+SKETCH = "study.nc"  # the dataset without a trial: see `early`
+OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
+SKETCH_AFTER = 1.0  # seconds: shorter runs need no early picture
 AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
 
 
@@ -128,6 +130,7 @@ class Parts:
         self.out, self.folder = out, folder_of(out)
         self.identity, self.checkpoints, self.fingerprints = identity, list(checkpoints), fingerprints
         self.lock = FileLock(self.folder / "lock", timeout=0)
+        self.sketch: Callable[[Path], None] | None = None  # writes the dataset without a trial, once
         self.added = False  # whether this run finished anything
         self._waiting: list[Piece] = []
         self._work = 0.0
@@ -149,7 +152,7 @@ class Parts:
         for left in self.folder.glob(".*.npz"):  # of a run that was killed while it wrote
             if is_leftover(left, NAME.pattern.removesuffix(r"\.npz"), r"\.npz"):
                 left.unlink(missing_ok=True)
-        for path in (self.out, self.folder / "run.json"):
+        for path in (self.out, self.folder / "run.json", self.folder / SKETCH):
             remove_leftovers(path)
         self._next = max((int(path.name.partition("-")[0]) for path in listed(self.folder)), default=0) + 1
         return self
@@ -211,6 +214,9 @@ class Parts:
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()
+        if self.sketch and now - self._begun >= SKETCH_AFTER:
+            self.sketch(self.folder / SKETCH)
+            self.sketch = None
         about = asdict(self.identity) | {
             "format": FORMAT,
             "checkpoints": self.checkpoints,
@@ -239,7 +245,7 @@ class Parts:
     def clear(self) -> None:
         """Remove the shards: what they hold is in the output, or not wanted."""
         # the mark goes first: with it, the output would not be taken over
-        for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json"):
+        for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json", self.folder / SKETCH):
             path.unlink(missing_ok=True)
 
 
