@@ -1,11 +1,13 @@
 """Readers are told where a robot converged before it had seen anything."""
 
+import tomllib
 import warnings
 
 import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import paper
 from swarmcensus.cautions import settled_at_start, warn_of_start
 from swarmcensus.cli import main
 
@@ -57,3 +59,25 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
     when[:] = 0
     with pytest.warns(UserWarning, match=r"^settings 0, 1, 2, 3, 4, 5, 6, 7, \.\.\.: up to 100 % of"):
         warn_of_start(data)
+
+
+def test_truths_on_the_edge_of_a_bin_are_warned_of(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    text = STUDY.replace("[0.5, 0.7]", "[0.2, 0.55, 0.7, 1.0]") + "[measure]\nestimates = true\n"
+    (tmp_path / "s.toml").write_text(text)
+    assert main(["run", "s.toml"]) == 0
+    says = "warning: fill ratio 0.2, 0.7 lie on the edge between two of the 10 bins: about half of good estimates"
+    assert capsys.readouterr().err.count(says) == 1
+    assert main(["show", "s.nc", "--bins", "7"]) == 0
+    assert "edge" not in capsys.readouterr().err
+    assert main(["plot", "s.nc", "--kind", "decisions", "--bins", "20"]) == 0
+    assert "fill ratio 0.2, 0.55, 0.7 lie on the edge between two of the 20 bins" in capsys.readouterr().err
+    right = sc.load("s.nc")["correct"].isel(checkpoint=-1).mean("trial").values
+    assert right[0] < 0.8 < 0.99 < right[1], "what it is about"
+
+
+@pytest.mark.parametrize("path", sorted(paper.studies_folder().parent.rglob("*.toml")), ids=lambda path: path.stem)
+def test_no_study_that_is_shipped_lies_on_an_edge(path):
+    tables = tomllib.loads(path.read_text())
+    values = np.atleast_1d(tables["world"]["fill_ratio"])
+    assert not np.isin(values, np.arange(1, 10) / 10).any()

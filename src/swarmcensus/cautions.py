@@ -40,3 +40,21 @@ def warn_of_start(data: xr.Dataset) -> None:
         "tell how fast robots learn: choose another fill ratio, or a smaller delta under [measure]",
         stacklevel=2,
     )
+
+
+def warn_of_edges(data: xr.Dataset) -> None:
+    """Warn of fill ratios on the edge between two bins: estimates just below are wrong, as near as they may be."""
+    if data.attrs["truth"] != "nominal":  # each trial has a truth of its own
+        return
+    bins = int(data.attrs["bins"])
+    values = np.unique(data["fill_ratio"].values)
+    found = [f"{value:g}" for value in values[np.isin(values, np.arange(1, bins) / bins)]]
+    if not found:
+        return
+    named = ", ".join(found[:MOST_NAMED]) + (", ..." if len(found) > MOST_NAMED else "")
+    warnings.warn(
+        f"fill ratio {named} {'lies' if len(found) == 1 else 'lie'} on the edge between two of the {bins} bins: about "
+        "half of good estimates are in the wrong one. Choose another number of bins under [measure], or another fill "
+        "ratio",
+        stacklevel=2,
+    )

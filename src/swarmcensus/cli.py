@@ -81,7 +81,7 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
-    from swarmcensus.cautions import warn_of_start
+    from swarmcensus.cautions import warn_of_edges, warn_of_start
     from swarmcensus.files import check_writable
     from swarmcensus.progress import reporting
     from swarmcensus.running import run as run_study
@@ -116,6 +116,7 @@ def run(options: argparse.Namespace) -> int:
         raise
     settings(data, out)
     warn_of_start(data)
+    warn_of_edges(data)
     trials = f"up to {study.trials}" if study.until else str(study.trials)
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
     print(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
@@ -135,7 +136,7 @@ def _cluster(options: argparse.Namespace) -> str | None:
 def show(options: argparse.Namespace) -> int:
     """Print the summary of a results file."""
     from swarmcensus import selecting, summaries, tables
-    from swarmcensus.cautions import warn_of_start
+    from swarmcensus.cautions import warn_of_edges, warn_of_start
     from swarmcensus.early import opened
     from swarmcensus.remeasuring import remeasure
 
@@ -153,6 +154,7 @@ def show(options: argparse.Namespace) -> int:
     tables.settings(data, options.results, limit, options.checkpoint, tables.head(stored, options.results))
     tables.failures(data)
     warn_of_start(data)
+    warn_of_edges(data)
     return 0
 
 

@@ -18,6 +18,7 @@ def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
     from swarmcensus import figures, traces
     from swarmcensus.beliefs import beliefs
+    from swarmcensus.cautions import warn_of_edges
     from swarmcensus.early import opened, say_partial
     from swarmcensus.progress import compiling
     from swarmcensus.remeasuring import remeasure
@@ -49,6 +50,7 @@ def plot(options: argparse.Namespace) -> int:
         elif options.kind == "beliefs":
             figure = beliefs(data)
         elif options.kind == "decisions":
+            warn_of_edges(data)
             figure = figures.decisions_grid(figures.panels_of(data))
         else:
             figure = figures.scatter_grid([p._replace(local=options.local) for p in figures.panels_of(data)])
