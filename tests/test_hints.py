@@ -71,6 +71,13 @@ def test_floors(floor, meant):
 def test_where(small_results):
     with pytest.raises(sc.InputError, match="no coordinate 'topologies': did you mean 'topology'"):
         where(small_results, 'topologies == "ring"')
+    says = "no setting is so: did you mean 'ring'? topology is full, ring, line, scale-free"
+    with pytest.raises(sc.InputError, match=re.escape(says)):
+        where(small_results, 'robots == 5 and topology == "rng"')
+    with pytest.raises(sc.InputError, match=r"no setting is so: robots is 5, 12$"):
+        where(small_results, "7 == robots")
+    with pytest.raises(sc.InputError, match=r"no setting is so$"):
+        where(small_results, "robots > 12")
 
 
 @pytest.mark.parametrize(

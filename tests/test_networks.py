@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import swarmcensus as sc
 from swarmcensus import networks
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 
@@ -191,6 +192,10 @@ def test_graphs_whose_edges_have_weights_are_refused(tmp_path):
         parse(graph, tmp_path)
     with pytest.raises(ValueError, match=r"edge \[0, 1, 0.5\] has three numbers: links have no weights"):
         parse({"name": "x", "edges": [[0, 1, 0.5]]}, tmp_path)
+    graph.name = "office"
+    swarm = {"robots": 3, "accuracy": 0.7}
+    with pytest.raises(sc.InputError, match=r"world.topology\[1\] = graph 'office': the graph's edges have weights"):
+        sc.Study(trials=1, swarm=swarm, world={"topology": ["ring", graph], "fill_ratio": 0.5})
 
 
 def test_parallel_edges_count_once_and_loops_are_refused(tmp_path):

@@ -13,6 +13,7 @@ from rich.console import Console
 
 import swarmcensus as sc
 from swarmcensus import claims, figures, page, paper, report, results
+from swarmcensus.cli import main
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
 from swarmcensus.strips import strip
@@ -104,6 +105,12 @@ def test_robots_meet_the_same_readings_alone_and_in_company(done):
         for d in (done.datasets["local"], done.datasets["topologies"])
     ]
     np.testing.assert_array_equal(*shared)
+
+
+def test_a_table_of_claims_is_printed_where_some_were_checked(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(paper, "reproduce", lambda *_, **__: paper.Reproduction(tmp_path, "", {}, [], [], {}))
+    assert main(["reproduce", "--out", str(tmp_path)]) == 0
+    assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
 
 
 def test_the_page_needs_nothing_from_outside(done):

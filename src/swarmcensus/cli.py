@@ -2,6 +2,7 @@
 
 import argparse
 import os
+import shlex
 import sys
 import time
 import warnings
@@ -74,7 +75,8 @@ def reproduce(options: argparse.Namespace) -> int:
         fresh=options.fresh,
         reporting=reporting,
     )
-    report.show(done.claims)
+    if done.claims:
+        report.show(done.claims)
     print(done.page)
     return 0
 
@@ -151,11 +153,21 @@ def show(options: argparse.Namespace) -> int:
         print(summaries.as_json(stored, few, options.checkpoint))
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
-    tables.settings(data, options.results, limit, options.checkpoint, tables.head(stored, options.results))
+    title = tables.head(stored, options.results)
+    tables.settings(data, options.results, limit, options.checkpoint, title, _again(options))
     tables.failures(data)
     warn_of_start(data)
     warn_of_edges(data)
     return 0
+
+
+def _again(options: argparse.Namespace) -> str:
+    """The command `show` with what it was given, but for --limit."""
+    words = ["swarmcensus", "show", str(options.results)]
+    for name in ("where", "bins", "delta", "checkpoint", "sort"):
+        value = getattr(options, name)
+        words += [f"--{name}", str(value)] if value is not None else []
+    return shlex.join([*words, *(["--reverse"] if options.reverse else [])])
 
 
 def status(options: argparse.Namespace) -> int:
@@ -276,7 +288,7 @@ def infer(options: argparse.Namespace) -> int:
     links = recordings.read_links(options.links) if options.links else None
     try:
         accuracy = recordings.read_accuracy(options.accuracy)
-        with compiling(Path(options.brain).name):
+        with compiling(Path(options.brain).name, "recorded data"):
             trace = traces.infer(readings, links, accuracy, options.every, options.brain)
     except InputError as error:  # say which file it is in
         name = next((str(f) for key, f in files.items() if str(error).startswith(key)), None)

@@ -58,7 +58,7 @@ def _lines(label: str) -> Callable[[Progress], None]:
         if progress.note != note or (not note and now - last >= LINE_SECONDS):
             last, note = now, progress.note
             pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
-            trials = f"{progress.done} of {progress.total} trials, " if progress.total else ""
+            trials = f"{progress.done:,} of {progress.total:,} trials, " if progress.total else ""
             print(f"{label}: {trials}{pace}", file=sys.stderr, flush=True)
 
     return show
@@ -72,8 +72,8 @@ def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
 
 
 @contextlib.contextmanager
-def compiling(name: str) -> Iterator[None]:
-    """Say on stderr that `name` is being compiled where something is: not where it lies in the cache."""
+def compiling(name: str, what: str = "replay") -> Iterator[None]:
+    """Say on stderr that `name`, and for `what`, is being compiled where it is: not where it lies in the cache."""
     from numba.core import event
 
     class Teller(event.Listener):  # type: ignore[misc]
@@ -81,7 +81,7 @@ def compiling(name: str) -> Iterator[None]:
 
         def on_start(self, event: object) -> None:
             if not self.told:
-                print(f"compiling {name}, once on this machine", file=sys.stderr, flush=True)
+                print(f"compiling {name} for {what}, once on this machine", file=sys.stderr, flush=True)
             self.told = True
 
         def on_end(self, event: object) -> None:

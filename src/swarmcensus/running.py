@@ -294,7 +294,8 @@ def _compile(state: State) -> None:
     """Compile what all need here, so that threads do not wait for one another."""
     for setting in smallest(state.settings):
         if not compiler.is_compiled(setting.brain, "riding.ride" if setting.body else "kernel.simulate"):
-            state.show(f"compiling {setting.brain.name}, once on this machine")
+            what = "robots that move" if setting.body else "fixed networks"
+            state.show(f"compiling {setting.brain.name} for {what}, once on this machine")
         task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
         # a brain that fails is named by the real run
         run_bundle([setting], 0, (task,), metrics_of(state.study), np.zeros(1, np.uint8))

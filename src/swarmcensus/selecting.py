@@ -22,6 +22,9 @@ COMPARE: dict[type, Callable[[Any, Any], Any]] = {
 }
 
 
+MOST_VALUES = 12  # of a coordinate that are named
+
+
 class TooMuch(InputError):
     """More settings than a figure shows, and how to select some: to users of Python, and in `shell` to those of one."""
 
@@ -44,7 +47,8 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         return data
     known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
     try:
-        holds = _evaluate(ast.parse(expression.strip(), mode="eval").body, known)
+        tree = ast.parse(expression.strip(), mode="eval").body
+        holds = _evaluate(tree, known)
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
         raise InputError(
@@ -52,8 +56,24 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
         ) from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:
-        raise InputError(f"--where {expression!r}: no setting is so")
+        raise InputError(f"--where {expression!r}: no setting is so{_known_values(tree, known)}")
     return chosen
+
+
+def _known_values(tree: ast.expr, known: dict[str, np.ndarray]) -> str:
+    """What there is of the first coordinate that is asked for a value that no setting has."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Compare) or len(node.ops) != 1 or not isinstance(node.ops[0], ast.Eq):
+            continue
+        sides = node.left, node.comparators[0]
+        name = next((side.id for side in sides if isinstance(side, ast.Name)), None)
+        if name is None or np.any(_evaluate(node, known)):
+            continue
+        values = dict.fromkeys(map(str, known[name].tolist()))
+        meant = next((str(side.value) for side in sides if isinstance(side, ast.Constant)), "")
+        more = ", ..." if len(values) > MOST_VALUES else ""
+        return f": {did_you_mean(meant, values)}{name} is {', '.join([*values][:MOST_VALUES])}{more}"
+    return ""
 
 
 def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:

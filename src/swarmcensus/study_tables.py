@@ -159,6 +159,8 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
         hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
         message += f": {hint.rstrip()}" if hint else ""
     shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
+    if hasattr(value, "nodes"):  # of networkx
+        shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
     return f"{name}: {key} = {shown[:200]}: {message}{more}"
 
 

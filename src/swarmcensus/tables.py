@@ -36,11 +36,17 @@ def head(data: xr.Dataset, path: Path) -> str:
 
 
 def settings(
-    data: xr.Dataset, path: Path, limit: int = MOST_ROWS, checkpoint: int | None = None, title: str = ""
+    data: xr.Dataset,
+    path: Path,
+    limit: int = MOST_ROWS,
+    checkpoint: int | None = None,
+    title: str = "",
+    again: str = "",
 ) -> None:
     """A row a setting, `limit` of them at the most (0: all): medians over robots and trials, intervals over trials.
 
-    In a terminal that is too narrow, intervals stand below their values, and what a setting is in one column.
+    `again` is the command that showed them. In a terminal that is too narrow, intervals stand below their values, and
+    what a setting is in one column.
     """
     columns = _coordinates(data)
     varied = [k for k, values in columns.items() if (values != values[0]).any()]
@@ -62,11 +68,9 @@ def settings(
     for line in [*_legend(data, frame), *([f"all with {', '.join(same)}"] if same else [])]:
         out.print(line, style="dim")
     if len(frame) < data.sizes["setting"]:
-        name, value = varied[0], columns[varied[0]][0]
-        some = f"{name} == {value}" if data[name].dtype.kind in "iuf" else f'{name} == "{value}"'
         out.print(
-            f"{len(frame):,} of {data.sizes['setting']:,} settings; others: swarmcensus show {shlex.quote(str(path))} "
-            f"--where {shlex.quote(some)}, or --limit 0 for all",
+            f"{len(frame):,} of {data.sizes['setting']:,} settings; all of them: "
+            f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
             soft_wrap=True,  # to be copied
         )
 
