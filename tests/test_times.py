@@ -3,6 +3,7 @@
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.cli import main
 from swarmcensus.times import parse_time
 
 STUDY = {
@@ -92,3 +93,36 @@ def test_rounds_have_no_clock(topology):
     for schedule in ({"rounds": "5 s"}, {"observations_per_round": "5 s"}):
         with pytest.raises(sc.InputError, match="should be a valid integer"):
             sc.Study(**STUDY | {"world": world, "schedule": schedule})
+
+
+def test_times_come_out_as_they_go_in(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    moving = {"topology": "moving", "density": 1, "fill_ratio": 0.55, "body": {"tick": 0.5}}
+    swarm = {"robots": 3, "accuracy": 0.8}
+    measure = {"checkpoints": [4, 12, 20]}
+    sc.save(sc.run(sc.Study(trials=2, swarm=swarm, world=moving, schedule={"ticks": 20}, measure=measure)), "m.nc")
+
+    def printed(*command):
+        assert main([*command]) == 0
+        return capsys.readouterr().out
+
+    assert printed("show", "m.nc", "--checkpoint", "6 s") == printed("show", "m.nc", "--checkpoint", "12")
+    assert "after round 12" in printed("show", "m.nc", "--checkpoint", "0.1 min")
+    plot = ["plot", "m.nc", "--kind"]
+    printed(*plot, "arena", "--tick", "4 s", "--out", "a.png")
+    printed(*plot, "arena", "--tick", "8", "--out", "b.png")
+    assert (tmp_path / "a.png").read_bytes() == (tmp_path / "b.png").read_bytes()
+    assert printed(*plot, "film", "--first", "2 s", "--last", "4 s", "--every", "1", "--out", "f.gif") == (
+        "f.gif: 5 frames\n"
+    )
+    sc.save(sc.run(sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55})), "r.nc")
+    for command, said in (
+        (["show", "m.nc", "--checkpoint", "5.3 s"], '--checkpoint = "5.3 s": that is 10.6 ticks of 0.5 s'),
+        (["show", "r.nc", "--checkpoint", "5 s"], "the rounds of fixed networks have no clock"),
+        ([*plot, "arena", "--tick", "1 h"], "tick 7200: this trial has ticks 0 to 20"),
+    ):
+        assert main(command) == 2
+        assert said in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main([*plot, "film", "--first", "2 days"])
+    assert 'or a time such as "17 min"' in capsys.readouterr().err

@@ -140,21 +140,23 @@ def show(options: argparse.Namespace) -> int:
     from swarmcensus import selecting, summaries, tables
     from swarmcensus.cautions import warn_of_edges, warn_of_start
     from swarmcensus.early import opened
+    from swarmcensus.origins import round_of
     from swarmcensus.remeasuring import remeasure
 
     stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
     data = selecting.where(stored, options.where)
+    checkpoint = round_of(data, options.checkpoint, "--checkpoint")
     if options.sort:
-        data = summaries.ordered(data, options.sort, options.reverse, options.checkpoint)
+        data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
         raise InputError("--reverse goes with --sort")
     if options.json:
         few = data.isel(setting=slice(options.limit or None))
-        print(summaries.as_json(stored, few, options.checkpoint))
+        print(summaries.as_json(stored, few, checkpoint))
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     title = tables.head(stored, options.results)
-    tables.settings(data, options.results, limit, options.checkpoint, title, _again(options))
+    tables.settings(data, options.results, limit, checkpoint, title, _again(options))
     tables.failures(data)
     warn_of_start(data)
     warn_of_edges(data)

@@ -15,8 +15,10 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.checking import made_from
 from swarmcensus.errors import InputError
+from swarmcensus.networks import MOVING
 from swarmcensus.settings import Setting
 from swarmcensus.studies import Study
+from swarmcensus.times import Time, in_ticks
 
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 
@@ -65,6 +67,20 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return studies
+
+
+def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None:
+    """A round as it is, a time in ticks, where all settings have robots that move, by one clock. Raises InputError."""
+    if not isinstance(value, Time):
+        return value
+    moving = bool((data["topology"].values == MOVING).all())
+    clocks = {study.world.body.tick for study in studies_of(data, run=False)} if moving else set()
+    if len(clocks) > 1:
+        raise InputError(f"{key} {value}: these results have several clocks: should be a number of ticks")
+    try:
+        return in_ticks(value, clocks.pop() if clocks else None, key)
+    except ValueError as error:
+        raise InputError(str(error)) from None
 
 
 def must_be_read(brain: brains.Brain) -> None:

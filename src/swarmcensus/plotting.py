@@ -75,10 +75,13 @@ def _plot_arena(options: argparse.Namespace, data: Any, out: Path) -> int:
 
     # What can be told before the trial is run again, and what this machine lacks last.
     setting, found = scenes.find_moving(data, options.setting, options.trial or 0, options.brain)
-    stretch = {n: getattr(options, n) for n in ("first", "last", "every", "fps") if getattr(options, n) is not None}
-    given = stretch if options.robot is None else stretch | {"robot": options.robot}
+    assert found.body is not None
+    ticks = {n: _in_ticks(getattr(options, n), found.body.tick, f"--{n}") for n in ("tick", "first", "last")}
+    given = {"every": options.every, "fps": options.fps} | ticks
+    stretch = {n: given[n] for n in ("first", "last", "every", "fps") if given[n] is not None}
+    shown = stretch if options.robot is None else stretch | {"robot": options.robot}
     scenes.check_robot(options.robot or 0, found.robots)
-    scenes.check_tick(options.tick or 0, (0, found.rounds))
+    scenes.check_tick(ticks["tick"] or 0, (0, found.rounds))
     if options.kind == "film":
         films.stretch(out, (0, found.rounds), **stretch)
         check_writable(out)
@@ -86,17 +89,26 @@ def _plot_arena(options: argparse.Namespace, data: Any, out: Path) -> int:
     with compiling(found.brain.name):
         trace, floor = scenes.scene_of(data, setting, options.trial or 0, options.brain)
     if options.kind == "arena":
-        tick = int(trace["round"][-1]) if options.tick is None else options.tick
-        save_figure(arena_pictures.snapshot(trace, tick, floor, **given), out)
+        tick = int(trace["round"][-1]) if ticks["tick"] is None else ticks["tick"]
+        save_figure(arena_pictures.snapshot(trace, tick, floor, **shown), out)
         return 0
     console = Console(stderr=True)
     with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
         task = bar.add_task("drawing", total=None)
         frames = films.film(
-            trace, floor, out, **given, progress=lambda done, total: bar.update(task, completed=done, total=total)
+            trace, floor, out, **shown, progress=lambda done, total: bar.update(task, completed=done, total=total)
         )
     print(f"{out}: {frames:,} frames")
     return 0
+
+
+def _in_ticks(value: Any, tick: float, name: str) -> int | None:
+    from swarmcensus.times import in_ticks
+
+    try:
+        return None if value is None else in_ticks(value, tick, name)
+    except ValueError as error:
+        raise InputError(str(error)) from None
 
 
 def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg")) -> None:

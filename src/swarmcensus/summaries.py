@@ -30,18 +30,28 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed) and
     `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches)
     the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks settings, as in
-    `swarmcensus show`. Raises InputError.
+    `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that vary, and the
+    values. Raises InputError.
     """
     import pandas as pd
 
     data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    columns = _with_intervals(data, checkpoint)
+    varied = [k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.tolist())) > 1]
+    first = dict.fromkeys(["setting", *map(str, varied)])
+    last = [name for name in (*MEDIANS, "correct") if name in columns]
+    between = [name for name in columns if name not in first and name not in last]
+    return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
+
+
+def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns: Columns = {}
     for name, values in points(data, checkpoint).items():
         columns[name] = values
         if name in (*MEDIANS, "correct"):
             ends = _intervals(data, name, checkpoint)
             columns |= {f"{name}_low": ends[:, 0], f"{name}_high": ends[:, 1]}
-    return pd.DataFrame(columns)
+    return columns
 
 
 def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
@@ -90,7 +100,9 @@ def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
 
 def as_json(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> str:
     """The summary of these settings of a file as JSON: see docs/data-format.md. Raises InputError."""
-    frame = summary(data, checkpoint=checkpoint)
+    import pandas as pd
+
+    frame = pd.DataFrame(_with_intervals(data, checkpoint))
     rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
     about = {
         "format": FORMAT,
