@@ -70,7 +70,7 @@ def test_what_is_no_results_file(damage, small_file, tmp_path):
 
 
 def test_long_form(small_results):
-    frame = results.to_frame(small_results)
+    frame = results.frame(small_results)
     assert len(frame) == 4 * 16 * (5 + 12)
     row = frame.iloc[777]
     place = {"setting": row.setting, "trial": row.trial, "robot": row.robot}
@@ -83,7 +83,7 @@ def test_tables_hold_the_true_fill_ratio_of_each_trial(small_results):
     data = small_results.copy()
     shares = np.arange(data["true_fill_ratio"].size, dtype=float).reshape(data["true_fill_ratio"].shape)
     data["true_fill_ratio"] = data["true_fill_ratio"].dims, shares
-    frame = results.to_frame(data)
+    frame = results.frame(data)
     assert (frame["true_fill_ratio"] == shares[frame["setting"], frame["trial"]]).all()
 
 
@@ -92,13 +92,13 @@ def test_export(kind, small_results, tmp_path):
     path = tmp_path / f"table.{kind}"
     assert results.export(small_results, path, kind) == 1088
     read = pd.read_csv(path) if kind == "csv" else pd.read_parquet(path)
-    assert np.allclose(read["final_estimate"], results.to_frame(small_results)["final_estimate"], rtol=0, atol=1e-15)
+    assert np.allclose(read["final_estimate"], results.frame(small_results)["final_estimate"], rtol=0, atol=1e-15)
 
 
 def test_trials_that_were_not_run_are_left_out(small_results):
     part = small_results.copy(deep=True)
     part["final_estimate"][:, 2:] = np.nan
-    assert len(results.to_frame(part)) == 544
+    assert len(results.frame(part)) == 544
 
 
 def test_a_partly_filled_checkpoint_grid():

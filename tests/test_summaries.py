@@ -75,6 +75,15 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
         assert (row["trials"], row["failed"], row["setting"]) == (6, 0, k)
 
 
+def test_pandas_shows_what_varies_and_what_came_of_it(many):
+    frame = sc.summary(many)
+    assert frame.columns[:5].tolist() == ["setting", "topology", "robots", "accuracy", "assumed_accuracy"]
+    assert frame.columns[-3:].tolist() == ["convergence_round", "convergence_error", "correct"]
+    shown = repr(frame)
+    for word in ("topology", "convergence_error ", "correct "):
+        assert word in shown.replace("\n", " \n")
+
+
 def test_large_results_are_gone_through_in_blocks(many, monkeypatch):
     whole = summaries.points(many)
     monkeypatch.setattr(summaries, "BLOCK", 50)

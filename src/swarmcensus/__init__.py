@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from swarmcensus.errors import InputError, Interrupted
     from swarmcensus.merging import merge
     from swarmcensus.remeasuring import remeasure
-    from swarmcensus.results import load, save
+    from swarmcensus.results import frame, load, save
     from swarmcensus.running import run
     from swarmcensus.studies import Study
     from swarmcensus.summaries import summary
@@ -26,6 +26,7 @@ _HOME = {
     "InputError": "errors",
     "Interrupted": "errors",
     "Study": "studies",
+    "frame": "results",
     "infer": "traces",
     "load": "results",
     "merge": "merging",
@@ -40,6 +41,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Study",
+    "frame",
     "infer",
     "load",
     "merge",

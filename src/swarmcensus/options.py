@@ -67,7 +67,12 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
     sub.add_argument("--where", metavar="EXPR", help="settings to show, as 'topology == \"ring\" and robots == 100'")
     _add_measure_options(sub)
-    sub.add_argument("--checkpoint", type=_or_time, metavar="K", help="the round of 'right', or a time as '5 min' (default: the last)")
+    sub.add_argument(
+        "--checkpoint",
+        type=_or_time,
+        metavar="K",
+        help="the round of 'right', or a time as '5 min' (default: the last)",
+    )
     sub.add_argument("--sort", metavar="COLUMN", help="as error, right, K or fill_ratio (default: as stored)")
     sub.add_argument("--reverse", action="store_true", help="the other way round")
     sub.add_argument(
@@ -103,7 +108,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
-    sub.add_argument("--tick", type=_or_time, help="when the arena is drawn, a tick or a time as '1 min' (default: the last)")
+    sub.add_argument(
+        "--tick", type=_or_time, help="when the arena is drawn, a tick or a time as '1 min' (default: the last)"
+    )
     sub.add_argument("--robot", type=_from_zero, help="whose radio range the arena shows (default: 0)")
     sub.add_argument("--first", type=_or_time, help="the tick, or time, that a film begins at (default: 1)")
     sub.add_argument("--last", type=_or_time, help="the tick, or time, that it ends at (default: 600 ticks)")

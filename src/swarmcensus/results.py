@@ -160,8 +160,12 @@ def _absent(path: Path) -> str:
     return f"not written yet, its run was cut off: the same swarmcensus run goes on (swarmcensus status {path})"
 
 
-def to_frame(data: xr.Dataset) -> Any:
-    """Results in long form: a pandas table with one row a robot and trial."""
+def frame(data: xr.Dataset) -> Any:
+    """Results in long form: a pandas table with one row a robot and trial, as `export` writes it.
+
+    Missing places are left out. Its columns are the setting's coordinates, `trial`, `robot`, `true_fill_ratio` and the
+    variables that have a robot.
+    """
     per_robot = [n for n in EVERY if n in data and data[n].dims == PER_ROBOT]
     size = data["robots"].values
     mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
@@ -180,13 +184,13 @@ def to_frame(data: xr.Dataset) -> Any:
 
 def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
     """Write results in long form as "csv" or "parquet"; returns the number of rows. Raises InputError."""
-    frame = to_frame(data)
+    table = frame(data)
     with whole(path) as beside:
         if kind == "csv":
-            frame.to_csv(beside, index=False)
+            table.to_csv(beside, index=False)
         else:
             try:
-                frame.to_parquet(beside, index=False)
+                table.to_parquet(beside, index=False)
             except ImportError:
                 raise InputError("parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
-    return len(frame)
+    return len(table)

@@ -37,7 +37,9 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
 
     data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
     columns = _with_intervals(data, checkpoint)
-    varied = [k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.tolist())) > 1]
+    varied = [
+        k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
+    ]
     first = dict.fromkeys(["setting", *map(str, varied)])
     last = [name for name in (*MEDIANS, "correct") if name in columns]
     between = [name for name in columns if name not in first and name not in last]
