@@ -231,7 +231,7 @@ def test_json_is_the_table(partial, tmp_path, monkeypatch, capsys):
     assert second["setting"] > first["setting"]
 
 
-@pytest.mark.parametrize("width", [58, 80, 100, 200])
+@pytest.mark.parametrize("width", [32, 40, 50, 58, 80, 100, 200])
 def test_a_terminal_folds_between_words(many, width, monkeypatch):
     stream = io.StringIO()
     monkeypatch.setattr(tables, "console", lambda: Console(file=stream, width=width, markup=False, highlight=False))

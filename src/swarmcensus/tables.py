@@ -2,6 +2,7 @@
 
 import shlex
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +22,7 @@ from swarmcensus.terminal import UNFOLDED, console, table
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
 DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # that are named
+FOLDED = 12  # characters for what a setting is, where it is folded into one column
 DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
 
 
@@ -46,7 +48,7 @@ def settings(
     """A row a setting, `limit` of them at the most (0: all): medians over robots and trials, intervals over trials.
 
     `again` is the command that showed them. In a terminal that is too narrow, intervals stand below their values, and
-    what a setting is in one column.
+    what a setting is in one column; in one that is narrower still, each setting has some lines.
     """
     columns = _coordinates(data)
     varied = [k for k, values in columns.items() if (values != values[0]).any()]
@@ -55,13 +57,17 @@ def settings(
     out = console()
     unfolded = out.options.update(max_width=UNFOLDED)
     coordinates = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
-    rows = _rows(frame, coordinates, data.sizes["trial"])
+    rows: Table | Text = _rows(coordinates, _numbers(frame, data.sizes["trial"]))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
-        rows = _rows(frame, coordinates, data.sizes["trial"], below=True)
+        rows = _rows(coordinates, _numbers(frame, data.sizes["trial"], below=True))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
         each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
         joined = [", ".join(f"{k} {value}" for k, value in zip(varied, values, strict=True)) for values in each]
-        rows = _rows(frame, {"setting": coordinates["setting"], "with": joined}, data.sizes["trial"], below=True)
+        numbers = _numbers(frame, data.sizes["trial"], below=True)
+        rows = _rows({"setting": coordinates["setting"], "with": joined}, numbers)
+        bare = _rows({"setting": coordinates["setting"]}, numbers)
+        if bare.__rich_measure__(out, unfolded).maximum + FOLDED > out.width:
+            rows = _blocks(frame, joined, numbers)
     if title:
         out.print(title)
     out.print(rows)
@@ -87,8 +93,8 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     return columns
 
 
-def _rows(frame: Any, coordinates: dict[str, Any], trials: int, below: bool = False) -> Table:
-    """The table of a summary, intervals beside their values or below them."""
+def _numbers(frame: Any, trials: int, below: bool = False) -> dict[str, list[str]]:
+    """The columns of a summary's numbers, intervals beside their values or below them."""
     numbers = dict(_values(frame, name, below) for name in SHORT)
     if "half_width" in frame or (frame["trials"] < trials).any():
         numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
@@ -97,8 +103,21 @@ def _rows(frame: Any, coordinates: dict[str, Any], trials: int, below: bool = Fa
     if "half_width" in frame:
         decimals = places(frame["half_width"].min())
         numbers["+-"] = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
+    return numbers
+
+
+def _rows(coordinates: Mapping[str, Sequence[str]], numbers: dict[str, list[str]]) -> Table:
     heads = [(name, name == "setting") for name in coordinates] + [(name, True) for name in numbers]
     return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
+
+
+def _blocks(frame: Any, what: Sequence[str], numbers: dict[str, list[str]]) -> Text:
+    """Some lines a setting, where not even the numbers have room beside each other."""
+    lines = []
+    for k, setting in enumerate(frame["setting"]):
+        lines.append(f"setting {setting}{': ' * bool(what[k])}{what[k]}")
+        lines += [f"  {name.splitlines()[0]} {' '.join(cells[k].splitlines())}" for name, cells in numbers.items()]
+    return Text("\n".join(lines))
 
 
 def _values(frame: Any, name: str, below: bool) -> tuple[str, list[str]]:
