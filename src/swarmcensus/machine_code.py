@@ -13,7 +13,8 @@ import xarray as xr
 from swarmcensus.bodies import Body
 from swarmcensus.brains import FUNCTIONS, Brain
 from swarmcensus.engine import compiler, oracle
-from swarmcensus.promises import ACCURACIES, SEED, Fault, is_wish
+from swarmcensus.lives import ACCURACIES, SEED, Fault
+from swarmcensus.promises import is_wish
 from swarmcensus.traces import infer
 
 CLOSE = 1e-12  # relative: the compiled exp and log of a brain may differ from CPython's in the last place
@@ -38,6 +39,8 @@ def compiles(brain: Brain) -> None:
         for function, arguments in given:
             if hasattr(function, "compile"):  # not where Numba is switched off
                 function.compile(tuple(map(numba.typeof, arguments)))
+    except MemoryError:
+        raise
     except Exception as error:
         lines = [line.strip() for line in str(error).splitlines() if line.strip()]
         said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]

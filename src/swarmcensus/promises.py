@@ -1,103 +1,37 @@
 """What a brain promises by docs/brain-contract.md, check by check, as CPython runs it; a fault is one sentence."""
 
 import math
-import traceback
 from collections.abc import Callable, Iterator
-from itertools import product
+from itertools import cycle, product
 from typing import Any
 
 import numpy as np
 
 from swarmcensus.brains import Brain
+from swarmcensus.lives import (
+    CLOSE,
+    PLAIN,
+    SEED,
+    Fault,
+    at,
+    call,
+    calls,
+    copy_of,
+    difference,
+    hear,
+    is_message,
+    lives,
+    long_lives,
+    messages,
+    short_lives,
+    some,
+)
 
-ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
-PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at a case's edge
-SEED = 20
-CLOSE = 1e-9  # relative, and absolute for numbers below 1: what rounding may change
-
-
-class Fault(Exception):
-    """What is wrong with a brain, in words."""
-
-
-def in_a_line(error: BaseException) -> str:
-    """The kind of an error, and the first line of what it says."""
-    return ": ".join([type(error).__name__, *str(error).strip().splitlines()[:1]])
-
-
-def at(brain: Brain, name: str) -> str:
-    """A function of the brain, and the line that it begins in."""
-    return f"{name} (line {getattr(brain.functions, name).__code__.co_firstlineno})"
-
-
-def call(brain: Brain, where: str, name: str, me: Any, *given: Any) -> Any:
-    """Call a function of the brain, and see what became of `me`; raises Fault."""
-    beliefs = me.b, me.w
-    try:
-        result = getattr(brain.functions, name)(me, *given)
-    except BaseException as error:
-        if isinstance(error, KeyboardInterrupt):
-            raise
-        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(brain.path)]
-        line = f"line {frames[-1].lineno} ({frames[-1].line})" if frames else "its first line"
-        hint = "; MEMORY names all that a robot remembers" if "'Robot' object has no attribute" in str(error) else ""
-        raise Fault(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
-    if (me.b, me.w) != beliefs:
-        raise Fault(
-            f"{at(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
-            f"and a belief that changes is a field of MEMORY ({where})"
-        )
-    for field in brain.memory:
-        value = getattr(me, field)
-        if type(value) is float and value == value:
-            continue
-        if not isinstance(value, int | float) or isinstance(value, bool):
-            raise Fault(f"{at(brain, name)} makes me.{field} {value!r}, not a number ({where})")
-        if value != value or (isinstance(value, int) and value.bit_length() > 1023):
-            what = "NaN" if value != value else "a whole number too large for 8 bytes"
-            raise Fault(f"{at(brain, name)} makes me.{field} {what} ({where})")
-    return result
-
-
-def copy_of(brain: Brain, me: Any) -> Any:
-    """A mind with the same fields and beliefs."""
-    other = brain.robot(me.b, me.w)
-    for name in brain.memory:
-        setattr(other, name, getattr(me, name))
-    return other
-
-
-def difference(brain: Brain, one: Any, other: Any, close: float = CLOSE) -> str | None:
-    """The first field in which two minds differ by more than rounding."""
-    for name in brain.memory:
-        x, y = getattr(one, name), getattr(other, name)
-        if not math.isclose(x, y, rel_tol=close, abs_tol=close):
-            return name
-    return None
-
-
-def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
-    """Minds in the course of short lives: all accuracies; floors all black, all white and mixed, or no readings; talk
-    or none.
-    """
-    random = np.random.default_rng(SEED)
-    floors = (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5), ("none", math.nan))
-    for b, w in product(ACCURACIES, ACCURACIES):
-        for floor, share in floors:
-            for talk in (True, False):
-                where = f"b = {b}, w = {w}, readings {floor}, {'with' if talk else 'without'} neighbours"
-                me, other = brain.robot(b, w), brain.robot(0.8, 0.7)
-                yield f"{where}, before the first observation", me
-                for looks in (1.0, 1.0, 10.0, 1000.0):
-                    if floor != "none":
-                        call(brain, where, "observe", me, float(random.binomial(int(looks), share)), looks)
-                    call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks)
-                    if talk:
-                        call(brain, where, "receive", me, call(brain, where, "broadcast", other))
-                        blank = brain.robot(b, w)  # knows nothing yet
-                        call(brain, where, "receive", me, call(brain, where, "broadcast", blank))
-                    call(brain, where, "fuse", me)
-                    yield where, me
+SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together
+PARTS = (1, 2, 7, 40, 400, 2000)  # of many readings
+FEW = ((10, 10), (0, 10), (5, 10), (200, 200))  # blacks, looks
+MANY = ((2000, 2000), (0, 2000), (876, 2000), (20000, 20000), (0, 20000), (8765, 20000))
+ONE_BY_ONE = 2000  # and not more: a brain may take its time
 
 
 def _fixed_memory(brain: Brain) -> None:
@@ -169,7 +103,32 @@ def _same_again(brain: Brain) -> None:
 
 
 def _looks_add_up(brain: Brain) -> None:
-    """Readings of one colour at once, in two parts, and one by one; mixed ones where their order means nothing."""
+    """Readings of one colour at once, in parts, and one by one; mixed ones where their order means nothing."""
+    for where, start, cases in _starts(brain):
+        for blacks, looks in cases:
+            ways = [("in two parts", _halves(blacks, looks))]
+            if looks <= ONE_BY_ONE:
+                ways.append(("one by one", _parts(blacks, looks, (1,))))
+            if looks > 200:
+                ways.append((f"in parts of 1 to {max(PARTS)}", _parts(blacks, looks, PARTS)))
+            minds = [(how, _seen(brain, where, start, way)) for how, way in ways]
+            if 0 < blacks < looks:
+                turned = _seen(brain, where, start, ways[-1][1][::-1])  # the white ones first
+                if difference(brain, minds[-1][1], turned):
+                    continue  # a brain that forgets: `observe` is not told in which order they came
+                minds.append((f"{ways[-1][0]}, the white ones first", turned))
+            once = _seen(brain, where, start, [(blacks, looks)])
+            for how, mind in minds:
+                field = difference(brain, once, mind, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
+                if field:
+                    raise Fault(
+                        f"{at(brain, 'observe')} makes me.{field} {getattr(once, field)!r} of {looks} readings at "
+                        f"once, {blacks} of them black, and {getattr(mind, field)!r} of the same {how} ({where})"
+                    )
+
+
+def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...]]]:
+    """Minds that are to make readings: blank, young, and in a long life, after `fuse` and after `receive`."""
     for b, w in product(PLAIN, PLAIN):
         for before in (0.0, 16.0):
             start = brain.robot(b, w)
@@ -177,32 +136,43 @@ def _looks_add_up(brain: Brain) -> None:
             if before:
                 call(brain, where, "observe", start, 7.0, before)
                 call(brain, where, "fuse", start)
-            for blacks, looks in ((10, 10), (0, 10), (5, 10), (200, 200)):
-                whites = looks - blacks
-                once = _seen(brain, where, start, [(blacks, looks)])
-                ways = [
-                    [(blacks // 2, looks // 2 - 1), (blacks - blacks // 2, looks - looks // 2 + 1)],
-                    [(1, 1)] * blacks + [(0, 1)] * whites,
-                    [(0, 1)] * whites + [(1, 1)] * blacks,
-                ]
-                if blacks == looks:
-                    ways[0] = [(3, 3), (looks - 3, looks - 3)]
-                minds = [_seen(brain, where, start, way) for way in ways]
-                if blacks and whites and difference(brain, minds[1], minds[2]):
-                    continue  # a brain that forgets: `observe` is not told in which order they came
-                for mind, how in zip(minds, ("in two parts", "one by one", "one by one"), strict=True):
-                    field = difference(brain, once, mind)
-                    if field:
-                        raise Fault(
-                            f"{at(brain, 'observe')} makes me.{field} {getattr(once, field)!r} of {looks} readings at "
-                            f"once, {blacks} of them black, and {getattr(mind, field)!r} of the same {how} ({where})"
-                        )
+            yield where, start, FEW
+    said = [message for _, message in messages(brain, extreme=False)]
+    random = np.random.default_rng(SEED)
+    blank = brain.robot(0.9, 0.75)
+    yield f"b = {blank.b}, w = {blank.w}, before the first observation", blank, MANY
+    for k, (where, me) in enumerate(long_lives(brain)):
+        if me.b in PLAIN and me.w in PLAIN:
+            many = MANY if "in round 65 " in where else ()
+            yield where, me, FEW[:3] + many
+            hears = copy_of(brain, me)
+            hear(brain, where, hears, some(random, said, 1 + k % 9))
+            yield f"{where}, having heard others", hears, FEW[:3]
+
+
+def _halves(blacks: int, looks: int) -> list[tuple[int, int]]:
+    """Two parts of unequal size."""
+    if blacks == looks:
+        return [(3, 3), (looks - 3, looks - 3)]
+    return [(blacks // 2, looks // 2 - 1), (blacks - blacks // 2, looks - looks // 2 + 1)]
+
+
+def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Parts of these sizes, again and again, the black readings first."""
+    parts: list[tuple[int, int]] = []
+    for most in cycle(sizes):
+        if not looks:
+            break
+        size = min(most, looks)
+        black = min(size, blacks)
+        parts.append((black, size))
+        blacks, looks = blacks - black, looks - size
+    return parts
 
 
 def _seen(brain: Brain, where: str, start: Any, readings: list[tuple[int, int]]) -> Any:
     me = copy_of(brain, start)
-    for blacks, looks in readings:
-        call(brain, where, "observe", me, float(blacks), float(looks))
+    calls(brain, where, "observe", me, [(float(blacks), float(looks)) for blacks, looks in readings])
     return me
 
 
@@ -213,60 +183,100 @@ def _any_order(brain: Brain) -> None:
         where = f"b = {b}, w = {w}, {blacks:g} of 13 readings black"
         call(brain, where, "observe", other, blacks, 13.0)
         heard.append(call(brain, where, "broadcast", other))
-    orders = [heard, heard[::-1], heard[3:] + heard[:3], heard[::2] + heard[1::2]]
-    for where, me in lives(brain):
-        minds = []
-        for order in orders:
-            mind = copy_of(brain, me)
-            for message in order:
-                call(brain, where, "receive", mind, message)
-            call(brain, where, "fuse", mind)
-            minds.append(mind)
-        for mind, order in zip(minds, orders, strict=True):
-            field = difference(brain, minds[0], mind)
-            if field:
-                x, y = getattr(minds[0], field), getattr(mind, field)
-                raise Fault(
-                    f"{at(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages {heard} and "
-                    f"{y!r} of {order}: they come in no order that means anything ({where})"
-                )
+    heard = [message for message in heard if is_message(brain, message)]
+    for where, me in short_lives(brain):
+        _in_orders(brain, where, me, heard)
+    random = np.random.default_rng(SEED)
+    pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
+    for k, (where, me) in enumerate(long_lives(brain)):
+        pool = pools[k // len(SIZES) % 2]
+        _in_orders(brain, where, me, some(random, pool, SIZES[k % len(SIZES)]))
+
+
+def _in_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
+    """The same messages in many orders, then `fuse`."""
+    orders = [heard, heard[::-1], heard[3:] + heard[:3], heard[::2] + heard[1::2], sorted(heard)]
+    # the sums that are formed of messages differ by so much, where those of large numbers come near 0
+    close = sum(1e-13 * value * value for message in heard for value in message)
+    minds = []
+    for order in orders:
+        mind = copy_of(brain, me)
+        hear(brain, where, mind, order)
+        call(brain, where, "fuse", mind)
+        minds.append(mind)
+    for mind, order in zip(minds, orders, strict=True):
+        field = difference(brain, minds[0], mind, absolute=close)
+        if field:
+            x, y = getattr(minds[0], field), getattr(mind, field)
+            raise Fault(
+                f"{at(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages {_shown(heard)} "
+                f"and {y!r} of {_shown(order)}: they come in no order that means anything ({where})"
+            )
+
+
+def _shown(heard: list[Any]) -> str:
+    if len(heard) <= 6:
+        return str(heard)
+    return f"[{', '.join(map(str, heard[:3]))}, ..., {heard[-1]}] ({len(heard)} in all)"
 
 
 def _sums_add(brain: Brain) -> None:
     for name in brain.sums:
         if brain.memory[name] != 0.0:
             raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
+    if not brain.sums:
+        return
+    pools = [
+        [(message, _added(brain, where, message)) for where, message in messages(brain, extreme)]
+        for extreme in (False, True)
+    ]
+    if not all(pools):
+        return  # what is no message is another check's to say
     random = np.random.default_rng(SEED)
-    for where, me in lives(brain) if brain.sums else ():
-        message = call(brain, where, "broadcast", me)
-        blank = brain.robot(0.8, 0.7)
-        call(brain, where, "receive", blank, message)
+    for k, (where, me) in enumerate(lives(brain)):
+        own = call(brain, where, "broadcast", me)
+        one = (own, _added(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
         for mind in (copy_of(brain, me), _any_mind(brain, random)):
             for _ in range(2):
-                before = copy_of(brain, mind)
-                try:
-                    call(brain, where, "receive", mind, message)
-                except Fault as fault:
-                    raise Fault(
-                        f"{fault}, in a mind {_fields(before)}: by SUMS it depends on the message alone"
-                    ) from None
-                for name in brain.memory:
-                    was = getattr(before, name)
-                    added = getattr(mind, name) - was
-                    expected = getattr(blank, name) - brain.memory[name] if name in brain.sums else 0.0
-                    if not math.isclose(added, expected, rel_tol=CLOSE, abs_tol=CLOSE * max(1.0, abs(was))):
-                        raise Fault(
-                            f"{at(brain, 'receive')} adds {added!r} to me.{name} in a mind {_fields(before)}, and "
-                            f"{expected!r} in a blank one that believes in b = 0.8, w = 0.7: by SUMS it adds to "
-                            f"{', '.join(brain.sums)} alone, and what it adds depends on the message alone ({where})"
-                        )
+                _adds(brain, where, mind, [one])
+    for k, (where, me) in enumerate(long_lives(brain)):
+        _adds(brain, where, copy_of(brain, me), some(random, pools[k % 2], max(SIZES)))
+
+
+def _added(brain: Brain, where: str, message: Any) -> dict[str, float]:
+    """What a message adds to each field of a blank mind, and what is not in SUMS may not grow at all."""
+    blank = brain.robot(0.8, 0.7)
+    call(brain, where, "receive", blank, message)
+    return {name: getattr(blank, name) - brain.memory[name] if name in brain.sums else 0.0 for name in brain.memory}
+
+
+def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
+    """Messages in a row add to SUMS what each of them adds in a blank mind."""
+    before = copy_of(brain, mind)
+    try:
+        hear(brain, where, mind, [message for message, _ in heard])
+    except Fault as fault:
+        raise Fault(f"{fault}, in a mind {_fields(before)}: by SUMS it depends on the message alone") from None
+    for name in brain.memory:
+        was = getattr(before, name)
+        grown = getattr(mind, name) - was
+        parts = [added[name] for _, added in heard]
+        expected = sum(parts)
+        rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
+        if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
+            what = f"of {len(heard)} messages in a row " if len(heard) > 1 else ""
+            raise Fault(
+                f"{at(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
+                f"{expected!r} in a blank one that believes in b = 0.8, w = 0.7: by SUMS it adds to "
+                f"{', '.join(brain.sums)} alone, and what it adds depends on the message alone ({where})"
+            )
 
 
 def _any_mind(brain: Brain, random: np.random.Generator) -> Any:
     """Whatever numbers: what a sum grows by may not depend on them."""
     mind = brain.robot(float(random.random()), float(random.random()))
     fields = len(brain.memory)
-    values = random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 4, fields)
+    values = random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 6, fields)
     for name, value in zip(brain.memory, values.tolist(), strict=True):
         setattr(mind, name, value)
     return mind

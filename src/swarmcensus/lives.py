@@ -1,0 +1,181 @@
+"""Minds to hold a brain's promises against: short lives and long ones, what robots say, and what calls make of them."""
+
+import math
+import sys
+import traceback
+from collections.abc import Iterable, Iterator
+from itertools import cycle, product
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.brains import Brain
+
+ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
+PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at a case's edge
+NEARLY = ((0.999999, 0.999999), (0.000001, 0.000001), (0.5, 0.500001))  # perfect, always wrong, blind
+SEED = 20
+LONG = ((0.9, 0.75), (0.3, 0.6), (0.75, 0.6), (1.0, 1.0), (0.5, 0.5), (0.0, 0.75))  # accuracies of long lives
+SHARE = 0.43  # of their readings are black
+ROUNDS = 300
+STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # the rounds after which they are looked at
+LOOKS = (1, 10, 0, 3, 1, 2, 0)  # a round, again and again; and in some rounds many:
+MANY_LOOKS = {100: 1000, ROUNDS: 20000}
+HEARD = (0, 1, 2, 3, 0, 6, 1, 9, 0, 17, 2)
+MANY_HEARD = {25: 40, 50: 120, 100: 400}
+CLOSE = 1e-9  # relative, and absolute for numbers below 1: what rounding may change
+
+
+class Fault(Exception):
+    """What is wrong with a brain, in words."""
+
+
+def in_a_line(error: BaseException) -> str:
+    """The kind of an error, and the first line of what it says."""
+    return ": ".join([type(error).__name__, *str(error).strip().splitlines()[:1]])
+
+
+def at(brain: Brain, name: str) -> str:
+    """A function of the brain, and the line that it begins in."""
+    return f"{name} (line {getattr(brain.functions, name).__code__.co_firstlineno})"
+
+
+def call(brain: Brain, where: str, name: str, me: Any, *given: Any) -> Any:
+    """Call a function of the brain, and see what became of `me`; raises Fault."""
+    return calls(brain, where, name, me, [given])
+
+
+def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]]) -> Any:
+    """Call a function of the brain again and again, and see what has become of `me` in the end; raises Fault.
+
+    Returns what the last call gives.
+    """
+    beliefs = me.b, me.w
+    function = getattr(brain.functions, name)
+    result = None
+    try:
+        for each in given:
+            result = function(me, *each)
+    except BaseException as error:
+        if isinstance(error, KeyboardInterrupt):
+            raise
+        frames = [f for f in traceback.extract_tb(error.__traceback__) if f.filename == str(brain.path)]
+        line = f"line {frames[-1].lineno} ({frames[-1].line})" if frames else "its first line"
+        hint = "; MEMORY names all that a robot remembers" if "'Robot' object has no attribute" in str(error) else ""
+        raise Fault(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
+    if (me.b, me.w) != beliefs:
+        raise Fault(
+            f"{at(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
+            f"and a belief that changes is a field of MEMORY ({where})"
+        )
+    for field in brain.memory:
+        value = getattr(me, field)
+        if type(value) is float and value == value:
+            continue
+        if not isinstance(value, int | float) or isinstance(value, bool):
+            raise Fault(f"{at(brain, name)} makes me.{field} {value!r}, not a number ({where})")
+        if value != value or (isinstance(value, int) and value.bit_length() > 1023):
+            what = "NaN" if value != value else "a whole number too large for 8 bytes"
+            raise Fault(f"{at(brain, name)} makes me.{field} {what} ({where})")
+    return result
+
+
+def hear(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
+    """Receive messages one after the other; raises Fault."""
+    calls(brain, where, "receive", me, [(message,) for message in heard])
+
+
+def copy_of(brain: Brain, me: Any) -> Any:
+    """A mind with the same fields and beliefs."""
+    other = brain.robot(me.b, me.w)
+    for name in brain.memory:
+        setattr(other, name, getattr(me, name))
+    return other
+
+
+def difference(brain: Brain, one: Any, other: Any, close: float = CLOSE, absolute: float = 0.0) -> str | None:
+    """The first field in which two minds differ by more than rounding: relative, and absolute where that is larger."""
+    for name in brain.memory:
+        x, y = getattr(one, name), getattr(other, name)
+        if not math.isclose(x, y, rel_tol=close, abs_tol=max(close, absolute)):
+            return name
+    return None
+
+
+def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
+    """Minds in the course of their lives, and where they stand: short lives, then long ones."""
+    yield from short_lives(brain)
+    yield from long_lives(brain)
+
+
+def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
+    """Lives of four rounds: all accuracies; floors all black, all white and mixed, or no readings; talk or none."""
+    random = np.random.default_rng(SEED)
+    floors = (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5), ("none", math.nan))
+    for b, w in product(ACCURACIES, ACCURACIES):
+        for floor, share in floors:
+            for talk in (True, False):
+                where = f"b = {b}, w = {w}, readings {floor}, {'with' if talk else 'without'} neighbours"
+                me, other = brain.robot(b, w), brain.robot(0.8, 0.7)
+                yield f"{where}, before the first observation", me
+                for looks in (1.0, 1.0, 10.0, 1000.0):
+                    if floor != "none":
+                        call(brain, where, "observe", me, float(random.binomial(int(looks), share)), looks)
+                    call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks)
+                    if talk:
+                        call(brain, where, "receive", me, call(brain, where, "broadcast", other))
+                        blank = brain.robot(b, w)  # knows nothing yet
+                        call(brain, where, "receive", me, call(brain, where, "broadcast", blank))
+                    call(brain, where, "fuse", me)
+                    yield where, me
+
+
+def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
+    """Lives of 300 rounds, in which a robot sees and hears nothing, a little, or very much."""
+    random = np.random.default_rng(SEED)
+    said = [message for _, message in messages(brain)]
+    for b, w in LONG:
+        me = brain.robot(b, w)
+        for k, looks, heard in zip(range(1, ROUNDS + 1), cycle(LOOKS), cycle(HEARD)):
+            where = f"b = {b}, w = {w}, in round {k} of a long life"
+            looks = MANY_LOOKS.get(k, looks)
+            if looks:
+                call(brain, where, "observe", me, float(random.binomial(looks, SHARE)), float(looks))
+            hear(brain, where, me, some(random, said, MANY_HEARD.get(k, heard)))
+            call(brain, where, "fuse", me)
+            if k in STOPS:
+                yield where, me
+
+
+def some(random: np.random.Generator, said: list[Any], count: int) -> list[Any]:
+    """So many of these messages, any of them; none where there are none."""
+    return [said[i] for i in random.integers(len(said) or 1, size=count if said else 0).tolist()]
+
+
+def messages(brain: Brain, extreme: bool = True) -> Iterator[tuple[str, Any]]:
+    """What robots say, and where they stand: before they know anything, soon and late.
+
+    Their sensors are of all kinds, or where not `extreme`, neither perfect nor blind. What is no message, which one
+    check tells, is left out.
+    """
+    pairs = (*product(ACCURACIES, ACCURACIES), *NEARLY) if extreme else product(PLAIN, PLAIN)
+    readings = ((0, 0), (1, 1), (0, 1), (5, 13), (0, 1000), (1000, 1000), (43210, 100000))
+    for b, w in pairs:
+        for blacks, looks in readings if extreme else readings[:4]:
+            other = brain.robot(b, w)
+            where = f"b = {b}, w = {w}, {blacks} of {looks} readings black"
+            if looks:
+                call(brain, where, "observe", other, float(blacks), float(looks))
+                call(brain, where, "fuse", other)
+            message = call(brain, where, "broadcast", other)
+            if is_message(brain, message):
+                yield where, message
+
+
+def is_message(brain: Brain, message: object) -> bool:
+    """Whether `broadcast` may give this."""
+
+    def finite(value: object) -> bool:
+        return isinstance(value, int | float) and abs(value) <= sys.float_info.max
+
+    return isinstance(message, tuple) and len(message) == len(brain.message) and all(map(finite, message))
