@@ -641,6 +641,14 @@ def test_pictures_of_a_part_say_so():
         assert "drawn" not in texts(draw(part.isel(trial=slice(3))))  # all of what is asked for
         ruled = part.assign(half_width=("setting", np.full(6, np.nan)))
         assert "drawn: 18 trials so far" in texts(draw(ruled))
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    figures.scatter(part, axes=left)
+    figures.decisions(part.isel(setting=[0]), axes=right)
+    figure.draw_without_rendering()
+    one, other = (text.get_window_extent() for text in figure.texts)
+    assert not one.overlaps(other)
 
 
 # ---- names of any length

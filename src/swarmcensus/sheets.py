@@ -148,9 +148,10 @@ def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
     """Say at the foot of the sheet that the trials which are drawn are not all that are to be run."""
     if note := lacking(parts):
         figure = axes[0].figure.canvas.figure
+        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # of a caller who has several axes
         figure.text(
-            1 - 6 / (72 * figure.get_figwidth()), 4 / (72 * figure.get_figheight()), f"drawn: {note}",
-            ha="right", va="bottom", fontsize=SMALL, color="#a03000",
+            1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
+            ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
         )  # fmt: skip
 
 
