@@ -192,6 +192,28 @@ def test_each_panel_shows_each_setting_once_and_its_prediction(results):
         assert all(ax.get_xlim()[0] < x < ax.get_xlim()[1] for x, _ in points)
 
 
+def test_predictions_that_lie_on_each_other_take_turns():
+    study = sc.Study(
+        trials=1,
+        swarm={"robots": 2, "accuracy": [0.6, 0.7, 0.9], "assumed_accuracy": [{"error": -0.05}, {"error": 0}]},
+        world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
+        schedule={"rounds": 2},
+    )
+    figure = beliefs.beliefs(sc.run(study))
+    apart, upon = figure.axes
+    lines = [[line for line in ax.lines if str(line.get_label()).startswith("predicted")] for ax in (apart, upon)]
+    assert [len(each) for each in lines] == [3, 3]
+    assert len({line._unscaled_dash_pattern for line in lines[0]}) == 1
+    inked = []
+    for line in lines[1]:
+        offset, (on, off) = line._unscaled_dash_pattern
+        inked.append({(place - offset) % (on + off) for place in range(on)})
+    assert sum(map(len, inked)) == len(set.union(*inked)) == 12  # no dash upon another's
+    figure.draw_without_rendering()
+    (zero,) = (tick.get_text() for tick in upon.get_yticklabels() if tick.get_position()[1] == 0)
+    assert zero == "0"  # with a longer one the axis to its left reads as a minus
+
+
 def test_settings_without_trials_and_unknown_brains(results):
     part = results.copy(deep=True)
     ring = (part.topology == "ring").values & (part.fill_ratio == 0.55).values

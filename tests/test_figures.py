@@ -132,7 +132,7 @@ def test_of_more_labels_than_fit_some_are_written_and_none_beside_the_axes():
     label_dots(ax, [(i / 99, 0.5) for i in range(100)], [f".{i}" for i in range(100)])
     figure.draw_without_rendering()
     boxes = [t.get_window_extent() for t in ax.texts]
-    assert 10 < len(boxes) < 50
+    assert 5 < len(boxes) < 50
     assert max(box.x1 for box in boxes) <= ax.bbox.x1 + boxes[0].width
     assert all(left.x1 <= right.x0 for left, right in itertools.pairwise(boxes))
 
@@ -266,6 +266,49 @@ def test_panels_share_limits_unless_they_set_their_own():
     assert sum(ax.get_legend() is not None for ax in figure.axes) == 1
 
 
+def test_long_accuracies_are_named_in_the_digits_that_tell_them_apart():
+    accuracies = [repr(float(a)) for a in np.linspace(0.55, 0.95, 30)]
+    assert max(map(len, accuracies)) > 15
+    results = study(accuracies)
+    figure = figures.scatter_grid([("", results)] * 6)
+    assert_fits(figure)
+    figure.draw_without_rendering()
+    for ax, over in zip(figure.axes[3:], figure.axes[:3], strict=True):
+        for name in ax.texts:
+            box = name.get_window_extent()
+            assert not box.overlaps(over.xaxis.label.get_window_extent())
+            assert not box.overlaps(ax._left_title.get_window_extent())
+    assert {look.name for look in looks_of(accuracies, "o").values()} == {f"{float(a):.4g}" for a in accuracies}
+    longer = looks_of(["0.7000001", "0.7000002"], "o")
+    assert [look.short for look in longer.values()] == [".7000001", ".7000002"]
+
+
+def test_of_very_many_medians_some_are_named_and_it_says_so():
+    many = figures.scatter(study([f"{a:.4f}" for a in np.linspace(0.55, 0.95, 200)], robots=2, trials=1))
+    assert "some are\nnamed at the top" in texts(many)
+    assert "median, named\nat the top" not in texts(many)
+    (lines,) = (c for c in many.axes[0].collections if isinstance(c, LineCollection))
+    segments = [path.vertices for path in lines.get_paths()]
+    assert 8 <= len(segments) <= 20
+    assert "median, named\nat the top" in texts(figures.scatter(study()))
+
+
+def test_the_axis_of_convergence_begins_where_the_data_do():
+    late = study(["0.6"])
+    late["convergence_round"] = late["convergence_round"] % 50 + 950
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "linear"
+    assert 900 < ax.get_xlim()[0] < 950 < 1000 < ax.get_xlim()[1] < 1010
+    late["convergence_round"][0, 0, 0] = 20  # one that is early takes no room from all others
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "linear"
+    assert -50 < ax.get_xlim()[0] < 20
+    late["convergence_round"][0, :, :4] = 20
+    (ax,) = figures.scatter(late).axes
+    assert ax.get_xscale() == "asinh"
+    assert ax.get_xlim()[0] == 20
+
+
 def test_an_empty_panel_says_so_and_leaves_the_others():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
@@ -330,6 +373,21 @@ def test_a_thin_line_is_the_interval_over_trials():
     assert "95 % interval" in texts(figure)
     few = figures.decisions(results.isel(trial=slice(5)))
     assert "interval" not in texts(few)
+
+
+def test_all_right_lies_across_and_an_interval_stands_upright():
+    results = study(["0.6"], trials=20)
+    results["correct"][:] = 1.0
+    figure = figures.decisions(results)
+    (ax,) = figure.axes
+    (dash,) = (line for line in ax.lines if line.get_label() == "all right 0.6")
+    (diamond,) = (line for line in ax.lines if line.get_label() == "right 0.6")
+    path = dash._marker.get_path().transformed(dash._marker.get_transform())
+    points = path.vertices * dash.get_markersize()
+    assert points[0, 1] == points[1, 1] > diamond.get_markersize() / 2  # level, over the diamond
+    assert "dash over it: all\nrobots of all trials\nare right" in texts(figure)
+    results["correct"][:] = 0.5
+    assert "dash over it" not in texts(figures.decisions(results))
 
 
 @pytest.mark.parametrize("panels", [1, 4, 12])
@@ -442,6 +500,36 @@ def test_heatmap_writes_the_median_of_each_cell_and_leaves_out_what_was_not_run(
             assert (max(back, fore) + 0.05) / (min(back, fore) + 0.05) >= 4.2  # legible
 
 
+def test_heatmap_says_which_colours_are_best():
+    figure = figures.heatmap(grid_study())
+    for ax in figure.axes:
+        (bar,) = ax.child_axes
+        best, worst = bar.texts
+        assert best.get_text().startswith("best ")
+        assert worst.get_text().endswith(" worst")
+        shown = bar.images[0].to_rgba(bar.images[0].get_array())[0]
+        cells = ax.images[0]
+        values = cells.get_array()
+        np.testing.assert_allclose(shown[0], cells.to_rgba(values.min()))
+        np.testing.assert_allclose(shown[-1], cells.to_rgba(values.max()))
+        assert float(best.get_text().split()[1]) == pytest.approx(values.min(), abs=0.6 if values.max() > 1 else 1e-3)
+
+
+def test_a_large_heatmap_is_of_bounded_size_and_without_numbers():
+    accuracies = [f"{a:.4f}" for a in np.linspace(0.55, 0.95, 60)]
+    parts = [study(accuracies, robots=1, trials=1, seed=i, fill_ratio=i / 61) for i in range(60)]
+    figure = figures.heatmap(xr.concat(parts, "setting"))
+    assert figure.get_figwidth() < 22
+    assert figure.get_figheight() < 10
+    assert not any(ax.texts for ax in figure.axes)
+    assert_fits(figure)
+    figure.draw_without_rendering()
+    for ticks in (figure.axes[0].get_xticklabels(), figure.axes[0].get_yticklabels()):
+        boxes = [tick.get_window_extent() for tick in ticks]
+        assert len(boxes) > 8
+        assert not any(one.overlaps(other) for one, other in itertools.pairwise(boxes))
+
+
 def test_heatmap_names_what_varies_and_how_to_select():
     both = xr.concat([grid_study(), grid_study(topology="full")], "setting")
     with pytest.raises(TooMuch, match=r"topology \(ring, full\) varies too: select") as caught:
@@ -490,6 +578,18 @@ def test_panels_have_captions_made_of_what_varies():
     assert [p.caption for p in figures.panels_of(parts[0])] == [""]
 
 
+def test_captions_tell_values_apart_that_are_nearly_alike():
+    near = [(f, s) for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)]
+    results = xr.concat([study(["0.6"], fill_ratio=f, link_success=s) for f, s in near], "setting")
+    assert [panel.caption for panel in figures.panels_of(results)] == [
+        "f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
+        "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1",
+    ]  # fmt: skip
+    beliefs = ["error=-0.09999999999999998", "error=0.05"]
+    results = xr.concat([study(["0.6"], assumed_accuracy=belief) for belief in beliefs], "setting")
+    assert figures.panels_of(results)[0].caption == "assumed accuracy error=-0.1"
+
+
 def test_captions_leave_out_the_density_of_fixed_networks_and_name_unknown_coordinates():
     parts = [
         study(["0.6"], weather="dry"),
@@ -528,6 +628,27 @@ def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
         assert len(grid(figures.panels_of(chosen)).axes) == 2
         with pytest.raises(InputError, match="not 0"):
             grid([])
+
+
+def test_pictures_of_a_part_say_so():
+    results = grid_study(link_success=1.0)
+    part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
+    for draw in (figures.scatter, figures.decisions, figures.heatmap):
+        written = texts(draw(part))
+        assert "drawn: 18 of 30 trials" in written
+        assert "drawn" not in texts(draw(results.assign_attrs(trials_done=30, trials_total=30)))
+        assert "drawn: 6 of 10 trials" in texts(draw(part.isel(setting=[0, 1])))
+        assert "drawn" not in texts(draw(part.isel(trial=slice(3))))  # all of what is asked for
+        ruled = part.assign(half_width=("setting", np.full(6, np.nan)))
+        assert "drawn: 18 trials so far" in texts(draw(ruled))
+    figure = Figure()
+    FigureCanvasAgg(figure)
+    left, right = figure.subplots(1, 2)
+    figures.scatter(part, axes=left)
+    figures.decisions(part.isel(setting=[0]), axes=right)
+    figure.draw_without_rendering()
+    one, other = (text.get_window_extent() for text in figure.texts)
+    assert not one.overlaps(other)
 
 
 # ---- names of any length

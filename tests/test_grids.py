@@ -194,3 +194,21 @@ def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave(tmp_pa
 
 def test_fixed_networks_have_no_side():
     assert np.isnan(study().settings()[0].coordinates["side"])
+
+
+def test_a_setting_names_all_that_tells_it_from_others():
+    swarm = {"robots": [5, 9], "accuracy": 0.8, "assumed_accuracy": [{"error": -0.1}, {"error": 0}, 0.75]}
+    world = {"fill_ratio": 0.5, "link_success": [0.5, 1], "topology": ["ring", "moving"], "side": [2.5, 3]}
+    study = sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 9, "ticks": 9})
+    settings = study.settings()
+    texts = [str(setting) for setting in settings]
+    assert len(set(texts)) == len(texts) == 36
+    moving = [text for text in texts if "moving" in text]
+    assert (
+        moving[0]
+        == "moving, N = 5, L = 2.5 m, accuracy 0.8, assumed accuracy error=-0.1, f = 0.5, link success 0.5, 9 ticks"
+    )
+    assert all(", L = " in text and "D = " not in text for text in moving)
+    world = {"fill_ratio": 0.5, "topology": "moving", "density": 5}
+    (setting,) = sc.Study(trials=1, swarm={"robots": 5, "accuracy": 0.8}, world=world, schedule={"ticks": 9}).settings()
+    assert str(setting) == "moving, N = 5, D = 5.0, accuracy 0.8, f = 0.5, 9 ticks"

@@ -128,6 +128,15 @@ def test_the_page_needs_nothing_from_outside(done):
     assert "--trials 2" in text
 
 
+def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
+    for figure in paper.FIGURES:
+        assert "95 %" not in figure.said(done.datasets)  # of 2 trials there is none
+        six = {name: data.isel(trial=[0, 1] * 3) for name, data in done.datasets.items()}
+        assert "95 % interval" in figure.said(six)
+    figures = done.page.read_text(encoding="utf-8").partition('id="figures"')[2].partition("</section>")[0]
+    assert "95 %" not in figures
+
+
 def test_claims_are_all_there_and_valid_json(done):
     text = (done.out / "claims.json").read_text(encoding="utf-8")
     read = json.loads(text, parse_constant=pytest.fail)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +12,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import ArrayLike
 
 from swarmcensus import statistics
@@ -19,7 +20,7 @@ from swarmcensus.errors import InputError
 from swarmcensus.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.panels import check_few, panels_of, require
 from swarmcensus.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
-from swarmcensus.sheets import NOTHING, add_key, name_axes, new_sheet, say_empty
+from swarmcensus.sheets import NOTHING, add_key, name_axes, new_sheet, say_empty, say_lacking
 from swarmcensus.statistics import Floats
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
@@ -163,10 +164,11 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
         if not group:
             say_empty(ax)
             continue
+        alike = _alike(group, 0.002 * top)
         for k, (text, look) in enumerate(looks.items()):
             mine = [cost for cost in group if cost.accuracy == text]
             size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # none hides another
-            _draw_fixed(ax, sorted((c.error, c) for c in mine if c.error is not None), look, size)
+            _draw_fixed(ax, sorted((c.error, c) for c in mine if c.error is not None), look, size, alike)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             apart = [c for c in mine if c.error is None]
             _draw_points(ax, [places[c.belief] + aside for c in apart], apart, look, size)
@@ -177,6 +179,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
         ax.set_xticks([*shown, *places.values()], names)
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
         name_axes(ax, "belief: assumed less true accuracy", r"final error $|x - f\,|$, median")
     heading, named = keyed(looks)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
@@ -185,6 +188,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
     if any(np.isfinite(cost.predicted) for cost in every):
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
+    say_lacking(axes, [panel.results for panel in panels])
     return axes[0].figure.canvas.figure
 
 
@@ -194,8 +198,21 @@ def _column_name(belief: str) -> str:
     return f"{text}\nrandom error" if belief.startswith("error=") else f"all believe\n{text}"
 
 
-def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float) -> None:
-    """Draw the beliefs of one accuracy that are off by the same for all robots, and what is predicted of them."""
+def _alike(group: list[Cost], near: float) -> list[str]:
+    """The accuracies of a panel whose predicted lines all lie on that of the first; none if only that does."""
+    lines: dict[str, dict[float | None, float]] = {}
+    for cost in (cost for cost in group if np.isfinite(cost.predicted)):
+        lines.setdefault(cost.accuracy, {})[cost.error] = cost.predicted
+    first: dict[float | None, float] = next(iter(lines.values()), {})
+    alike = [t for t, line in lines.items() if all(abs(first.get(x, np.inf) - y) < near for x, y in line.items())]
+    return alike if len(alike) > 1 else []
+
+
+def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, alike: Sequence[str]) -> None:
+    """Draw the beliefs of one accuracy that are off by the same for all robots, and what is predicted of them.
+
+    Lines of the accuracies `alike` lie on each other: each has dashes in the gaps of the others.
+    """
     if not points:
         return
     x, mine = [error for error, _ in points], [cost for _, cost in points]
@@ -205,7 +222,11 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
         assert isinstance(true, Accuracy)
         fine = np.linspace(x[0], x[-1], FINE)
         off = np.abs(_goes_to(true, fine, first.fill_ratio) - first.fill_ratio)
-        axes.plot(fine, off, **DASHED, color=look.colour, label=f"predicted {first.accuracy}", zorder=2)
+        dashes = DASHED
+        if first.accuracy in alike:
+            turn = (-6 * alike.index(first.accuracy), (4, 6 * len(alike) - 4))
+            dashes = DASHED | {"linestyle": turn}
+        axes.plot(fine, off, **dashes, color=look.colour, label=f"predicted {first.accuracy}", zorder=2)
     else:
         axes.plot(x, [cost.median for cost in mine], color=look.colour, linewidth=0.8, zorder=2)
     _draw_points(axes, x, mine, look, size)

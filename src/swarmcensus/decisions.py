@@ -11,17 +11,17 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.markers import TICKUP
+from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
 from swarmcensus.errors import InputError
 from swarmcensus.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.panels import Panel, Shares, check_few, shares_of, unit_of
-from swarmcensus.sheets import NOTHING, SMALL, add_key, caption_panels, name_axes, new_sheet, say_empty
+from swarmcensus.sheets import NOTHING, SMALL, add_key, caption_panels, name_axes, new_sheet, say_empty, say_lacking
 
 MOST_CHECKPOINTS = 12
-BAR: Any = TICKUP
+GAP = 1.5  # points between a diamond and the dash over it
 
 
 def decisions(results: xr.Dataset, *, title: str | None = None, axes: Axes | None = None) -> Figure:
@@ -31,7 +31,7 @@ def decisions(results: xr.Dataset, *, title: str | None = None, axes: Axes | Non
     than fit, the axis says how many are shown), and holds a diamond for each sensor accuracy, side by side in
     the key's order, so that none hides another. y is the percentage of right robots over all trials; a thin line
     through a diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and
-    a bar that stands on a diamond says that all robots of all trials are right. In `axes` of your own, leave
+    a dash that lies over a diamond says that all robots of all trials are right. In `axes` of your own, leave
     room for the key on their right.
 
     Raises InputError if `results` lacks a variable or holds no finished trial.
@@ -65,11 +65,12 @@ def _decisions(panels: list[Panel], axes: list[Axes]) -> Figure:
             say_empty(ax)
     heading, named = keyed(looks)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
-    bar = Line2D([], [], linestyle="", marker=BAR, markersize=8, color="0.3", markeredgewidth=1.2)
-    entries["all robots of all\ntrials are right"] = bar
+    if any(one.all_right.any() for share in shares for one in share.values()):
+        entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
     if any(np.isfinite(one.low).any() for share in shares for one in share.values()):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries)
+    say_lacking(axes, [panel.results for panel in panels])
     return axes[0].figure.canvas.figure
 
 
@@ -86,10 +87,9 @@ def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: d
         right, all_right, low, high = (values[kept] for values in shares[text])
         x = np.arange(columns) + (i - (len(looks) - 1) / 2) * 0.86 / len(looks)
         some = np.isfinite(right)
-        axes.plot(
-            x[all_right], 100 * right[all_right], linestyle="", marker=BAR, markersize=3 + size, color=look.colour,
-            markeredgewidth=np.clip(0.25 * size, 0.6, 1.2), label=f"all right {text}", clip_on=False, zorder=3,
-        )  # fmt: skip
+        dashes = _dash(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
+        dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
+        axes.add_line(dashes)
         axes.vlines(
             x[some], 100 * low[some], 100 * high[some], colors=look.colour, alpha=0.7,
             linewidths=np.clip(0.12 * size, 0.4, 0.7),
@@ -108,3 +108,10 @@ def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: d
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))
     note = f"; {columns} of {known.size} checkpoints" if columns < known.size else ""
     name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
+
+
+def _dash(height: float, width: float, colour: str, thick: float) -> Line2D:
+    """Markers that lie so many points over their places: across, for an interval stands upright."""
+    reach = max(height, width / 2)  # matplotlib scales a marker's path to its size
+    shape: Any = Path([(-width / 2, height), (width / 2, height)])
+    return Line2D([], [], linestyle="", marker=shape, markersize=2 * reach, color=colour, markeredgewidth=thick)

@@ -12,9 +12,12 @@ from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
+from swarmcensus.lettering import told_apart
+
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
 MARKERS = "s^vPXph"  # of such swarms, after the first
 MOST_KEYED = 20  # numbers in a key
+NUMBER = r"\d*\.?\d+(e-?\d+)?"
 
 
 class Look(NamedTuple):
@@ -47,13 +50,15 @@ def looks_of(accuracies: Iterable[str], marker: str) -> dict[str, Look]:
     from each other in colour and shape.
     """
     distinct = set(accuracies)
-    numbers = sorted((text for text in distinct if re.fullmatch(r"\d*\.?\d+", text)), key=float)
+    numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=float)
+    spread = sorted(distinct.difference(numbers))
+    names = dict(zip([*numbers, *spread], told_apart([*numbers, *spread]), strict=True))
     looks = {
-        text: Look(text, text.removeprefix("0"), colour, marker)
+        text: Look(names[text], names[text].removeprefix("0"), colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
-    for i, text in enumerate(sorted(distinct.difference(numbers))):
-        name = re.sub(r",\s*", ", ", text.replace("black=", "b = ").replace(" white=", ", w = "))
+    for i, text in enumerate(spread):
+        name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
         short = "b≠w" if "w = " in name else name.split("(")[0]
         looks[text] = Look(name, short, SPREAD[i % 3], f"{marker}{MARKERS}"[i % 8], spread=True)
     return looks

@@ -109,12 +109,13 @@ def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> s
     if chips:
         chips = f"<p class=chips>What the paper says of it, as measured:</p><p class=chips>{chips}</p>"
     panels = "; ".join(f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views))
-    alt = escape(f"{figure.title}. Panels: {panels}. {figure.text}")
+    text = figure.said(done.datasets)
+    alt = escape(f"{figure.title}. Panels: {panels}. {text}")
     links = ", ".join(f'<a href="{_link(done, path)}">{path.suffix[1:].upper()}</a>' for path in paths)
     return (
         f'<figure id="{figure.name}"><h3>{escape(figure.title)}</h3>'
         f'<img alt="{alt}" src="data:image/png;base64,{image}">'
-        f"<figcaption>{escape(figure.text)} <span class=quiet>{links}</span>{chips}</figcaption></figure>"
+        f"<figcaption>{escape(text)} <span class=quiet>{links}</span>{chips}</figcaption></figure>"
     )
 
 

@@ -9,7 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.checking import finished
 from swarmcensus.errors import InputError
+from swarmcensus.lettering import told_apart
 from swarmcensus.networks import MOVING
 from swarmcensus.selecting import TooMuch
 from swarmcensus.statistics import interval_of
@@ -22,13 +24,13 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "topology": "{}",
     "brain": "{}",
     "robots": "N = {:,.0f}",
-    "density": "D = {:g}",
-    "side": "L = {:g} m",
-    "fill_ratio": "f = {:g}",
+    "density": "D = {}",
+    "side": "L = {} m",
+    "fill_ratio": "f = {}",
     "floor": "floor {}",
     "rounds": "C = {:,.0f}",
     "observations_per_round": "R = {:,.0f}",
-    "link_success": "link success {:g}",
+    "link_success": "link success {}",
     "assumed_accuracy": "assumed accuracy {}",
 }
 
@@ -66,14 +68,24 @@ def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",)) 
     varying = varies(results, apart_from=set(apart_from))
     if "floor" not in varying and "floor" in results.coords and set(results["floor"].values) - {"tiles", ""}:
         varying["floor"] = results["floor"].values.tolist()
+    written = {name: _written(name, values) for name, values in varying.items()}
     combinations = list(zip(*varying.values(), strict=True)) or [()] * results.sizes["setting"]
     panels = []
     for combination in dict.fromkeys(combinations):
-        named = [(name, value) for name, value in zip(varying, combination, strict=True) if value is not None]
-        caption = ", ".join(CAPTIONS.get(name, name + " = {}").format(value) for name, value in named)
+        named = zip(varying, combination, strict=True)
+        caption = ", ".join(written[name][value] for name, value in named if value is not None)
         mine = [i for i, other in enumerate(combinations) if other == combination]
         panels.append(Panel(caption, results.isel(setting=mine)))
     return panels
+
+
+def _written(name: str, values: list[Any]) -> dict[Any, str]:
+    """Each value of a coordinate that varies, as a caption says it: in as many digits as tell them apart."""
+    distinct = [value for value in dict.fromkeys(values) if value is not None]
+    form = CAPTIONS.get(name, name + " = {}")
+    numbers = name == "assumed_accuracy" or all(isinstance(value, float) for value in distinct)
+    texts = told_apart(distinct, 6) if numbers and ":" not in form else distinct
+    return {value: form.format(text) for value, text in zip(distinct, texts, strict=True)}
 
 
 def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
@@ -123,6 +135,19 @@ def check_few(panels: Sequence[Panel], apart_from: Collection[str] = ("accuracy"
         results = xr.Dataset(coords={name: ("setting", of_all) for name, of_all in values.items()})
         what = f"a figure holds 1 to {MOST_PANELS} panels, not {len(panels)}"
         raise TooMuch(what, select_some(results, apart_from, MOST_PANELS))
+
+
+def lacking(parts: Sequence[xr.Dataset]) -> str:
+    """How many trials these parts of a study's results hold, where the run did not finish all of them; else nothing."""
+    attributes = parts[0].attrs
+    if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
+        return ""
+    done, total = sum(int(finished(part).sum()) for part in parts), 0
+    for part in parts:
+        total += part.sizes["setting"] * part.sizes["trial"]
+    if "half_width" in parts[0]:  # a rule ends the trials: nobody knows when
+        return f"{done:,} trials so far"
+    return f"{done:,} of {total:,} trials" if done < total else ""
 
 
 def truth_of(trace: xr.Dataset) -> float:

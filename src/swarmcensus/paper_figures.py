@@ -9,6 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
+from swarmcensus.checking import finished
+from swarmcensus.statistics import FEWEST
+
 if TYPE_CHECKING:
     from swarmcensus.sheets import Scale
 
@@ -41,6 +44,12 @@ class PaperFigure:
     claims: tuple[str, ...]
     scale: Scale = "log"  # of a scatter
 
+    def said(self, datasets: Mapping[str, xr.Dataset]) -> str:
+        """The text, without a word of intervals where trials are too few for them."""
+        parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
+        most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
+        return self.text if most >= FEWEST else self.text.replace(_CROSSES, "").replace(_LINE, "")
+
 
 def _view(caption: str, topology: str, fill: float, study: str = "topologies") -> View:
     return View(caption, study, {"topology": topology, "robots": 100, "fill_ratio": fill})
@@ -50,10 +59,12 @@ def _moving(caption: str, density: float, fill: float) -> View:
     return View(caption, "moving", {"density": density, "robots": 25, "fill_ratio": fill})
 
 
+_CROSSES = "; crosses that stand out are their 95 % intervals over trials"
+_LINE = "a thin line through it is its 95 % interval over trials, and "
 _DOTS = (
     "Every faint dot is one robot in one trial: to the right the time until its estimate settled, upwards how wrong it "
     "then was. The outlined dots are medians, a colour for each sensor accuracy, a black ring for the heterogeneous "
-    "swarm; crosses that stand out are their 95 % intervals over trials. Best is bottom left. "
+    f"swarm{_CROSSES}. Best is bottom left. "
 )
 
 FIGURES: tuple[PaperFigure, ...] = (
@@ -104,8 +115,8 @@ FIGURES: tuple[PaperFigure, ...] = (
             _moving("moving, D = 1, f = 0.95", 1.0, 0.95),
         ),
         text="If the swarm were asked after so long: the share of robots, over all trials, that pick the right one of "
-        "ten bins. A diamond for each sensor accuracy, side by side; a thin line through it is its 95 % interval "
-        "over trials, and a bar on top of it says that not one robot of any trial erred. Columns of (a) and (b), in "
+        f"ten bins. A diamond for each sensor accuracy, side by side; {_LINE}a dash "
+        "over it says that not one robot of any trial erred. Columns of (a) and (b), in "
         "communication rounds of 10 observations, stand above those of (c) and (d), in ticks of one observation, after "
         "as many observations. Two things to look at: which swarms climb to the top, and how early the heterogeneous "
         "one comes close, whose robots with poor sensors depend on whom they hear. The paper shows these four panels.",

@@ -40,11 +40,19 @@ class Setting:
     def __str__(self) -> str:
         """The setting in a line, for messages."""
         where = f"{self.topology}, N = {self.robots}"
-        what = f"accuracy {self.accuracy}, f = {self.fill_ratio}"
+        assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
+        lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
+        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}"
         if self.body is not None:
             floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
-            return f"{where}, D = {float(f'{self.density:.6g}')}, {what}{floor}, {self.rounds} ticks"
+            return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
         return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
+
+    @property
+    def _room(self) -> str:
+        """Density or side of the arena: which has fewer digits is what the study gave."""
+        density, side = float(f"{self.density:.12g}"), self.side
+        return f"L = {side} m" if len(str(side)) < len(str(density)) else f"D = {density}"
 
     @property
     def coordinates(self) -> dict[str, object]:

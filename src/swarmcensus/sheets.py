@@ -10,6 +10,7 @@ from typing import Literal
 
 import matplotlib as mpl
 import numpy as np
+import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -20,12 +21,15 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 from swarmcensus.errors import InputError
 from swarmcensus.files import whole
 from swarmcensus.lettering import SPACING, wrapped
-from swarmcensus.panels import MOST_PANELS
+from swarmcensus.panels import MOST_PANELS, lacking
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
 
 SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
 CAPTION, TITLE = SMALL + 1.5, SMALL + 3
+MOST_NAMED = 24  # dots of a panel
+HALF_A_DECADE = 10**0.5
+NAMES = SMALL - 1.5  # points: names of dots over a panel
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 # matplotlib's settings belong to the whole process: threads that save at the same time take turns.
@@ -140,20 +144,44 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
         text.set_parse_math(False)
 
 
-def count_axis(axes: Axes, low: float, high: float, scale: Scale) -> None:
-    """Give `axes` an x axis for counts from `low` to `high`: "log" is linear up to 1, logarithmic above."""
+def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
+    """Say at the foot of the sheet that the trials which are drawn are not all that are to be run."""
+    if note := lacking(parts):
+        figure = axes[0].figure.canvas.figure
+        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # of a caller who has several axes
+        figure.text(
+            1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
+            ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
+        )  # fmt: skip
+
+
+def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
+    """Give `axes` an x axis for counts from `low` to `high`.
+
+    "log" is linear up to 1, logarithmic above, and begins where the counts do. It is linear throughout where `early`,
+    the count that few lie below (by default `low`), is less than half a decade from the end.
+    """
     if scale != "log":
         axes.set_xlim(-0.01 * high, 1.02 * high)
         axes.xaxis.set_major_locator(MaxNLocator(5))
+    elif high < HALF_A_DECADE * (low if early is None else early):
+        span = max(high - low, 0.01 * high)
+        axes.set_xlim(low - 0.05 * span, high + 0.05 * span)
+        axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     else:
         # Rather asinh than symlog: it has no kink. 0 is on the axis, for an estimate may have settled
         # before the first observation.
         axes.set_xscale("asinh", linear_width=1.0)
-        begin = -0.1 if low < 10 else 10.0 ** np.floor(np.log10(low))
+        begin = -0.1
+        if low >= 10:
+            decade = 10.0 ** np.floor(np.log10(low))
+            begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
         axes.set_xlim(begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
         few = high < 20 * max(begin, 1.0)  # decades alone would be one label, or two
         named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
+        if begin > 0 and high >= 20 * begin:
+            named = np.append(named, begin)
         axes.xaxis.set_major_locator(FixedLocator([0.0, *named]))
         axes.xaxis.set_minor_locator(FixedLocator(np.outer(decades, np.arange(2, 10)).ravel().tolist()))
         axes.xaxis.set_minor_formatter(NullFormatter())
@@ -173,17 +201,20 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     axes.set_ylim(-min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
 
 
-def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> None:
+def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
     """Write texts[i] above the axes, upright, with a thin line down to dots[i] (data coordinates).
 
     There they cover no data, and stand in the order of the dots, as straight above them as their size allows.
-    Of more than fit, every second one, or third, ... is named. The axes must have their final limits and size.
+    Of more than fit some are named, evenly chosen, and far apart: their lines would hide what is below. The axes must
+    have their final limits and size. Returns whether all are named.
     """
-    size = SMALL - 1.5
+    size = NAMES
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = np.clip(axes.transAxes.inverted().transform(axes.transData.transform(dots)), 0, 1)
     order = np.argsort(ends[:, 0], kind="stable")
-    order = order[:: -(-len(order) // int(1 + width / (1.2 * size)))]
+    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
+        few = int(1 + width / (4 * size))
+        order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
     ends, texts = ends[order], [texts[i] for i in order]
     # Neighbours stand at least a line apart: pushing all to the right does it, so does pushing all to the
     # left, and so does the mean of both.
@@ -202,6 +233,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
             place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=size,
             transform=axes.transAxes,
         )  # fmt: skip
+    return len(order) == len(dots)
 
 
 def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
