@@ -32,7 +32,7 @@ SKETCH = "study.nc"  # the dataset without a trial: see `early`
 OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
-SKETCH_AFTER = 1.0  # seconds: shorter runs need no early picture
+SKETCH_AFTER = 1.0, 3e-3  # seconds, and for each setting: shorter runs need no early picture, at some 40 us a setting
 AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
 
 
@@ -214,7 +214,7 @@ class Parts:
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()
-        if self.sketch and now - self._begun >= SKETCH_AFTER:
+        if self.sketch and now - self._begun >= SKETCH_AFTER[0] + SKETCH_AFTER[1] * len(self.fingerprints):
             self.sketch(self.folder / SKETCH)
             self.sketch = None
         about = asdict(self.identity) | {

@@ -1,5 +1,6 @@
 """What a study's work is cut into: tasks, bundled so that none is too short to be worth handing out."""
 
+import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -192,10 +193,12 @@ def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, s
     local = task.kind == "local"
     pieces = []
     for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
-        setting, kept = settings[number], batch.kept
-        looked = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
-        if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
-            what = ArithmeticError("an estimate is no finite number")
-            raise blame(setting, task.first, task.trials, what)
+        # a sum costs half of a look at each number, and is finite but where one is not, or is beyond all reason
+        if not math.isfinite(batch.error.sum() + batch.final.sum()) or (batch.kept is not None and not local):
+            setting, kept = settings[number], batch.kept
+            looked = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
+            if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
+                what = ArithmeticError("an estimate is no finite number")
+                raise blame(setting, task.first, task.trials, what)
         pieces.append(Piece(number, task.first, columns(batch, local), local))
     return pieces

@@ -28,6 +28,8 @@ ESTIMATES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
 }  # fmt: skip
 OPTIONAL = LOCAL | ESTIMATES  # what a study need not ask for
 EVERY = VARIABLES | OPTIONAL
+MARKS = ("convergence_round", "local_convergence_step")  # by which one knows that a trial is done
+ORDER = (*(name for name in EVERY if name not in MARKS), *MARKS)
 MISSING = -1  # for whole numbers; NaN for the others
 
 Columns = dict[str, NDArray[Any]]
@@ -100,9 +102,10 @@ class Values:
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
-        marks = "convergence_round", "local_convergence_step"
-        for name, values in sorted(taken.items(), key=lambda item: item[0] in marks):
-            array = self.arrays[name][setting]
+        for name in ORDER:
+            if name not in taken:
+                continue
+            values, array = taken[name], self.arrays[name][setting]
             if name == "correct":
                 array[:, first : first + values.shape[1]] = values
             elif name == "estimates":
