@@ -21,7 +21,7 @@ def main():
             begun = time.monotonic()
             done = subprocess.run([*COMMAND, "--out", folder], capture_output=True, text=True, check=True)
             print(f"{label}: {time.monotonic() - begun:.1f} s from the shell to the page")
-        print("\n".join("  " + line for line in done.stdout.splitlines() if line.endswith(" s")))
+        print("\n".join("  " + line for line in done.stdout.splitlines() if line.endswith((" s", " s in all"))))
     for path in sorted(studies_folder().glob("*.toml")):
         study = Study.load(path)
         results = run(study, jobs=2)
