@@ -3,14 +3,34 @@
 import hashlib
 import math
 import os
+import sys
+import threading
 
 import numpy as np
 import pytest
+from numba.core import event
 
 import swarmcensus as sc
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should be what a plain pipe gets, here and in processes begun here
+
+
+class Untraced(event.Listener):
+    """While Numba compiles, no coverage is measured: it would take a third longer, and nothing of ours is run."""
+
+    def __init__(self):
+        self.here = threading.local()
+
+    def on_start(self, _):
+        self.here.traces = [*getattr(self.here, "traces", ()), sys.gettrace()]
+        sys.settrace(None)
+
+    def on_end(self, _):
+        sys.settrace(self.here.traces.pop())
+
+
+event.register("numba:compile", Untraced())
 
 POINTS = [0.001 * k for k in range(1, 20_000)]
 # walks are chaotic: whether they are those of the docs depends on the last bits of what the C library computes

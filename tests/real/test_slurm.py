@@ -76,7 +76,8 @@ def test_jobs_give_the_bits_of_threads(slurm, threads, capsys):
     assert len(list(Path("logs").glob("*.err"))) == 2
 
 
-@pytest.mark.parametrize("cluster", ["two.toml", pytest.param("one.toml", marks=slow)])
+@slow
+@pytest.mark.parametrize("cluster", ["two.toml", "one.toml"])
 def test_jobs_that_a_user_cancels_are_replaced(slurm, threads, cluster):
     cancelled = []
     cancel = Once(lambda: cancelled.extend(slurm.jobs()) or slurm.says("scancel", *cancelled))
@@ -85,6 +86,7 @@ def test_jobs_that_a_user_cancels_are_replaced(slurm, threads, cluster):
     assert same(data, threads)
 
 
+@slow
 def test_a_node_that_crashes_and_comes_back_costs_nothing(slurm, threads):
     def power_cut():
         slurm.crash()
@@ -200,7 +202,8 @@ def test_why_jobs_wait_is_said(slurm):
     assert notes[-1] == "waiting for workers: Slurm says PENDING, PartitionTimeLimit"
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=slow)])
+@slow
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_that_is_stopped_cancels_its_jobs(slurm, number):
     with running("two.toml") as process:
         until(lambda: "starting" in Path("said").read_text(), "workers are there")
