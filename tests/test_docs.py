@@ -1,6 +1,5 @@
 """What README and docs/ show is so: examples run, commands parse, links lead somewhere, tables are complete."""
 
-import os
 import re
 import runpy
 import shlex
@@ -118,7 +117,6 @@ def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
         assert sentence in told
 
 
-@pytest.mark.skipif(not os.environ.get("SWARMCENSUS_SLOW"), reason="takes 20 s: SWARMCENSUS_SLOW=1 runs it")
 def test_the_steering_page_shows_what_the_paired_comparison_prints(tmp_path, monkeypatch, capsys):
     """The line of good sensors on independent tiles: all eight would cost many times as much."""
     study = tomllib.loads((ROOT / "studies" / "steering.toml").read_text(encoding="utf-8"))
