@@ -21,6 +21,9 @@ from swarmcensus import clusters, queues
 from swarmcensus.cli import main
 from swarmcensus.errors import InputError, Interrupted
 from swarmcensus.running import run
+from tests.conftest import FAILS
+
+pytestmark = pytest.mark.usefixtures("untraced_processes")
 
 EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
 FIXED = """
@@ -228,14 +231,7 @@ def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypat
 
 
 def test_a_trial_that_fails_fails_alone(here, scheduler):
-    source = sc.Study(**tables("minimalistic")).swarm.brain[0].source
-    bad = source.replace(
-        "    me.t += looks\n",
-        "    me.t += looks\n    if me.t == 600.0 and me.n > 275.0:\n        me.x = 1.0 / (me.t - me.t)\n",
-        1,
-    )
-    assert bad != source
-    Path("mine.py").write_text(bad)
+    Path("mine.py").write_text(FAILS)
     text = FIXED.replace("robots   = 12", "robots = 20").replace('["ring", "scale-free", ', "[").replace(
         '["links.csv"]', '"ring"'
     ).replace("fill_ratio = 0.55", "fill_ratio = [0.3, 0.32]").replace("local = true", "")  # fmt: skip

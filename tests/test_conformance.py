@@ -75,7 +75,7 @@ def faults_of(path):
 
 
 @pytest.mark.parametrize("name", brains.shipped())
-def test_shipped_brains_conform(name):
+def test_shipped_brains_conform(name, untraced):
     found = check(name)
     assert len(found) == len(checks()) + 1
     assert [c.fault for c in found] == [None] * len(found)
@@ -373,13 +373,13 @@ def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeyp
 
 
 @pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is compiled")
-def test_a_loop_that_ends_in_cpython_alone(tmp_path):
+def test_a_loop_that_ends_in_cpython_alone(tmp_path, untraced):
     """Shifted into the sign, a number is negative in machine code and not in CPython."""
     lines = "    while (1 << (62 + int(me.t))) < 0:\n        me.n += 1e-9\n"
-    found = check(changed(tmp_path / "bad.py", (OWN, OWN + lines)), patience=2.0)
+    found = check(changed(tmp_path / "bad.py", (OWN, OWN + lines)), patience=1.0)
     assert [one.fault for one in found[:-1]] == [None] * len(checks())
     said = (
-        r"compiled, observe\(me, \S+, 1.0\) \(b = \S+, w = \S+\) did not return within 2 s, though in CPython it does"
+        r"compiled, observe\(me, \S+, 1.0\) \(b = \S+, w = \S+\) did not return within 1 s, though in CPython it does"
     )
     assert re.fullmatch(said, found[-1].fault)
 

@@ -245,7 +245,7 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
         assert f"| {name} |" in page.read_text(encoding="utf-8")
 
 
-def test_the_example_brain_conforms():
+def test_the_example_brain_conforms(untraced):
     assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
 
 

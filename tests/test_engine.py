@@ -14,7 +14,7 @@ from swarmcensus import brains, metrics
 from swarmcensus.engine import trials as engine
 from swarmcensus.engine.trials import Metrics, run_batch, segment_length
 from swarmcensus.traces import recording
-from tests.conftest import beliefs_of
+from tests.conftest import FAILS, beliefs_of
 
 GO = np.zeros(1, np.uint8)
 MEASURE = Metrics(0.01, 10, (10, 60))
@@ -264,11 +264,10 @@ def test_memory_of_a_trial_grows_with_the_square_root_of_its_rounds(robots, roun
 
 
 def test_a_brain_that_divides_by_zero_is_named(tmp_path):
-    source = (sc.Study.parse(MIXED).swarm.brain[0].source).replace("me.t += looks", "me.t += looks / (looks - 10.0)")
-    (tmp_path / "bad.py").write_text(source)
+    (tmp_path / "bad.py").write_text(FAILS)
     study = sc.Study(
         trials=1, swarm={"brain": str(tmp_path / "bad.py"), "robots": 3, "accuracy": 0.8},
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5}
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 70}
     )  # fmt: skip
     with pytest.raises(sc.InputError, match=r"bad.py' fails in trial 0 of ring.*ZeroDivisionError"):
         sc.run(study)

@@ -110,7 +110,7 @@ def test_a_quantile_has_its_share_below(scores, share):
     assert (scores < floors.quantile(scores, share)).sum() == round(share * len(scores))
 
 
-def test_a_sensor_meets_the_share_that_is_there():
+def test_a_sensor_meets_the_share_that_is_there(untraced):
     """Over many trials, what lone robots stand on is black as often as the floor in reach is, whatever its kind."""
     floor = [{"clusters": 0.1}, {"stripes": 0.2}, "half"]
     study = sc.Study(

@@ -31,6 +31,8 @@ from swarmcensus.cli import main
 from swarmcensus.selecting import where
 from swarmcensus.values import VARIABLES
 
+pytestmark = pytest.mark.usefixtures("untraced")
+
 TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
 HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
 STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))

@@ -307,7 +307,7 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
         ("steer = None", "a constant is a number"),
     ],
 )
-def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path):
+def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
     """Once, by CPython's checks; those that compile are tested below."""
     (tmp_path / "bad.py").write_text(f"{brains.load('minimalistic').source}\n\n{steer}\n")
     found = conformance.examine(tmp_path / "bad.py", promises.PROMISES)

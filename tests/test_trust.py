@@ -121,7 +121,7 @@ def changes(data, but=()):
 
 
 @pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged"])
-def test_whatever_is_changed_is_noticed(name, files, quick):
+def test_whatever_is_changed_is_noticed(name, files, quick, untraced):
     """Every variable, coordinate and attribute that is in the file, in several ways each."""
     data = sc.load(files / f"{name}.nc")
     assert not noticed(data)
