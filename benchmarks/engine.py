@@ -17,7 +17,7 @@ from rich.table import Table
 
 from swarmcensus import Study, run
 from swarmcensus.engine.random import address
-from swarmcensus.engine.trials import Metrics, run_batch
+from swarmcensus.simulation.trials import Metrics, run_batch
 
 SIZES = {10: (1000, 150), 100: (1000, 20), 10_000: (100, 2), 1_000_000: (100, 1)}  # robots: rounds, trials
 TOPOLOGIES = ("full", "ring", "line", "scale-free")

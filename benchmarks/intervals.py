@@ -14,8 +14,8 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.precision import Until
-from swarmcensus.statistics import interval_of
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.studies.precision import Until
 
 STARTS = (6, 10, 30, 100)  # trials at the first look
 LATER = 4  # times as many trials as at the first look are needed, in the median

@@ -13,14 +13,15 @@ import numpy as np
 from rich.console import Console
 from rich.table import Table
 
-from swarmcensus import Study, arena, run
-from swarmcensus.bodies import Body
+from swarmcensus import Study, run
 from swarmcensus.engine.random import address
-from swarmcensus.engine.rides import Rider, run_ride
-from swarmcensus.engine.walking import walk
-from swarmcensus.floors import Ground
-from swarmcensus.paper import studies_folder
-from swarmcensus.tasks import metrics_of
+from swarmcensus.paper.reproducing import studies_folder
+from swarmcensus.runs.tasks import metrics_of
+from swarmcensus.simulation.floors import Ground
+from swarmcensus.simulation.rides import Rider, run_ride
+from swarmcensus.simulation.walking import walk
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
 
 PHYSICS = {1: 394_000, 10: 630_000}  # ns per robot and tick
 GO = np.zeros(1, np.uint8)

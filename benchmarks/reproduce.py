@@ -10,9 +10,9 @@ import tempfile
 import time
 
 from swarmcensus import Study, run
-from swarmcensus.paper import studies_folder
+from swarmcensus.paper.reproducing import studies_folder
 
-COMMAND = [sys.executable, "-c", "import sys; from swarmcensus.cli import main; sys.exit(main())", "reproduce"]
+COMMAND = [sys.executable, "-c", "import sys; from swarmcensus.cli.commands import main; sys.exit(main())", "reproduce"]
 
 
 def main():

@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
-from swarmcensus.paper import studies_folder
-from swarmcensus.running import Threads
-from swarmcensus.tasks import bundled, plan
+from swarmcensus.paper.reproducing import studies_folder
+from swarmcensus.runs.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
+from swarmcensus.runs.running import Threads
+from swarmcensus.runs.tasks import bundled, plan
 
 SCALED = """
 trials = 1500

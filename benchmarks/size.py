@@ -17,8 +17,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from swarmcensus import Study, running, tasks
-from swarmcensus.running import run
+from swarmcensus import Study
+from swarmcensus.runs import running, tasks
+from swarmcensus.runs.running import run
 
 FILLS = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95]
 SELECTION = 'topology == "ring" and accuracy == 0.675'

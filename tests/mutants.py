@@ -33,9 +33,10 @@ EQUIVALENT = {
     "engine/walk: side = int(2.0 * half / size) + 1 -> side = int(2.0 * half / size) + 2": "cells that stay empty",
     "engine/walk: for n in range(max(b - 1, 0), min(b + 2, side)):"
     " -> for n in range(max(b - 1, -1), min(b + 2, side)):": "the last column is looked at, too",
-    "engine/walking: listed = max(1, robots * neighbours_at_most(robots, body))"
+    "simulation/walking: listed = max(1, robots * neighbours_at_most(robots, body))"
     " -> listed = max( 0, robots * neighbours_at_most(robots, body))": "a robot alone lists nobody",
-    "metrics: error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)"
+    "simulation/metrics: error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] "
+    "- fill_ratio)"
     " -> error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[ -1] - fill_ratio)": "one",
 }
 

@@ -37,22 +37,22 @@ FOLLOW = " ".join(
 SENSORS = "test_sensors --deselect=tests/test_sensors.py::test_truncated_normal"
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
-    "metrics": ("test_metrics test_lives", "test_engine"),
-    "statistics": ("test_statistics", "test_precision statistical/test_intervals"),
-    "sensors": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
-    "networks": ("test_networks test_lives test_draws", "test_bad_inputs test_engine"),
-    "faults": ("test_draws test_lives", "test_faults"),
+    "simulation/metrics": ("test_metrics test_lives", "test_engine"),
+    "basics/statistics": ("test_statistics", "test_precision statistical/test_intervals"),
+    "worlds/sensors": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
+    "worlds/networks": ("test_networks test_lives test_draws", "test_bad_inputs test_engine"),
+    "worlds/faults": ("test_draws test_lives", "test_faults"),
     "engine/random": ("test_draws test_random test_lives", "test_engine"),
     "engine/draws": ("test_draws test_random test_lives", "test_engine statistical/test_theory"),
     "engine/world": ("test_draws test_lives test_walks", "test_floors"),
     "engine/scores": ("test_draws", "test_floors"),
     "engine/kernel": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
     "engine/minds": ("test_lives test_walks", "test_engine test_faults test_moving"),
-    "engine/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
+    "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
     "engine/riding": ("test_walks", "test_moving test_faults test_steering"),
-    "engine/rides": ("test_walks", "test_moving test_floors test_steering"),
+    "simulation/rides": ("test_walks", "test_moving test_floors test_steering"),
     "engine/walk": ("test_walks", "test_moving statistical/test_fidelity"),
-    "engine/walking": ("test_walks", "test_moving test_steering"),
+    "simulation/walking": ("test_walks", "test_moving test_steering"),
     "engine/motion": ("test_walks", "test_moving statistical/test_fidelity"),
     "engine/neighbours": ("test_walks", "test_moving"),
     "engine/steering": ("test_walks", "test_steering"),
@@ -208,7 +208,7 @@ def main() -> None:
     equivalent = [m for m in survivors if m.change() in EQUIVALENT]
     killed, tried = len(mutants) - len(survivors), len(mutants) - len(equivalent)
     sys.path.insert(0, str(ROOT / "src"))
-    from swarmcensus.statistics import share_interval
+    from swarmcensus.basics.statistics import share_interval
 
     for m in survivors:
         print(f"\n{m.module}.py:{m.line}: {m.kind}\n    {m.change()}\n    {EQUIVALENT.get(m.change(), 'survived')}")

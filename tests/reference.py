@@ -10,7 +10,7 @@ from itertools import combinations
 
 import numpy as np
 
-from swarmcensus.settings import Setting
+from swarmcensus.studies.settings import Setting
 
 MASK = (1 << 64) - 1
 ROTATIONS = (16, 42, 12, 31, 16, 32, 24, 21)

@@ -7,8 +7,8 @@ from itertools import combinations
 
 import numpy as np
 
-from swarmcensus.bodies import Body
-from swarmcensus.settings import Setting
+from swarmcensus.studies.settings import Setting
+from swarmcensus.worlds.bodies import Body
 from tests.reference import Failures, Minds, key_of, robots_word, threefry, tile_unit, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = range(4)

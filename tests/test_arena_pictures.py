@@ -13,15 +13,15 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.arena_margins import LINK
-from swarmcensus.arena_pictures import FINE, Arena, scene_of, snapshot
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError
-from swarmcensus.figures import save
-from swarmcensus.films import film
-from swarmcensus.floors import floor_of
-from swarmcensus.origins import studies_of
-from swarmcensus.recordings import write_trace
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.figures.arena_margins import LINK
+from swarmcensus.figures.arena_pictures import FINE, Arena, scene_of, snapshot
+from swarmcensus.figures.films import film
+from swarmcensus.figures.kinds import save
+from swarmcensus.results.origins import studies_of
+from swarmcensus.results.recordings import write_trace
+from swarmcensus.simulation.floors import floor_of
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -425,7 +425,7 @@ def test_films_that_cannot_be_are_input_errors(scene, tmp_path: Path, monkeypatc
     ):
         with pytest.raises(InputError, match=said):
             film(trace, floor, tmp_path / "x.gif", **wrong)
-    monkeypatch.setattr("swarmcensus.films.MOST_GIF_FRAMES", 10)
+    monkeypatch.setattr("swarmcensus.figures.films.MOST_GIF_FRAMES", 10)
     with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):
         film(trace, floor, tmp_path / "x.gif", first=0, last=10, every=1)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)

@@ -5,9 +5,14 @@ import os
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, clusters, files, recordings, results, toml_text
-from swarmcensus.cli import main
-from swarmcensus.selecting import where
+from swarmcensus import brains
+from swarmcensus.basics import files
+from swarmcensus.cli.commands import main
+from swarmcensus.results import recordings
+from swarmcensus.results import store as results
+from swarmcensus.results.selecting import where
+from swarmcensus.runs import clusters
+from swarmcensus.studies import toml_text
 from tests.conftest import SMALL
 
 BRAIN = brains.load("minimalistic").source

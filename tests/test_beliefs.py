@@ -9,10 +9,10 @@ from matplotlib.figure import Figure
 from scipy.optimize import minimize_scalar
 
 import swarmcensus as sc
-from swarmcensus import beliefs
-from swarmcensus.beliefs import asymptote, costs
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.figures import beliefs
+from swarmcensus.figures.beliefs import asymptote, costs
 
 STUDY = """
 seed = 5

@@ -10,7 +10,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from swarmcensus import brains
-from swarmcensus.errors import InputError
+from swarmcensus.basics.errors import InputError
 
 MINIMALISTIC = brains.load("minimalistic")
 LEGACY = brains.load("legacy")

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import paper
-from swarmcensus.cautions import settled_at_start, warn_of_start
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
+from swarmcensus.paper import reproducing as paper
+from swarmcensus.results.cautions import settled_at_start, warn_of_start
 
 STUDY = """
 trials = 4

@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from swarmcensus import brains, claims, explanations, measures, minimalism, moving_measures, statistics
-from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing
+from swarmcensus import brains
+from swarmcensus.basics import statistics
+from swarmcensus.conformance import minimalism
+from swarmcensus.paper import claims, explanations, measures, moving_measures
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing
 
 KNOWN = {claim.id: claim for claim in claims.CLAIMS}
 CHECKPOINTS = np.array([10, 50, 100, 200, 500, 1000])

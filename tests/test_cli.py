@@ -11,7 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.cli import COMMANDS, main
+from swarmcensus.cli.commands import COMMANDS, main
 from tests.conftest import SMALL
 
 FIRST = ["good.nc", "--setting", "0", "--trial", "0"]
@@ -44,7 +44,7 @@ def test_help_lists_every_command(capsys):
 
 def test_help_is_quick_and_imports_nothing_heavy():
     code = (
-        "import sys; from swarmcensus.cli import COMMANDS, parser; parser(COMMANDS).format_help(); "
+        "import sys; from swarmcensus.cli.commands import COMMANDS, parser; parser(COMMANDS).format_help(); "
         "print([m for m in ('numba', 'numpy', 'xarray', 'pydantic', 'rich', 'matplotlib') if m in sys.modules])"
     )
     out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -217,7 +217,7 @@ def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_b
     """Interpreted, so that it is quick: where brains go is settled before they are compiled."""
     (here / "hello.toml").write_text(HELLO.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "legacy"]'))
     (here / "scratch").mkdir()
-    code = "import os, pwd, sys; from swarmcensus.cli import main"
+    code = "import os, pwd, sys; from swarmcensus.cli.commands import main"
     if not known:  # as in a container that runs under a number
         code += "\ndef nobody(_): raise KeyError\npwd.getpwuid = nobody"
     kept = {k: v for k, v in os.environ.items() if k not in ("HOME", "XDG_CACHE_HOME", "SWARMCENSUS_CACHE")}
@@ -240,7 +240,13 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     text = SMALL.replace("trials = 4", "trials = 100000").replace("rounds                 = 60", "rounds = 2000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
     with subprocess.Popen(
-        [sys.executable, "-c", "from swarmcensus.cli import main; raise SystemExit(main())", "run", "long.toml"],
+        [
+            sys.executable,
+            "-c",
+            "from swarmcensus.cli.commands import main; raise SystemExit(main())",
+            "run",
+            "long.toml",
+        ],
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
@@ -265,7 +271,7 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
 
 def test_a_reader_that_goes_away_is_no_error(here):
     pipe = subprocess.run(
-        f"{sys.executable} -c 'from swarmcensus.cli import main; raise SystemExit(main([\"brains\"]))' | true",
+        f"{sys.executable} -c 'from swarmcensus.cli.commands import main; raise SystemExit(main([\"brains\"]))' | true",
         shell=True, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert "Traceback" not in pipe.stderr

@@ -17,10 +17,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import clusters, queues
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError, Interrupted
-from swarmcensus.running import run
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import clusters, queues
+from swarmcensus.runs.running import run
 from tests.conftest import FAILS
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -503,8 +503,8 @@ def test_a_plain_run_does_without_dask(here):
     """It runs where Dask is not there to import; where it is, only xarray asks for it."""
     Path("s.toml").write_text(FIXED)
     code = (
-        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli import main; "
-        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.clusters' not in sys.modules"
+        "import sys; sys.modules |= {'dask': None, 'distributed': None}; from swarmcensus.cli.commands import main; "
+        "assert main(['run', 's.toml']) == 0; assert 'swarmcensus.runs.clusters' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
 

@@ -10,9 +10,11 @@ from pathlib import Path
 
 import pytest
 
-from swarmcensus import brains, conformance, machine_code
-from swarmcensus.conformance import check, checks
-from swarmcensus.promises import PROMISES
+from swarmcensus import brains
+from swarmcensus.conformance import machine_code
+from swarmcensus.conformance import suite as conformance
+from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.suite import check, checks
 
 GOOD = brains.load("minimalistic").source
 PAGE = Path(__file__).parents[1] / "docs" / "brain-contract.md"
@@ -404,7 +406,7 @@ def test_compiling_has_room_but_not_all(tmp_path, monkeypatch):
     """In a process of its own, where a compiler that is never done asks for more than it may have."""
     path = changed(tmp_path / "good.py")
     ask = (
-        "import sys; from swarmcensus import conformance as c, machine_code as m\n"
+        "import sys; from swarmcensus.conformance import machine_code as m, suite as c\n"
         "m.compiles = lambda brain: bytearray(c.COMPILE_ROOM)\n"
         "c.checks = lambda every=c.checks(): {c.COMPILES: every[c.COMPILES]}\n"
         "c.report(sys.argv[1], 30.0)"

@@ -10,14 +10,15 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import conformance, results
-from swarmcensus.bodies import Body
-from swarmcensus.cli import COMMANDS, main, parser
-from swarmcensus.promises import PROMISES
-from swarmcensus.queues import Queue
-from swarmcensus.studies import Study
-from swarmcensus.study_tables import Measure, Schedule, Swarm, Tables, World
-from swarmcensus.toml_text import to_toml
+from swarmcensus.cli.commands import COMMANDS, main, parser
+from swarmcensus.conformance import suite as conformance
+from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.results import store as results
+from swarmcensus.runs.queues import Queue
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
+from swarmcensus.studies.toml_text import to_toml
+from swarmcensus.worlds.bodies import Body
 from tests.conftest import OUR_C_LIBRARY
 
 ROOT = Path(__file__).parents[1]

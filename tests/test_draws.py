@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus import brains, floors
-from swarmcensus.bodies import Body
+from swarmcensus import brains
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, black_tables
 from swarmcensus.engine.random import address, block, counter, words
-from swarmcensus.engine.trials import record_trial
-from swarmcensus.faults import Fault, stops
-from swarmcensus.sensors import parse_accuracy, parse_assumed
+from swarmcensus.simulation import floors
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.faults import Fault, stops
+from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests import reference
 from tests.small import SEED, heard_in, moving_of, settings_of
 

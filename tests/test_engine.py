@@ -10,10 +10,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, metrics
-from swarmcensus.engine import trials as engine
-from swarmcensus.engine.trials import Metrics, run_batch, segment_length
-from swarmcensus.traces import recording
+from swarmcensus import brains
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics
+from swarmcensus.simulation import trials as engine
+from swarmcensus.simulation.trials import Metrics, run_batch, segment_length
 from tests.conftest import FAILS, beliefs_of
 
 GO = np.zeros(1, np.uint8)

@@ -16,13 +16,13 @@ from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
-from swarmcensus import figures
-from swarmcensus.errors import InputError
-from swarmcensus.looks import keyed, looks_of, palette
-from swarmcensus.panels import varies
-from swarmcensus.selecting import TooMuch, where
-from swarmcensus.sheets import label_dots
-from swarmcensus.statistics import interval_of
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.figures import kinds as figures
+from swarmcensus.figures.looks import keyed, looks_of, palette
+from swarmcensus.figures.panels import varies
+from swarmcensus.figures.sheets import label_dots
+from swarmcensus.results.selecting import TooMuch, where
 
 PAPER = [f"{a:.3f}" for a in np.arange(0.525, 0.98, 0.05)] + ["U(0.525,0.975)"]
 
@@ -776,5 +776,5 @@ def test_an_unknown_format_is_an_input_error_before_anything_is_written(tmp_path
 
 
 def test_no_display_is_needed():
-    code = "import sys; import swarmcensus.figures; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys; import swarmcensus.figures.kinds; sys.exit('matplotlib.pyplot' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

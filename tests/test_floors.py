@@ -11,14 +11,16 @@ from PIL import Image
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus import floors, metrics, panels, selecting
-from swarmcensus.bodies import Body
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.random import address, block, counter, unit
-from swarmcensus.floors import Ground, floor_of, side_of
-from swarmcensus.patterns import MOST_PIXELS, Floor, parse_floor, read_image
-from swarmcensus.toml_text import to_toml_value
-from swarmcensus.traces import recording
+from swarmcensus.figures import panels
+from swarmcensus.results import selecting
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import floors, metrics
+from swarmcensus.simulation.floors import Ground, floor_of, side_of
+from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.patterns import MOST_PIXELS, Floor, parse_floor, read_image
 from tests.conftest import beliefs_of
 
 FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)

@@ -25,11 +25,16 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 import swarmcensus as sc
-from swarmcensus import brains, clusters, merging, queues, recordings, results, shards, toml_text, traces
-from swarmcensus.bodies import Body
-from swarmcensus.cli import main
-from swarmcensus.selecting import where
-from swarmcensus.values import VARIABLES
+from swarmcensus import brains
+from swarmcensus.cli.commands import main
+from swarmcensus.results import merging, recordings, replaying, shards
+from swarmcensus.results import store as results
+from swarmcensus.results.selecting import where
+from swarmcensus.results.values import VARIABLES
+from swarmcensus.runs import clusters, queues
+from swarmcensus.simulation import inferring
+from swarmcensus.studies import toml_text
+from swarmcensus.worlds.bodies import Body
 
 pytestmark = pytest.mark.usefixtures("untraced")
 
@@ -473,7 +478,7 @@ def _use(path):
         return
     taken_or_refused(where, data, 'robots == 3 or topology == "ring" and accuracy < 0.8')
     taken_or_refused(results.export, data, path.with_suffix(".csv"), "csv")
-    taken_or_refused(traces.replay, data, int(data["setting"].values[-1]), int(data["trial"].values[0]))
+    taken_or_refused(replaying.replay, data, int(data["setting"].values[-1]), int(data["trial"].values[0]))
     taken_or_refused(merging.merge, [data, data])
 
 
@@ -649,7 +654,7 @@ def test_recordings(observations, links, accuracy):
         sure = taken_or_refused(recordings.read_accuracy, str(here / "a.csv"))
         if seen is not None:
             for used in (sure, 0.8):
-                trace = taken_or_refused(traces.infer, seen, heard, used)
+                trace = taken_or_refused(inferring.infer, seen, heard, used)
                 assert trace is None or np.isfinite(trace["estimate"].values).all()
 
 

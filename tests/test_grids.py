@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import arena
-from swarmcensus.bodies import Body
-from swarmcensus.panels import panels_of
+from swarmcensus.figures.panels import panels_of
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
 from tests.conftest import SMALL
 
 BASE = {

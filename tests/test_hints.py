@@ -5,10 +5,10 @@ import re
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import checking
-from swarmcensus.cli import main
-from swarmcensus.hints import OTHER_WORDS, did_you_mean
-from swarmcensus.selecting import where
+from swarmcensus.basics.hints import OTHER_WORDS, did_you_mean
+from swarmcensus.cli.commands import main
+from swarmcensus.results import checking
+from swarmcensus.results.selecting import where
 from tests.conftest import SMALL
 
 KNOWN = [*checking.TEXTS, *checking.NUMBERS, "setting"]

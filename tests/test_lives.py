@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, metrics
-from swarmcensus.engine import compiler, trials
-from swarmcensus.engine.trials import Metrics, record_readings, record_trial, run_batch
+from swarmcensus import brains
+from swarmcensus.engine import compiler
+from swarmcensus.simulation import metrics, trials
+from swarmcensus.simulation.trials import Metrics, record_readings, record_trial, run_batch
 from tests import reference
 from tests.small import FAULTS, GO, SEED, failing, heard_in, moving_of, settings_of
 

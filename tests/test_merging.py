@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli import main
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
-from swarmcensus.errors import InputError
-from swarmcensus.resuming import hold
+from swarmcensus.runs.resuming import hold
 
 TABLES = {
     "name": "parts",

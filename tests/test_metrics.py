@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from swarmcensus import metrics
+from swarmcensus.simulation import metrics
 
 
 def by_definition(curve, delta):

@@ -9,12 +9,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus import arena, metrics
-from swarmcensus.bodies import Body
 from swarmcensus.engine import motion
 from swarmcensus.engine.random import address
-from swarmcensus.engine.walking import walk
-from swarmcensus.traces import recording
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics
+from swarmcensus.simulation.walking import walk
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
 from tests.conftest import beliefs_of
 
 GO = np.zeros(1, np.uint8)

@@ -8,8 +8,8 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus import networks
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
+from swarmcensus.worlds import networks
 
 
 def parse(value, tmp_path):

@@ -12,11 +12,14 @@ import xarray as xr
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus import claims, figures, page, paper, report, results
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError, Interrupted
-from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.strips import strip
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.commands import main
+from swarmcensus.figures import kinds as figures
+from swarmcensus.paper import claims, page, report
+from swarmcensus.paper import reproducing as paper
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
+from swarmcensus.paper.strips import strip
+from swarmcensus.results import store as results
 
 CLAIM = claims.CLAIMS[0]
 

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import claims, paper, report
-from swarmcensus.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail
-from swarmcensus.measures import NUMBERS
+from swarmcensus.paper import claims, report
+from swarmcensus.paper import reproducing as paper
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail
+from swarmcensus.paper.measures import NUMBERS
 from tests.conftest import OUR_C_LIBRARY
 
 DOCS = Path(__file__).parents[1] / "docs"

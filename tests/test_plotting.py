@@ -5,8 +5,11 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import panels, progress, scenes, traces
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
+from swarmcensus.figures import panels, scenes
+from swarmcensus.results import replaying
+from swarmcensus.runs import progress
+from swarmcensus.simulation import inferring
 
 LOSSY = """
 trials = 1
@@ -69,7 +72,7 @@ def test_what_can_be_told_at_once_is_told_before_a_trial_is_run_again(small_file
     def replay(*_, **__):
         raise AssertionError("run again")
 
-    monkeypatch.setattr(traces, "replay", replay)
+    monkeypatch.setattr(replaying, "replay", replay)
     one = ["replay", small_file, "--setting", 0, "--trial", 0]
     (here / "file").touch()
     assert "written as .csv or .nc" in complaint(capsys, *one, "--out", "x.txt")
@@ -79,7 +82,7 @@ def test_what_can_be_told_at_once_is_told_before_a_trial_is_run_again(small_file
     assert "figures are written as" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "x.bmp")
     assert "cannot write file/x.svg" in complaint(capsys, "plot", small_file, "--kind", "curves", "--out", "file/x.svg")
     (here / "obs.csv").write_text("0,1\n1,1\n")
-    monkeypatch.setattr(traces, "infer", replay)
+    monkeypatch.setattr(inferring, "infer", replay)
     seen = ["infer", "obs.csv", "--accuracy", "0.8"]
     assert "cannot write file/x.png" in complaint(capsys, *seen, "--plot", "file/x.png")
     assert {p.name for p in here.iterdir()} == {"file", "obs.csv"}
@@ -145,9 +148,9 @@ def test_compiling_is_told_once_and_only_where_it_happens(capsys):
 @pytest.mark.parametrize(
     ("command", "where"),
     [
-        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (traces, "replay")),
-        (["replay", "FILE", "--setting", "0", "--trial", "0"], (traces, "replay")),
-        (["infer", "obs.csv", "--accuracy", "0.8"], (traces, "infer")),
+        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (replaying, "replay")),
+        (["replay", "FILE", "--setting", "0", "--trial", "0"], (replaying, "replay")),
+        (["infer", "obs.csv", "--accuracy", "0.8"], (inferring, "infer")),
     ],
 )
 def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, capsys, monkeypatch):

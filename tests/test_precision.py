@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import statistics
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError
-from swarmcensus.precision import GROWTH, Until, look_level
-from swarmcensus.running import run
+from swarmcensus.basics import statistics
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.runs.running import run
+from swarmcensus.studies.precision import GROWTH, Until, look_level
 
 WORLD = {"topology": ["ring", "full"], "fill_ratio": [0.55]}
 SCHEDULE = {"rounds": 50}
@@ -69,7 +69,7 @@ def test_the_trials_are_those_of_a_plain_study():
 
 
 def test_it_does_not_depend_on_threads_or_on_being_cut_off(tmp_path, monkeypatch):
-    monkeypatch.setattr("swarmcensus.running.BUNDLE_SECONDS", 0.001)
+    monkeypatch.setattr("swarmcensus.runs.running.BUNDLE_SECONDS", 0.001)
     asked = study("convergence_error median +- 0.003")
     one, two = sc.run(asked, jobs=1), sc.run(asked, jobs=2)
 

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
 
 FIXED = {
     "seed": 3,

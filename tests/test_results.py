@@ -8,8 +8,9 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import brains, results
-from swarmcensus.selecting import where
+from swarmcensus import brains
+from swarmcensus.results import store as results
+from swarmcensus.results.selecting import where
 
 
 def test_schema(small_results):

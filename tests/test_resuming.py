@@ -15,15 +15,17 @@ import pytest
 from filelock import FileLock
 
 import swarmcensus as sc
-from swarmcensus import results, shards, tasks
-from swarmcensus.cli import main
-from swarmcensus.early import opened
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
-from swarmcensus.errors import InputError, Interrupted
-from swarmcensus.resuming import hold
-from swarmcensus.running import run
-from swarmcensus.status import status
-from swarmcensus.values import EVERY, LOCAL, Values, shapes
+from swarmcensus.results import shards
+from swarmcensus.results import store as results
+from swarmcensus.results.early import opened
+from swarmcensus.results.values import EVERY, LOCAL, Values, shapes
+from swarmcensus.runs import tasks
+from swarmcensus.runs.resuming import hold
+from swarmcensus.runs.running import run
+from swarmcensus.runs.status import status
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -72,7 +74,7 @@ def whole():
 
 @pytest.fixture(autouse=True)
 def small_bundles(monkeypatch):
-    monkeypatch.setattr("swarmcensus.running.BUNDLE_SECONDS", 0.001)
+    monkeypatch.setattr("swarmcensus.runs.running.BUNDLE_SECONDS", 0.001)
 
 
 @pytest.fixture
@@ -126,7 +128,7 @@ def test_a_run_that_was_cut_off_goes_on(here, whole):
 def test_nothing_is_run_twice(here, whole, monkeypatch):
     run(study(), 2, out="a.nc")
     before = Path("a.nc").read_bytes()
-    monkeypatch.setattr("swarmcensus.running.run_bundle", lambda *_: pytest.fail("was run"))
+    monkeypatch.setattr("swarmcensus.runs.running.run_bundle", lambda *_: pytest.fail("was run"))
     assert same(run(study(), 2, out="a.nc"), whole)
     assert Path("a.nc").read_bytes() == before
 
@@ -238,7 +240,7 @@ def test_work_of_another_run_is_refused(change, said, finished, here, capsys):
 
 def test_another_version_is_refused(here, monkeypatch):
     cut_off("a.nc", 20)
-    monkeypatch.setattr("swarmcensus.resuming.__version__", "99.0")
+    monkeypatch.setattr("swarmcensus.runs.resuming.__version__", "99.0")
     with pytest.raises(InputError, match=r"version is '0.*' there and '99\.0' here"):
         run(study(), out="a.nc")
 
@@ -315,7 +317,10 @@ def command(*arguments):
 
 def test_sigkill_at_ten_random_moments(here, untraced):
     """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
-    often = "import sys; from swarmcensus import cli, shards; shards.AT_LEAST = 0.02; sys.exit(cli.main())"
+    often = (
+        "import sys; from swarmcensus.cli.commands import main; from swarmcensus.results import shards; "
+        "shards.AT_LEAST = 0.02; sys.exit(main())"
+    )
     longer = LONG.replace("trials = 150", "trials = 200")
     Path("s.toml").write_text(longer)
     moments = random.Random(11)
@@ -378,7 +383,7 @@ def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
             raise OSError(28, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr("swarmcensus.files.os.fsync", full)
+        patch.setattr("swarmcensus.basics.files.os.fsync", full)
         with pytest.raises(InputError, match="No space left on device"):
             run(study(), 1, out="a.nc")
     assert len(shards.listed(folder)) == 3
@@ -515,7 +520,7 @@ def test_a_fresh_run_that_is_stopped_at_once_leaves_the_output(here, whole):
 
     run(study(), out="a.nc")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("swarmcensus.running._run_stages", stop)
+        patch.setattr("swarmcensus.runs.running._run_stages", stop)
         with pytest.raises(Interrupted):
             run(study(seed=8), out="a.nc", fresh=True)
     assert same(run(study(), out="a.nc"), whole)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus import sensors
+from swarmcensus.worlds import sensors
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus import statistics
-from swarmcensus.statistics import interval_of
+from swarmcensus.basics import statistics
+from swarmcensus.basics.statistics import interval_of
 
 RNG = np.random.default_rng(12)
 NORMAL = RNG.normal(size=(30, 1)) + 0.5 * RNG.normal(size=(30, 9))

@@ -12,11 +12,13 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, conformance, machine_code, promises
-from swarmcensus.bodies import Body
-from swarmcensus.engine import rides
+from swarmcensus import brains
+from swarmcensus.conformance import machine_code, promises
+from swarmcensus.conformance import suite as conformance
 from swarmcensus.engine.wishes import chosen
-from swarmcensus.traces import recording
+from swarmcensus.results.replaying import recording
+from swarmcensus.simulation import metrics, rides
+from swarmcensus.worlds.bodies import Body
 
 # One brain, compiled once: what it wants is told by the accuracy on white that its robots believe in.
 STEER = """
@@ -129,7 +131,7 @@ def test_a_run_is_its_replay_and_what_the_brain_file_makes_of_it(folder, steered
     for k, setting in enumerate(study.settings()):
         trace = sc.replay(results, k, 1, brain)
         curves = trace["estimate"].values
-        assert (results["convergence_round"].values[k, 1] == sc.metrics.convergence(curves)).all()
+        assert (results["convergence_round"].values[k, 1] == metrics.convergence(curves)).all()
         assert (results["final_estimate"].values[k, 1] == curves[-1]).all()
         readings, messages = recording(results, k, 1, brain)
         *_, assumed_b, assumed_w = setting.accuracies(study.seed, 1, 1)

@@ -3,7 +3,7 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import toml_text
+from swarmcensus.studies import toml_text
 from tests.conftest import SMALL
 
 CONTEXT = "studies/x.toml: "

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import results as files
+from swarmcensus.results import store as files
 
 RING = {"topology": "ring", "fill_ratio": 0.5}
 MOVING = {"topology": "moving", "fill_ratio": 0.5, "density": 1}

@@ -9,9 +9,11 @@ import pytest
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus import statistics, summaries, tables, terminal
-from swarmcensus.cli import main
-from swarmcensus.report import rounded
+from swarmcensus.basics import statistics, terminal
+from swarmcensus.cli import tables
+from swarmcensus.cli.commands import main
+from swarmcensus.paper.report import rounded
+from swarmcensus.results import summaries
 
 MANY = """
 trials = 6

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.errors import Interrupted
-from swarmcensus.tasks import plan
+from swarmcensus.basics.errors import Interrupted
+from swarmcensus.runs.tasks import plan
 
 LONG = {
     "trials": 40,

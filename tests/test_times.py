@@ -3,8 +3,8 @@
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli import main
-from swarmcensus.times import parse_time
+from swarmcensus.basics.times import parse_time
+from swarmcensus.cli.commands import main
 
 STUDY = {
     "trials": 1,

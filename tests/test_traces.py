@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, recordings
-from swarmcensus.traces import recording
+from swarmcensus import brains
+from swarmcensus.results import recordings
+from swarmcensus.results.replaying import recording
 
 READINGS = np.array([[0, 1, 1], [1, 1, np.nan], [0, 1, 1], [1, 0, 1]])
 

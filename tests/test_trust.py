@@ -10,10 +10,12 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import brains, networks, patterns, verifying
-from swarmcensus.cli import main
-from swarmcensus.errors import InputError
-from swarmcensus.values import EVERY
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.results.values import EVERY
+from swarmcensus.runs import verifying
+from swarmcensus.worlds import networks, patterns
 
 DATA = Path(__file__).parent / "data"
 PLAIN = """

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import brains, metrics
-from swarmcensus.bodies import Body
-from swarmcensus.engine import rides
+from swarmcensus import brains
 from swarmcensus.engine.motion import STATE
 from swarmcensus.engine.neighbours import have_strayed
 from swarmcensus.engine.random import address
-from swarmcensus.engine.rides import record_ride, run_ride
-from swarmcensus.engine.trials import Metrics
-from swarmcensus.engine.walking import neighbours_at_most, walk
+from swarmcensus.simulation import metrics, rides
+from swarmcensus.simulation.rides import record_ride, run_ride
+from swarmcensus.simulation.trials import Metrics
+from swarmcensus.simulation.walking import neighbours_at_most, walk
+from swarmcensus.worlds.bodies import Body
 from tests import reference, reference_walks
 from tests.small import FAULTS, GO, SEED, failing, moving_of
 from tests.test_steering import STEER, WANTS
@@ -204,7 +204,7 @@ def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, mo
     )  # fmt: skip
     same_life(setting, 0)
     if want == "SEEN":
-        monkeypatch.setattr("swarmcensus.engine.rides.MOST_TILES", 0)
+        monkeypatch.setattr("swarmcensus.simulation.rides.MOST_TILES", 0)
         same_life(setting, 1)
 
 
@@ -247,7 +247,7 @@ def test_a_walk_is_cut_into_chunks_that_fit(monkeypatch):
     (whole,) = walk(6, 1.2, body, key, 1, 11, GO, poses=True)
     for limits in ({"CHUNK_BYTES": 41 * 6 * 3}, {"SENDERS": 40}):
         for name, value in limits.items():
-            monkeypatch.setattr(f"swarmcensus.engine.walking.{name}", value)
+            monkeypatch.setattr(f"swarmcensus.simulation.walking.{name}", value)
         parts = list(walk(6, 1.2, body, key, 1, 11, GO, poses=True))
         monkeypatch.undo()
         assert len(parts) > 2

@@ -12,30 +12,31 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from swarmcensus.errors import InputError, Interrupted
-    from swarmcensus.merging import merge
-    from swarmcensus.remeasuring import remeasure
-    from swarmcensus.results import frame, load, save
-    from swarmcensus.running import run
-    from swarmcensus.studies import Study
-    from swarmcensus.summaries import summary
-    from swarmcensus.traces import infer, replay
-    from swarmcensus.verifying import verify
+    from swarmcensus.basics.errors import InputError, Interrupted
+    from swarmcensus.results.merging import merge
+    from swarmcensus.results.remeasuring import remeasure
+    from swarmcensus.results.replaying import replay
+    from swarmcensus.results.store import frame, load, save
+    from swarmcensus.results.summaries import summary
+    from swarmcensus.runs.running import run
+    from swarmcensus.runs.verifying import verify
+    from swarmcensus.simulation.inferring import infer
+    from swarmcensus.studies.study import Study
 
 _HOME = {
-    "InputError": "errors",
-    "Interrupted": "errors",
-    "Study": "studies",
-    "frame": "results",
-    "infer": "traces",
-    "load": "results",
-    "merge": "merging",
-    "remeasure": "remeasuring",
-    "replay": "traces",
-    "run": "running",
-    "save": "results",
-    "summary": "summaries",
-    "verify": "verifying",
+    "InputError": "basics.errors",
+    "Interrupted": "basics.errors",
+    "Study": "studies.study",
+    "frame": "results.store",
+    "infer": "simulation.inferring",
+    "load": "results.store",
+    "merge": "results.merging",
+    "remeasure": "results.remeasuring",
+    "replay": "results.replaying",
+    "run": "runs.running",
+    "save": "results.store",
+    "summary": "results.summaries",
+    "verify": "runs.verifying",
 }
 __all__ = [
     "InputError",

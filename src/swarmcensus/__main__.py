@@ -1,5 +1,5 @@
 """python -m swarmcensus: the command line."""
 
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
 
 raise SystemExit(main())

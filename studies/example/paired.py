@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus import statistics
+from swarmcensus.basics import statistics
 
 ALIKE = ("floor", "fill_ratio", "accuracy", "assumed_accuracy", "topology", "robots", "density", "link_success")
 

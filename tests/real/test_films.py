@@ -7,7 +7,7 @@ import subprocess
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
 
 MOVING = """
 trials = 1

@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import queues
-from swarmcensus.cli import main
-from swarmcensus.running import run
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import queues
+from swarmcensus.runs.running import run
 from tests.real.one_node import Slurm, free_ports, missing, until
 from tests.test_clusters import LONG, Once, same, study
 

@@ -12,8 +12,8 @@ import dask
 import pytest
 
 import swarmcensus as sc
-from swarmcensus import clusters
-from swarmcensus.cli import main
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import clusters
 from tests.real.one_node import until
 from tests.test_clusters import LONG, same, study
 

@@ -9,10 +9,10 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from swarmcensus import arena
-from swarmcensus.bodies import Body
 from swarmcensus.engine.random import address
-from swarmcensus.engine.walking import walk
+from swarmcensus.simulation.walking import walk
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
 
 TRIALS, ROBOTS, TICKS = 20, 25, 10_000
 MEASURED = {

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.precision import Until
-from swarmcensus.statistics import interval_of
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.studies.precision import Until
 
 
 def right(share):

@@ -12,7 +12,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.engine.trials import record_readings
+from swarmcensus.simulation.trials import record_readings
 
 FUNCTIONS = brains.load("minimalistic")
 

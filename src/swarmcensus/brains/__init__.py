@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.errors import InputError
-from swarmcensus.hints import did_you_mean
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 
 HERE = Path(__file__).parent
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}

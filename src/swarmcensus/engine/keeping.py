@@ -6,7 +6,7 @@ import types
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.files import whole
+from swarmcensus.basics.files import whole
 
 
 def sealed(made: Any, function: types.FunctionType) -> Any:

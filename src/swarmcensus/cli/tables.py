@@ -1,0 +1,223 @@
+"""What the terminal shows: results, traces and brains as short tables."""
+
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from rich.table import Table
+from rich.text import Text
+
+from swarmcensus.basics.statistics import FEWEST
+from swarmcensus.basics.terminal import UNFOLDED, console, table
+from swarmcensus.cli.options import MOST_ROWS
+from swarmcensus.conformance.suite import Check
+from swarmcensus.figures.panels import told
+from swarmcensus.paper.report import places, rounded
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary
+
+TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
+DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
+MOST_CHECKPOINTS = 8  # that are named
+FOLDED = 12  # characters for what a setting is, where it is folded into one column
+DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
+
+
+def head(data: xr.Dataset, path: Path) -> str:
+    """What a results file is of, and how many of its trials are done."""
+    made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
+    trials = f"{int(done(data).sum()):,} of {data.attrs['trials_total']:,} trials done"
+    failed = len(failed_trials(data))
+    return (
+        f"{path}: {data.attrs['title']} ({made}): {data.sizes['setting']:,} settings, {trials}"
+        + f", {failed:,} failed" * (failed > 0)
+    )
+
+
+def settings(
+    data: xr.Dataset,
+    path: Path,
+    limit: int = MOST_ROWS,
+    checkpoint: int | None = None,
+    title: str = "",
+    again: str = "",
+) -> None:
+    """A row a setting, `limit` of them at the most (0: all): medians over robots and trials, intervals over trials.
+
+    `again` is the command that showed them. In a terminal that is too narrow, intervals stand below their values, and
+    what a setting is in one column; in one that is narrower still, each setting has some lines.
+    """
+    columns = _coordinates(data)
+    varied = [k for k, values in columns.items() if (values != values[0]).any()]
+    same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] not in ("", "nan")]
+    frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
+    out = console()
+    unfolded = out.options.update(max_width=UNFOLDED)
+    coordinates = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
+    rows: Table | Text = _rows(coordinates, _numbers(frame, data.sizes["trial"]))
+    if rows.__rich_measure__(out, unfolded).maximum > out.width:
+        rows = _rows(coordinates, _numbers(frame, data.sizes["trial"], below=True))
+    if rows.__rich_measure__(out, unfolded).maximum > out.width:
+        each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
+        joined = [", ".join(f"{k} {value}" for k, value in zip(varied, values, strict=True)) for values in each]
+        numbers = _numbers(frame, data.sizes["trial"], below=True)
+        rows = _rows({"setting": coordinates["setting"], "with": joined}, numbers)
+        bare = _rows({"setting": coordinates["setting"]}, numbers)
+        if bare.__rich_measure__(out, unfolded).maximum + FOLDED > out.width:
+            rows = _blocks(frame, joined, numbers)
+    if title:
+        out.print(title)
+    out.print(rows)
+    for line in [*_legend(data, frame), *([f"all with {', '.join(same)}"] if same else [])]:
+        out.print(line, style="dim")
+    if len(frame) < data.sizes["setting"]:
+        out.print(
+            f"{len(frame):,} of {data.sizes['setting']:,} settings; all of them: "
+            f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
+            soft_wrap=True,  # to be copied
+        )
+
+
+def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
+    """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
+    columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
+    del columns["setting"]
+    if (columns["assumed_accuracy"] == columns["accuracy"]).all():
+        del columns["assumed_accuracy"]
+    if (data["link_success"] == 1.0).all():
+        del columns["link_success"]
+    columns.pop(told(data), None)
+    return columns
+
+
+def _numbers(frame: Any, trials: int, below: bool = False) -> dict[str, list[str]]:
+    """The columns of a summary's numbers, intervals beside their values or below them."""
+    numbers = dict(_values(frame, name, below) for name in SHORT)
+    if "half_width" in frame or (frame["trials"] < trials).any():
+        numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
+    if frame["failed"].any():
+        numbers["failed"] = [f"{n:,}" for n in frame["failed"]]
+    if "half_width" in frame:
+        decimals = places(frame["half_width"].min())
+        numbers["+-"] = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
+    return numbers
+
+
+def _rows(coordinates: Mapping[str, Sequence[str]], numbers: dict[str, list[str]]) -> Table:
+    heads = [(name, name == "setting") for name in coordinates] + [(name, True) for name in numbers]
+    return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
+
+
+def _blocks(frame: Any, what: Sequence[str], numbers: dict[str, list[str]]) -> Text:
+    """Some lines a setting, where not even the numbers have room beside each other."""
+    lines = []
+    for k, setting in enumerate(frame["setting"]):
+        lines.append(f"setting {setting}{': ' * bool(what[k])}{what[k]}")
+        lines += [f"  {name.splitlines()[0]} {' '.join(cells[k].splitlines())}" for name, cells in numbers.items()]
+    return Text("\n".join(lines))
+
+
+def _values(frame: Any, name: str, below: bool) -> tuple[str, list[str]]:
+    """The head and the cells of a column of values with intervals."""
+    times, digits = TIMES[name], DIGITS[name]
+    widths = times * (frame[f"{SHORT[name]}_high"] - frame[f"{SHORT[name]}_low"])
+    usual = max(places(widths.median(), digits), int(name == "right"))  # a column's decimals, where they tell enough
+    texts = []
+    for value, low, high in zip(*(times * frame[SHORT[name] + end] for end in ("", "_low", "_high")), strict=True):
+        if np.isnan(low):
+            texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS[name]}f}", ""))
+        else:
+            texts.append(rounded(value, low, high, max(usual, places(high - low, digits) - 1)))
+    head = f"{name} %" if name == "right" else name
+    if not any(interval for _, interval in texts):
+        return head, [value for value, _ in texts]
+    if below:
+        return f"{head}\n[95 %]", [f"{value}\n{interval}" for value, interval in texts]
+    wide, wider = (max(map(len, column)) for column in zip((head, "[95 %]"), *texts, strict=True))
+    return f"{head:>{wide}} {'[95 %]':{wider}}", [f"{value:>{wide}} {interval:{wider}}" for value, interval in texts]
+
+
+def _legend(data: xr.Dataset, frame: Any) -> list[str]:
+    looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
+    when = f"after round {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
+    known = frame["convergence_round_low"].notna().any()
+    floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
+    return [
+        f"K: round of convergence, error: |x - f| at K (medians over robots and trials){floor}",
+        f"right: robots in the correct bin {when}; "
+        + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        *(_anew(data, key) for key in asked_anew(data)),
+        *(
+            [
+                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than one shown here, "
+                "for a rule looks again and again"
+            ]
+            if "half_width" in data
+            else []
+        ),
+    ]
+
+
+def _anew(data: xr.Dataset, key: str) -> str:
+    """What was asked anew of kept estimates, and what it is then."""
+    if key == "bins":
+        return f"bins {data.attrs['bins']}, asked anew: right is among these bins"
+    known = data["checkpoint"].values.tolist()
+    some = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
+    more = [] if len(some) == len(known) else ["...", str(known[-1])]
+    return (
+        f"delta {data.attrs['delta']:g}, asked anew: K is the first of the checkpoints {', '.join(some + more)} from "
+        "which on the estimates at them are within delta"
+    )
+
+
+def failures(data: xr.Dataset) -> int:
+    """What failed, a line a setting; the exit code: 2 if anything did."""
+    by_setting: dict[int, list[dict[str, Any]]] = {}
+    for one in failed_trials(data):
+        by_setting.setdefault(one["setting"], []).append(one)
+    for number, several in list(by_setting.items())[:MOST_ROWS]:
+        trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
+        print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
+    if len(by_setting) > MOST_ROWS:
+        print(f"and trials of {len(by_setting) - MOST_ROWS:,} more settings", file=sys.stderr)
+    return 2 if by_setting else 0
+
+
+def rounds(trace: xr.Dataset) -> None:
+    """The swarm's estimates at a few rounds of a trace."""
+    estimates = trace["estimate"].values
+    last = len(estimates) - 1
+    at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
+    ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
+    console().print(f"{trace.attrs['title']}: the robots' estimates")
+    heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
+    console().print(table(heads, [(str(k), *(f"{value:.4f}" for value in values)) for k, *values in ends]))
+
+
+def shipped() -> None:
+    """The brains that come with swarmcensus, with their sizes on a robot."""
+    from swarmcensus import brains
+
+    rows = []
+    for name in brains.shipped():
+        brain = brains.load(name)
+        what = (brain.functions.__doc__ or "").strip().splitlines()[0]
+        rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))
+    heads = [("brain", False), ("memory", True), ("message", True), ("what it does", False)]
+    console().print(table(heads, rows))
+
+
+def checks(path: Any, found: list[Check]) -> bool:
+    """What the conformance suite found; whether the brain passed."""
+    out = console()
+    for one in found:
+        out.print(Text("pass", "green") if one.fault is None else Text("FAIL", "red bold"), f" {one.name}")
+        if one.fault is not None:
+            out.print(f"      {one.fault}", soft_wrap=True)
+    good = all(one.fault is None for one in found)
+    out.print(f"{path}: {'conforms' if good else 'does not conform'}", soft_wrap=True)
+    return good

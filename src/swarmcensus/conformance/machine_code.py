@@ -1,0 +1,146 @@
+"""Whether a brain compiles, and whether machine code and CPython agree."""
+
+import types
+import warnings
+from collections.abc import Callable
+from itertools import product
+from typing import Any
+
+import numba
+import numpy as np
+import xarray as xr
+
+from swarmcensus.brains import FUNCTIONS, Brain
+from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
+from swarmcensus.conformance.promises import is_wish
+from swarmcensus.engine import compiler
+from swarmcensus.simulation import oracle
+from swarmcensus.simulation.inferring import infer
+from swarmcensus.worlds.bodies import Body
+
+CLOSE = 1e-12  # relative: the compiled exp and log of a brain may differ from CPython's in the last place
+EVERY = 5  # readings a round
+
+
+def compiles(brain: Brain) -> None:
+    """Make machine code of all that `agrees` runs, and run none of it: what it does is for that check."""
+    kernel = compiler.compile_brain(brain)
+    blank = compiler.blank(brain)
+    history = np.empty((2, 2), blank.dtype)
+    nobody = np.zeros(0, np.uint32)
+    sure = np.full(2, 0.9)
+    given: list[tuple[Any, tuple[Any, ...]]] = [
+        (kernel.follow, (blank, sure, sure, np.ones((1, 2)), 1, True, np.zeros(1, np.int64), nobody, nobody, history)),
+        (kernel.believe, (history, np.empty((2, 2)))),
+    ]
+    if brain.steers:
+        riding = compiler.compile_brain(brain, "riding")
+        given.append((riding.wish, (history[0], Body().numbers, np.empty((3, 2)))))
+    try:
+        for function, arguments in given:
+            if hasattr(function, "compile"):  # not where Numba is switched off
+                function.compile(tuple(map(numba.typeof, arguments)))
+    except MemoryError:
+        raise
+    except Exception as error:
+        lines = [line.strip() for line in str(error).splitlines() if line.strip()]
+        said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
+        where = [line for line in lines if line.startswith("File") and "brain.py" in line]
+        line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
+        raise Fault(f"Numba cannot compile it{line}: {' '.join(said[:2]) or error}") from error
+
+
+def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Accuracies b and w of 25 robots on a ring, their readings (step, robot; NaN where none) and its links."""
+    random = np.random.default_rng(SEED)
+    b, w = (np.array(side) for side in zip(*product(ACCURACIES, ACCURACIES), strict=True))
+    robots = len(b)
+    readings = (random.random((60, robots)) < random.random(robots)).astype(float)
+    readings[random.random(readings.shape) < 0.1] = np.nan
+    return b, w, readings, np.stack([np.arange(robots), (np.arange(robots) + 1) % robots], axis=1)
+
+
+def agrees(brain: Brain) -> None:
+    """Live a random history in CPython and in machine code."""
+    b, w, readings, ring = history()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind, and meant to be
+        slow = infer(readings, ring, (b, w), EVERY, brain, compiled=False)
+        fast = infer(readings, ring, (b, w), EVERY, brain)
+    for name in (*brain.memory, "estimate"):
+        x, y = fast[name].values, slow[name].values
+        far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)
+        if far.any():
+            k, i = np.argwhere(far)[0]
+            raise Fault(
+                f"compiled, {name} is {x[k, i]!r} and in CPython {y[k, i]!r} "
+                f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+            )
+    if brain.steers:
+        wishes_agree(brain, slow, b, w)
+
+
+def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
+    """What compiled minds (robot) want, (what, robot): whether anything, speed and turn, on wheels without a limit."""
+    body = Body(tick=1.0).numbers
+    body["step"] = body["turn"] = np.inf
+    wishes = np.empty((3, len(minds)))
+    compiler.compile_brain(brain, "riding").wish(minds, body, wishes)
+    return wishes
+
+
+def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
+    """Ask the minds of a trace (round, robot) where they want to go, in CPython and in machine code."""
+    for k in range(trace.sizes["round"]):
+        minds = np.empty(len(b), compiler.record_type(brain))
+        said = []
+        for i in range(len(b)):
+            me = brain.robot(float(b[i]), float(w[i]))
+            for name in brain.memory:
+                setattr(me, name, float(trace[name].values[k, i]))
+            minds[i] = tuple(getattr(me, name) for name in minds.dtype.names or ())
+            said.append(brain.functions.steer(me))
+        if not all(map(is_wish, said)):
+            return  # which is another check's to say
+        fast = wishes_of(brain, minds).T
+        for i, wish in enumerate(said):
+            slow = (0.0, 0.0, 0.0) if wish is None else (1.0, *wish)
+            if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
+                compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
+                raise Fault(
+                    f"compiled, steer gives {compiled} and in CPython {wish} "
+                    f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
+                )
+
+
+def step_by_step(brain: Brain) -> Callable[[], object]:
+    """The same history in machine code, call by call, each printed before it is made: the last one is that which hangs.
+
+    All is compiled before this returns, nothing run.
+    """
+    b, w, readings, ring = history()
+    kernel = compiler.compile_brain(brain)
+    real = numba.float64
+    record = numba.from_dtype(compiler.record_type(brain))
+    message = numba.typeof((0.0,) * len(brain.message))  # type: ignore[no-untyped-call]
+    given = {"observe": (real, real), "receive": (message,)}
+
+    def robot(b: float, w: float) -> Any:
+        minds = compiler.blank(brain)
+        minds["b"], minds["w"] = b, w
+        return minds[0]
+
+    def told(name: str) -> Any:
+        function = getattr(kernel, name)
+        function.compile((record, *given.get(name, ())))
+
+        def one(me: Any, *values: Any) -> Any:
+            print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
+            return function(me, *values)
+
+        return one
+
+    functions = types.SimpleNamespace(**{name: told(name) for name in FUNCTIONS})
+    swarm: Any = types.SimpleNamespace(functions=functions, robot=robot, memory=brain.memory)
+    links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
+    return lambda: oracle.follow(swarm, b, w, readings, 1, EVERY, True, links)

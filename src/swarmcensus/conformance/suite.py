@@ -1,0 +1,181 @@
+"""One suite that any brain file can be run through, in a process of its own, which a brain may hang or bring down."""
+
+import faulthandler
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+
+PATIENCE = 30.0  # seconds for a check: some hundred times what it takes
+COMPILE_PATIENCE = 300.0  # the shipped brains take 8 s and 0.6 GiB, Numba itself included
+ROOM = 2 << 30  # bytes that a check may take, beyond what the process has
+COMPILE_ROOM = 4 << 30
+DEATHS = {"SIGSEGV": ": too deep a recursion", "SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
+KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
+CHILD = "import sys; from swarmcensus.conformance import suite; suite.{}(sys.argv[1], float(sys.argv[2]))"
+
+Test = Callable[[brains.Brain], None]
+
+
+@dataclass(frozen=True)
+class Check:
+    """One check: what it asks for, and what is wrong (None where nothing is)."""
+
+    name: str
+    fault: str | None
+
+
+def checks() -> dict[str, Test]:
+    """All checks by their names, in order; each raises Fault."""
+    from swarmcensus.conformance.promises import PROMISES
+
+    def compiles(brain: brains.Brain) -> None:  # Numba is loaded once it is needed
+        from swarmcensus.conformance import machine_code
+        from swarmcensus.conformance.lives import Fault
+
+        try:
+            machine_code.compiles(brain)
+        except MemoryError:
+            raise Fault(f"Numba did not compile it within {COMPILE_ROOM >> 30} GiB of memory") from None
+
+    def agrees(brain: brains.Brain) -> None:
+        from swarmcensus.conformance import machine_code
+
+        machine_code.agrees(brain)
+
+    return PROMISES | {COMPILES: compiles, AGREES: agrees}
+
+
+def check(path: str | Path, patience: float = PATIENCE) -> list[Check]:
+    """Run a brain file through the suite; never raises for the brain's faults.
+
+    Where a check does not end within `patience` seconds, or ends its process, it is the last.
+    """
+    try:
+        brains.load(path)
+    except InputError as error:
+        return [Check(KEEPS, str(error))]
+    done = _child("report", path, patience)
+    told = [json.loads(line) for line in done.stdout.splitlines()]
+    results = [Check(*one) for one in told if len(one) == 2]
+    if done.returncode or len(told[-1]) == 1:
+        begun = told[-1][0] if told else KEEPS
+        results.append(Check(begun, _why_it_ended(done, path, begun, patience)))
+    return results
+
+
+def examine(path: str | Path, tests: dict[str, Test]) -> Iterator[Check]:
+    """Run some of the checks here; a fault that is known is not told again, and what does not compile not run."""
+    import numpy as np
+
+    def gist(fault: str) -> str:
+        return fault.rpartition(" (")[0] or fault  # without the life in which it was found
+
+    try:
+        brain = brains.load(path)
+    except InputError as error:
+        yield Check(KEEPS, str(error))
+        return
+    yield Check(KEEPS, None)
+    known: dict[str, str] = {}
+    for name, test in tests.items():
+        if name == AGREES and COMPILES in known:
+            continue
+        with np.errstate(all="ignore"):
+            fault = fault_of(test, brain)
+        yield Check(name, "the same as above" if fault and gist(fault) in known.values() else fault)
+        if fault:
+            known[name] = gist(fault)
+
+
+def fault_of(test: Test, brain: brains.Brain) -> str | None:
+    """What a check finds wrong."""
+    from swarmcensus.conformance.lives import Fault, in_a_line
+
+    try:
+        test(brain)
+    except Fault as fault:
+        return str(fault)
+    except Exception as error:
+        return in_a_line(error)
+    return None
+
+
+def report(path: str, patience: float) -> None:
+    """The child: before each check print its name, after it the name and the fault, as lines of JSON."""
+
+    def timed(name: str, test: Test) -> Test:
+        def run(brain: brains.Brain) -> None:
+            print(json.dumps([name]), flush=True)
+            _bound_memory(COMPILE_ROOM if name == COMPILES else ROOM)
+            faulthandler.dump_traceback_later(COMPILE_PATIENCE if name == COMPILES else patience, exit=True)
+            try:
+                test(brain)
+            finally:
+                faulthandler.cancel_dump_traceback_later()
+
+        return run
+
+    for found in examine(path, {name: timed(name, test) for name, test in checks().items()}):
+        print(json.dumps([found.name, found.fault]), flush=True)
+
+
+def call_by_call(path: str, patience: float) -> None:
+    """The child that finds out which compiled function does not return."""
+    from swarmcensus.conformance.machine_code import step_by_step
+
+    run = step_by_step(brains.load(path))
+    faulthandler.dump_traceback_later(patience, exit=True)
+    run()
+
+
+def _child(what: str, path: str | Path, patience: float) -> subprocess.CompletedProcess[str]:
+    folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
+    return subprocess.run(
+        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience)],
+        env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
+        capture_output=True,
+        encoding="utf-8",
+        errors="replace",
+        check=False,
+    )
+
+
+def _why_it_ended(done: subprocess.CompletedProcess[str], path: str | Path, name: str, patience: float) -> str:
+    if done.returncode < 0:
+        name = signal.Signals(-done.returncode).name
+        return f"it ends its process by {name}{DEATHS.get(name, '')}"
+    if "Timeout (" not in done.stderr:
+        return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}"
+    frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr[done.stderr.rindex("Timeout (") :])
+    file = str(brains.load(path).path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
+    own = [(line, function) for where, line, function in frames if where == file]
+    if own:
+        called = next(function for _, function in reversed(own))
+        helper = f" (in {own[0][1]})" if own[0][1] != called else ""
+        return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
+    if name == COMPILES:
+        return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
+    again = _child("call_by_call", path, patience)
+    last = again.stdout.splitlines()[-1] if again.returncode and again.stdout else "steer"
+    return f"compiled, {last} did not return within {patience:g} s, though in CPython it does"
+
+
+def _bound_memory(room: int) -> None:
+    """Let this process grow by so many bytes and no more, where the system can tell how large it is."""
+    try:
+        import resource
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        _, most = resource.getrlimit(resource.RLIMIT_AS)
+        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + room, most))
+    except (ImportError, OSError, ValueError):
+        return

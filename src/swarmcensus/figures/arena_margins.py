@@ -1,0 +1,114 @@
+"""What stands around an arena and stays as it is: its colours, a scale, a key and titles."""
+
+from __future__ import annotations
+
+import functools
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import FuncNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.markers import MarkerStyle
+from matplotlib.patches import Patch
+from matplotlib.text import Text
+
+from swarmcensus.figures.lettering import wrapped
+from swarmcensus.figures.sheets import SMALL
+
+SIZE = 6.75, 6.25  # inches: at 128 and 80 dots an inch both are whole, even numbers of dots
+LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches
+WHITE_TILE, BLACK_TILE = 0.97, 0.83  # grey levels: the floor is seen, and robots upon it
+ESTIMATES = mpl.colormaps["plasma_r"]  # darker is blacker; its luminance rises evenly, also in grey print
+LINEAR = 0.1  # estimates as near as this to the truth, a bin of ten, are told apart best
+LINK, RANGE = "#009e73", "#d40000"
+STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all of a robot's make a star
+LINES = 2  # of the title
+
+
+def draw_colours(figure: Figure, true_fill_ratio: float) -> ScalarMappable:
+    """Draw the bar of colours right of the arena; returns what gives estimates these colours."""
+    far = max(true_fill_ratio, 1.0 - true_fill_ratio)
+    most = np.arcsinh(far / LINEAR)
+    # Odd about the truth, with the scale's middle there: equal errors are equally far from its colour.
+    norm = FuncNorm(
+        (
+            lambda x: np.arcsinh((np.asarray(x) - true_fill_ratio) / LINEAR) / most,
+            lambda y: true_fill_ratio + LINEAR * np.sinh(np.asarray(y) * most),
+        ),
+        vmin=true_fill_ratio - far,
+        vmax=true_fill_ratio + far,
+    )
+    colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
+    width, height = SIZE
+    axes = figure.add_axes(((LEFT + ARENA + 0.2) / width, (BOTTOM + 2.15) / height, 0.16 / width, 2.6 / height))
+    low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
+    edges = np.linspace(low, high, 257)
+    strip = colours.to_rgba(norm.inverse((edges[1:] + edges[:-1]) / 2.0))
+    axes.imshow(strip[:, np.newaxis], origin="lower", aspect="auto", extent=(0.0, 1.0, low, high))
+    ticks = {float(norm(x)): f"{x:g}" for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)}
+    ticks = {y: text for y, text in ticks.items() if abs(y - truth) > 0.07 * (high - low)}  # room for its name
+    axes.yaxis.tick_right()
+    axes.set_xticks([])
+    axes.set_yticks(list(ticks), list(ticks.values()), fontsize=SMALL)
+    axes.axhline(truth, color="black", linewidth=1.2)
+    axes.annotate(
+        f"true f = {true_fill_ratio:.4g}", (1.0, truth), (5, 0), textcoords="offset points", va="center",
+        fontsize=SMALL, fontweight="bold", annotation_clip=False,
+    )  # fmt: skip
+    axes.set_title("estimated\nfill ratio", loc="left", fontsize=SMALL)
+    return colours
+
+
+def write_titles(figure: Figure, title: str, robots: int) -> tuple[Text, Text]:
+    """Write the title over the arena, in two lines at most; returns the headline's two texts that change."""
+    width, height = SIZE
+    lines = wrapped(title, 72 * (width - LEFT - 0.1), SMALL, LINES)
+    left, right, y = LEFT / width, (LEFT + ARENA) / width, (BOTTOM + ARENA + 0.19 + 0.13 * len(lines)) / height
+    # What others have called a study is text, also where it has dollar signs.
+    write = functools.partial(figure.text, va="baseline", parse_math=False)
+    write(left, (BOTTOM + ARENA + 0.12) / height, "\n".join(lines), fontsize=SMALL, va="bottom")
+    when = write(left, y, "", fontsize=SMALL + 3)
+    # Letters are what takes longest to draw in a film: those that stay are not written again.
+    most = f"{robots:,} of {robots:,}"
+    start = right - 0.08 * len(most) / width
+    write(start - 0.05 / width, y, "robots in the right bin:", fontsize=SMALL + 3, ha="right")
+    return when, write(start, y, "", fontsize=SMALL + 3)
+
+
+def draw_scale(axes: Axes, half: float, note: str) -> None:
+    """Draw a bar of a round length under the arena, of which `half` is half the side in metres, and write a note."""
+    length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
+    y = -half * (1.0 + 2.0 * 0.14 / ARENA)
+    x = -half, -half + length
+    axes.plot(x, [y, y], "|-", color="black", linewidth=1.2, markersize=6, clip_on=False)
+    axes.text(
+        x[1] + 0.03 * half, y, f"{length:g} m" if length >= 0.01 else f"{1000 * length:g} mm", va="center",
+        fontsize=SMALL,
+    )  # fmt: skip
+    axes.text(half, y, note, ha="right", va="center", fontsize=SMALL)
+
+
+def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, tiles: bool) -> None:
+    """Say right of the arena what its marks mean: `robot` has its radio range drawn, `stops` are parts that fail."""
+    disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
+    entries: dict[str, Any] = {
+        "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
+        "radio link": Line2D([], [], color=LINK, linewidth=1.3),
+        f"radio range of\nrobot {robot}": Line2D([], [], color=RANGE, linestyle=":", linewidth=1.6),
+    }
+    for part in stops:
+        mark = MarkerStyle("_").rotated(deg=STROKES[part])
+        stroke = Line2D([], [], linestyle="", marker=mark, markersize=13, markeredgewidth=1.6, color="black")
+        entries[f"stopped {part}"] = stroke, disc
+    if tiles:
+        entries["black tile"] = Patch(facecolor=str(BLACK_TILE), edgecolor="0.5", linewidth=0.5)
+        entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
+    width, height = SIZE
+    figure.legend(
+        list(entries.values()), list(entries), loc="lower left", frameon=False, fontsize=SMALL, borderaxespad=0,
+        bbox_to_anchor=((LEFT + ARENA + 0.14) / width, BOTTOM / height), handlelength=1.5, labelspacing=0.7,
+    )  # fmt: skip

@@ -1,0 +1,210 @@
+"""Pictures of robots that move, after the paper's Fig. 1: `snapshot` of one tick; `films` puts many together.
+
+Robots are discs to scale, coloured by what they estimate, upon a dimmed floor; lines join those that hear each
+other, and a dotted circle is the radio range of one of them. Strokes across a robot say what it no longer does.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.arena_margins import (
+    ARENA,
+    BLACK_TILE,
+    BOTTOM,
+    LEFT,
+    LINK,
+    RANGE,
+    SIZE,
+    STROKES,
+    WHITE_TILE,
+    draw_colours,
+    draw_key,
+    draw_scale,
+    write_titles,
+)
+from swarmcensus.figures.looks import halo
+from swarmcensus.figures.panels import require, truth_of
+from swarmcensus.figures.scenes import check_robot, scene_of
+from swarmcensus.simulation.metrics import right_bin
+
+__all__ = ["Arena", "scene_of", "snapshot"]
+
+STROKE = 0.7, 1.7  # where a stroke's two ends begin and end, in radii of a robot: they leave its colour to be seen
+LEAST = 0.004  # of the arena's side: smaller robots are drawn with this radius
+FINE = 1500  # tiles from wall to wall of which each is drawn; of more, means of several are
+
+
+def snapshot(
+    trace: xr.Dataset, tick: int, floor: NDArray[np.uint8] | None = None, *, robot: int = 0, title: str | None = None
+) -> Figure:
+    """Draw the arena at the end of a tick: the paper's Fig. 1, with robots coloured by their estimate.
+
+    `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `floor_of` does:
+    squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred upon the arena. Without it the
+    floor is the even grey of the fill ratio. Dotted is the radio range of `robot`. Without a `title` it is
+    `trace.attrs["title"]`. Robots that by then have failed have a stroke for each thing that they stopped to do.
+
+    Raises InputError if the trace lacks what is drawn, or has no such tick or robot, or the floor is too small.
+    """
+    arena = Arena(trace, floor, robot=robot, title=title)
+    arena.show(tick)
+    return arena.figure
+
+
+class Arena:
+    """A moving trial on a figure whose robots `show` puts to where they are at any tick.
+
+    `moving` are the artists that `show` changes, in drawing order; all others stay as they are.
+    """
+
+    def __init__(
+        self,
+        trace: xr.Dataset,
+        floor: NDArray[np.uint8] | None,
+        *,
+        robot: int = 0,
+        title: str | None = None,
+        note: str = "",
+    ) -> None:
+        """Draw what stands still, with a `note` under the arena. Raises InputError as `snapshot` does."""
+        self._take(trace, robot)
+        self.figure = Figure(figsize=SIZE)
+        FigureCanvasAgg(self.figure)
+        width, height = SIZE
+        place = LEFT / width, BOTTOM / height, ARENA / width, ARENA / height
+        self.axes = self.figure.add_axes(place, xlim=(-self.half, self.half), ylim=(-self.half, self.half))
+        self.axes.set(xticks=[], yticks=[], aspect="equal")
+        self.axes.spines[:].set(linewidth=1.6, zorder=6)
+        self._draw_floor(floor)
+        self._draw_robots()
+        self.colours = draw_colours(self.figure, self.truth)
+        draw_scale(self.axes, self.half, note)
+        to_scale = self.drawn_radius == self.radius
+        draw_key(self.figure, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None)
+        name = str(trace.attrs.get("title", "")) if title is None else title
+        self.when, self.right = write_titles(self.figure, name, self.robots)
+        self.moving: list[Artist] = [
+            self.links,
+            self.range,
+            self.discs,
+            self.headings,
+            self.failed,
+            self.when,
+            self.right,
+        ]
+
+    def _take(self, trace: xr.Dataset, robot: int) -> None:
+        if "position" not in trace or "side" not in trace.attrs:
+            raise InputError("nothing to draw: the trace has no positions, for its robots do not move")
+        if "link" not in trace:
+            raise InputError("the trace has no links: replay it with links=True")
+        require(trace, "estimate", "heading", dimensions=("round", "robot"))
+        trace = trace.transpose("part", "round", "robot", "axis", "link", "end", missing_dims="ignore")
+        self.ticks = trace["round"].values
+        self.position, self.heading = trace["position"].values, trace["heading"].values
+        self.estimate = trace["estimate"].values
+        links = trace["link"].values
+        self.link = links[np.argsort(links[:, 0], kind="stable")]
+        self.robots = self.position.shape[1]
+        self.stops: dict[str, NDArray[np.int64]] = {}  # of the parts that fail in this trial
+        if "stops" in trace:
+            first = zip(trace["part"].values.tolist(), trace["stops"].values, strict=True)
+            self.stops = {part: ticks for part, ticks in first if (ticks >= 0).any()}
+        check_robot(robot, self.robots)
+        self.robot = robot
+        self.half = float(trace.attrs["side"]) / 2.0
+        self.radius = float(trace.attrs["radius"])
+        self.reach, self.tile = float(trace.attrs["radio_range"]), float(trace.attrs["tile_side"])
+        self.truth = truth_of(trace)
+        self.bins = int(trace.attrs.get("bins", 10))
+        self.seconds: float | None = trace.attrs.get("tick_seconds")
+
+    def index(self, tick: int) -> int:
+        """Return the place of a tick in the trace. Raises InputError if it is not there."""
+        (found,) = np.nonzero(self.ticks == tick)
+        if not found.size:
+            raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]} to {self.ticks[-1]}")
+        return int(found[0])
+
+    def show(self, tick: int) -> None:
+        """Put the robots to where they are at the end of a tick. Raises InputError if the trace lacks it."""
+        k = self.index(tick)
+        xy, heading, estimate = self.position[k], self.heading[k], self.estimate[k]
+        first, last = np.searchsorted(self.link[:, 0], [tick, tick + 1])
+        self.links.set_segments(list(xy[self.link[first:last, 1:]]))
+        self.range.center = tuple(xy[self.robot])
+        self.discs.set_offsets(xy)
+        colours = self.colours.to_rgba(np.ma.masked_invalid(estimate))
+        self.discs.set(facecolor=colours)
+        ahead = self.drawn_radius * np.stack([np.cos(heading), np.sin(heading)], axis=1)
+        self.headings.set_segments(list(np.stack([xy + 0.1 * ahead, xy + ahead], axis=1)))
+        bright = colours[:, :3] @ (0.2126, 0.7152, 0.0722) > 0.45
+        self.headings.set_color(np.where(bright, "black", "white").tolist())
+        self.failed.set_segments(self._strokes(xy, tick))
+        low, high = right_bin(self.truth, self.bins)
+        right = int(((estimate >= low) & (estimate < high)).sum())
+        clock = "" if self.seconds is None else f", {tick * self.seconds:,.1f} s"
+        self.when.set_text(f"tick {tick:,}{clock}")
+        self.right.set_text(f"{right:,} of {self.robots:,}")
+
+    def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
+        """Two lines (end, axis), on opposite sides, for each part of each robot that has stopped by this tick."""
+        lines: list[NDArray[np.float64]] = []
+        for part, ticks in self.stops.items():
+            places = xy[(ticks >= 0) & (ticks <= tick)]
+            angle = np.deg2rad(STROKES[part])
+            for side in (-1.0, 1.0):
+                away = side * self.drawn_radius * np.array([np.cos(angle), np.sin(angle)])
+                lines += list(np.stack([places + reach * away for reach in STROKE], axis=1))
+        return lines
+
+    def _draw_floor(self, floor: NDArray[np.uint8] | None) -> None:
+        if floor is None:
+            self.axes.set_facecolor(str(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * self.truth))
+            return
+        across = np.array(floor.shape[::-1]) * self.tile
+        if floor.ndim != 2 or (across < 2.0 * self.half - 1e-6).any():
+            raise InputError(
+                f"a floor of shape {floor.shape}, in tiles of {self.tile:g} m, does not cover an arena of "
+                f"{2.0 * self.half:.2f} m: should be (row, column)"
+            )
+        step = -(-max(floor.shape) // FINE)
+        rows, columns = (np.arange(0, size, step) for size in floor.shape)
+        black = np.add.reduceat(np.add.reduceat(floor, rows, axis=0, dtype=np.float32), columns, axis=1)
+        black /= np.outer(np.diff([*rows, floor.shape[0]]), np.diff([*columns, floor.shape[1]]))
+        left, bottom = -across / 2.0
+        self.axes.imshow(
+            WHITE_TILE + (BLACK_TILE - WHITE_TILE) * black, cmap="gray", vmin=0.0, vmax=1.0, origin="lower",
+            extent=(left, left + columns.size * step * self.tile, bottom, bottom + rows.size * step * self.tile),
+        )  # fmt: skip
+
+    def _draw_robots(self) -> None:
+        self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
+        dots = self.drawn_radius / self.half * ARENA / 2.0 * 72.0  # a robot's radius in points
+        thin = float(np.clip(0.12 * dots, 0.3, 0.8))
+        self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
+        self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
+        edges = ["black"] * self.robots
+        edges[self.robot] = RANGE
+        widths = np.full(self.robots, thin)
+        widths[self.robot] = 2.0 * thin
+        size = 2.0 * self.drawn_radius
+        self.discs = EllipseCollection(
+            size, size, 0.0, units="xy", offsets=np.zeros((self.robots, 2)), offset_transform=self.axes.transData,
+            edgecolors=edges, linewidths=widths, zorder=4,
+        )  # fmt: skip
+        self.headings = LineCollection([], linewidths=2.0 * thin, zorder=5, capstyle="butt")
+        wide = float(np.clip(0.3 * dots, 1.0, 2.2))
+        self.failed = LineCollection([], colors="black", linewidths=wide, zorder=7, path_effects=halo(2.0 * wide))
+        for collection in (self.links, self.discs, self.headings, self.failed):
+            self.axes.add_collection(collection, autolim=False)
+        self.axes.add_patch(self.range)

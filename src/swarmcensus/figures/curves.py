@@ -1,0 +1,72 @@
+"""One trial as it unfolds: every robot's estimate, round by round."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.looks import palette
+from swarmcensus.figures.panels import require, truth_of
+from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, new_sheet
+from swarmcensus.simulation.metrics import right_bin
+
+MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands
+
+
+def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log") -> Figure:
+    """Draw one trial as it unfolds: each robot's estimate against the communication round or tick.
+
+    x is the round or tick (0: before any observation), y the estimated fill ratio; bold is the median over robots,
+    dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known), shaded the right one of 10 (or
+    `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and bands hold the middle
+    50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round by round what
+    the paper's Sec. III describes.
+
+    Raises InputError if `trace` lacks the estimates or has none.
+    """
+    require(trace, "estimate", "round", dimensions=("round", "robot"))
+    estimate = trace["estimate"].transpose("round", "robot")
+    estimate = estimate.dropna("round", how="all").dropna("robot", how="all")
+    if not estimate.size:
+        raise InputError("nothing to draw: the trace holds no estimate")
+    (ax,) = new_sheet([str(trace.attrs.get("title", "")) if title is None else title])
+    rounds, x = estimate["round"].values, estimate.values
+    robots = x.shape[1]
+    shown = np.arange(robots)
+    colour = palette(11)[3]
+    entries: dict[str, Artist] = {}
+    if robots > MOST_LINES:
+        shown = np.linspace(0, robots - 1, 30).round().astype(int)
+        for percent, shade in ((90, 0.18), (50, 0.32)):
+            low, high = np.nanpercentile(x, [50 - percent / 2, 50 + percent / 2], axis=1)
+            ax.fill_between(rounds, low, high, color=colour, alpha=shade, linewidth=0, label=f"{percent} %")
+            entries[f"middle {percent} %"] = Patch(color=colour, alpha=shade, linewidth=0)
+    if robots > 1:
+        lines = LineCollection(
+            [np.stack([rounds, x[:, i]], 1) for i in shown], linewidths=0.5, colors=colour, rasterized=True,
+            alpha=float(np.clip(3 / np.sqrt(shown.size), 0.3, 0.7)), label="robots",
+        )  # fmt: skip
+        ax.add_collection(lines)
+        some = "each of" if shown.size == robots else f"{shown.size} of"
+        entries[f"{some} {robots:,} robots"] = Line2D([], [], linewidth=0.7, color=colour)
+    (middle,) = ax.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
+    entries["median robot" if robots > 1 else "the robot"] = middle
+    if "fill_ratio" in trace.attrs:
+        truth, bins = truth_of(trace), int(trace.attrs.get("bins", 10))
+        bottom, top = np.clip(right_bin(truth, bins), 0, 1)
+        right = ax.axhspan(bottom, top, fc="0.92", ec="0.5", lw=0.6, ls=":", zorder=0, label="bin")
+        dashed = ax.axhline(truth, color="#d55e00", ls=(0, (4, 2)), lw=1.2, zorder=3, label="truth")
+        entries |= {"true fill ratio": dashed, f"right bin of {bins}": right}
+    count_axis(ax, rounds[0], rounds[-1], scale)
+    ax.set_ylim(0, 1)
+    note = " (logarithmic above 1)" if scale == "log" else ""
+    unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
+    name_axes(ax, f"{unit}{note}", "estimated fill ratio $x$")
+    add_key([ax], "", entries)
+    return ax.figure.canvas.figure

@@ -1,0 +1,126 @@
+"""How many robots decide rightly, and when: a diamond for each sensor accuracy and checkpoint."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.path import Path
+from matplotlib.ticker import FixedLocator
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
+from swarmcensus.figures.panels import Panel, Shares, check_few, shares_of, unit_of
+from swarmcensus.figures.sheets import (
+    NOTHING,
+    SMALL,
+    add_key,
+    caption_panels,
+    name_axes,
+    new_sheet,
+    say_empty,
+    say_lacking,
+)
+
+MOST_CHECKPOINTS = 12
+GAP = 1.5  # points between a diamond and the dash over it
+
+
+def decisions(results: xr.Dataset, *, title: str | None = None, axes: Axes | None = None) -> Figure:
+    """Draw which share of the robots chooses the right bin after so many rounds, or ticks of robots that move.
+
+    The panel of the paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or
+    than fit, the axis says how many are shown), and holds a diamond for each sensor accuracy, side by side in
+    the key's order, so that none hides another. y is the percentage of right robots over all trials; a thin line
+    through a diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and
+    a dash that lies over a diamond says that all robots of all trials are right. In `axes` of your own, leave
+    room for the key on their right.
+
+    Raises InputError if `results` lacks a variable or holds no finished trial.
+    """
+    if axes:
+        caption_panels([axes], [title or ""])
+    return _decisions([Panel("", results)], [axes] if axes else new_sheet([title or ""]))
+
+
+def decisions_grid(panels: Sequence[Panel | tuple[Any, ...]], *, title: str | None = None) -> Figure:
+    """Draw several `decisions` panels, (a), (b), ..., with one key: the paper's Fig. 4.
+
+    A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
+
+    Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
+    """
+    drawn = [Panel(*panel) for panel in panels]
+    check_few(drawn)
+    return _decisions(drawn, new_sheet([panel.caption for panel in drawn], title))
+
+
+def _decisions(panels: list[Panel], axes: list[Axes]) -> Figure:
+    shares = [shares_of(panel.results) for panel in panels]
+    looks = looks_of((accuracy for share in shares for accuracy in share), "d")
+    if not looks:
+        raise InputError(NOTHING)
+    for panel, share, ax in zip(panels, shares, axes, strict=True):
+        if share:
+            _draw_shares(ax, panel.results["checkpoint"].values, share, looks, unit_of(panel.results))
+        else:
+            say_empty(ax)
+    heading, named = keyed(looks)
+    entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
+    if any(one.all_right.any() for share in shares for one in share.values()):
+        entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
+    if any(np.isfinite(one.low).any() for share in shares for one in share.values()):
+        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
+    add_key(axes, heading, entries)
+    say_lacking(axes, [panel.results for panel in panels])
+    return axes[0].figure.canvas.figure
+
+
+def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str) -> None:
+    known = np.flatnonzero(np.any([np.isfinite(one.right) for one in shares.values()], axis=0))
+    width = axes.bbox.width * 72 / axes.figure.dpi
+    widest = max(2 * len(looks), 0.7 * SMALL * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
+    columns = min(known.size, MOST_CHECKPOINTS, max(1, int(width / widest)))
+    kept = known[np.linspace(known.size - 1, 0, columns).round().astype(int)[::-1]]
+    size = float(np.clip(width / columns / len(looks), 2, 7))  # the thin diamond is 0.85 times as wide
+    for i, (text, look) in enumerate(looks.items()):
+        if text not in shares:
+            continue
+        right, all_right, low, high = (values[kept] for values in shares[text])
+        x = np.arange(columns) + (i - (len(looks) - 1) / 2) * 0.86 / len(looks)
+        some = np.isfinite(right)
+        dashes = _dash(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
+        dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
+        axes.add_line(dashes)
+        axes.vlines(
+            x[some], 100 * low[some], 100 * high[some], colors=look.colour, alpha=0.7,
+            linewidths=np.clip(0.12 * size, 0.4, 0.7),
+            label=f"interval {text}", zorder=2,
+        )  # fmt: skip
+        diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
+        diamonds.set(xdata=x[some], ydata=100 * right[some], label=f"right {text}", zorder=4, clip_on=False)
+        axes.add_line(diamonds)
+    for edge in np.arange(1, columns) - 0.5:
+        axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
+    axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)
+    axes.set_xlim(-0.5, columns - 0.5)
+    axes.set_ylim(-4, 108)  # room for what stands at 0 and at 100
+    axes.set_xticks(np.arange(columns), [f"{checkpoints[c]:,}" for c in kept])
+    axes.tick_params(axis="x", length=0)
+    axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))
+    note = f"; {columns} of {known.size} checkpoints" if columns < known.size else ""
+    name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
+
+
+def _dash(height: float, width: float, colour: str, thick: float) -> Line2D:
+    """Markers that lie so many points over their places: across, for an interval stands upright."""
+    reach = max(height, width / 2)  # matplotlib scales a marker's path to its size
+    shape: Any = Path([(-width / 2, height), (width / 2, height)])
+    return Line2D([], [], linestyle="", marker=shape, markersize=2 * reach, color=colour, markeredgewidth=thick)

@@ -1,0 +1,117 @@
+"""Medians in a grid of sensor accuracies and fill ratios."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import AsinhNorm, Colormap, Normalize
+from matplotlib.figure import Figure
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.lettering import shortened, told_apart, width_of
+from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.panels import cloud_of, require, select_some, unit_of, varies
+from swarmcensus.figures.sheets import NOTHING, SMALL, caption_panels, name_axes, new_sheet, say_lacking
+from swarmcensus.results.selecting import TooMuch
+
+LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
+ABOVE = 0.3  # inches over a panel for the bar of its colours
+MOST_NAMED = 8  # values of a coordinate, in a message
+
+
+def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
+    """Draw medians over robots and trials for every sensor accuracy (rows) and fill ratio (columns).
+
+    Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move. The bar over a panel says
+    which colours are best; each cell says its number, where there are no more than fit; grey is a cell without a
+    finished trial. It extends the paper's Figs. 2 to 5 to all f.
+
+    Raises InputError if another coordinate varies, or if there is no finished trial.
+    """
+    require(results, "fill_ratio")
+    shown = {"accuracy", "fill_ratio"}
+    if varying := varies(results, apart_from=shown):
+        several = ", ".join(f"{name} ({_some(values)})" for name, values in varying.items())
+        vary = f"{several} {'varies' if len(varying) == 1 else 'vary'} too"
+        raise TooMuch(f"a heatmap shows accuracy and fill_ratio, but {vary}", select_some(results, shown, 1))
+    ratios = np.unique(results["fill_ratio"].values)
+    clouds = [cloud_of(results.isel(setting=results["fill_ratio"].values == f), local=False) for f in ratios]
+    looks = looks_of((accuracy for cloud in clouds for accuracy in cloud), "o")
+    if not looks:
+        raise InputError(NOTHING)
+    medians = np.full((2, len(looks), ratios.size), np.nan)
+    for column, cloud in enumerate(clouds):
+        for row, accuracy in enumerate(looks):
+            if accuracy in cloud:
+                when, error = cloud[accuracy]
+                medians[:, row, column] = np.median(error), np.median(when)
+    names = [shortened(look.name, 200, SMALL) for look in looks.values()]
+    ticks = told_apart(ratios.tolist())
+    cell = max(0.4, (max(width_of(tick, SMALL) for tick in ticks) + SMALL) / 72)  # inches
+    size = (max(cell * ratios.size, 2.4), max(0.25 * len(looks), 0.75))
+    numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
+    size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
+    left = max(1.25, 0.55 + max(width_of(name, SMALL) for name in names) / 72)
+    axes = new_sheet(["", ""], title, size=size, left=left, right=0.15, above=ABOVE)
+    _draw_cells(axes[0], medians[0], 0.01, ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", numbered)
+    _draw_cells(axes[1], medians[1], 1.0, ",.0f", numbered)
+    columns, rows = _some_of(len(ticks), size[0] / cell), _some_of(len(names), size[1] / 0.16)
+    for ax in axes:
+        ax.set_xticks(columns, [ticks[k] for k in columns])
+        ax.set_yticks(rows, [names[k] if ax is axes[0] else "" for k in rows], parse_math=False)
+        name_axes(ax, "fill ratio $f$", "sensor accuracy")
+        ax.tick_params(length=0)
+        ax.spines[:].set_visible(False)
+    captions = [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"]
+    caption_panels(axes, captions, ABOVE, math=True)
+    say_lacking(axes, [results])
+    return axes[0].figure.canvas.figure
+
+
+def _some(values: list[Any]) -> str:
+    distinct = [str(value) for value in dict.fromkeys(values) if value is not None]
+    return ", ".join(distinct[:MOST_NAMED]) + (", ..." if len(distinct) > MOST_NAMED else "")
+
+
+def _some_of(count: int, room: float) -> NDArray[np.int64]:
+    """The places of as many of `count` names as have room, evenly chosen."""
+    return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
+
+
+def _draw_cells(axes: Axes, values: NDArray[np.float64], linear: float, style: str, numbered: bool) -> None:
+    colours = mpl.colormaps["viridis_r"].with_extremes(bad="0.9")
+    norm = AsinhNorm(linear_width=linear, vmin=np.nanmin(values), vmax=np.nanmax(values))
+    image = axes.imshow(values, cmap=colours, norm=norm, aspect="auto", origin="lower")
+    _draw_scale(axes, norm, colours, style)
+    if not numbered:
+        return
+    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
+    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
+    for row, column in np.argwhere(np.isfinite(values)):
+        axes.text(
+            column, row, _number(values[row, column], style), ha="center", va="center",
+            fontsize=SMALL - 1, color="black" if bright[row, column] else "white",
+        )  # fmt: skip
+
+
+def _number(value: float, style: str) -> str:
+    text = f"{value:{style}}"
+    return text.removeprefix("0") if "." in text else text
+
+
+def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str) -> None:
+    """A bar of all colours over the panel, with the numbers at its ends and which of them is best."""
+    wide, high = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
+    bar = axes.inset_axes((0, 1 + 6 / high, min(1.0, 170 / wide), 5 / high))
+    bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))
+    bar.set_axis_off()
+    ends = {0.0: f"best {_number(float(norm.vmin or 0), style)}", 1.0: f"{_number(float(norm.vmax or 0), style)} worst"}
+    for place, text in ends.items():
+        bar.text(
+            place, 1.4, text, ha="right" if place else "left", va="bottom", fontsize=SMALL - 1, transform=bar.transAxes
+        )

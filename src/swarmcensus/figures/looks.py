@@ -1,0 +1,95 @@
+"""How sensor accuracies look: their names, colours and markers, the same in every figure."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib import patheffects
+from matplotlib.colors import to_hex
+from matplotlib.lines import Line2D
+
+from swarmcensus.figures.lettering import told_apart
+
+SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
+MARKERS = "s^vPXph"  # of such swarms, after the first
+MOST_KEYED = 20  # numbers in a key
+NUMBER = r"\d*\.?\d+(e-?\d+)?"
+
+
+class Look(NamedTuple):
+    """How one sensor accuracy appears: its name in the key, a short one for labels, colour and marker.
+
+    A `spread` one is of robots, or of the two colours, that differ.
+    """
+
+    name: str
+    short: str
+    colour: str
+    marker: str
+    spread: bool = False
+
+
+def palette(count: int) -> list[str]:
+    """Return `count` colours for ordered values, dark to light, as #rrggbb.
+
+    Perceptually uniform with rising luminance: the order survives colour blindness and grey print. Both ends
+    are cut off, for black has a meaning of its own and the palest end is lost on white paper.
+    """
+    return [to_hex(colour) for colour in mpl.colormaps["viridis"](np.linspace(0.06, 0.9, count))]
+
+
+def looks_of(accuracies: Iterable[str], marker: str) -> dict[str, Look]:
+    """Return the look of every distinct accuracy, in drawing order: numbers upwards, then all others.
+
+    Numbers share `marker` and get colours by rank, darkest where sensors are worst. Of all others (spread over the
+    swarm, or different for black and white) the first is black, as in the paper; more of them differ from it and
+    from each other in colour and shape.
+    """
+    distinct = set(accuracies)
+    numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=float)
+    spread = sorted(distinct.difference(numbers))
+    names = dict(zip([*numbers, *spread], told_apart([*numbers, *spread]), strict=True))
+    looks = {
+        text: Look(names[text], names[text].removeprefix("0"), colour, marker)
+        for text, colour in zip(numbers, palette(len(numbers)), strict=True)
+    }
+    for i, text in enumerate(spread):
+        name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
+        short = "b≠w" if "w = " in name else name.split("(")[0]
+        looks[text] = Look(name, short, SPREAD[i % 3], f"{marker}{MARKERS}"[i % 8], spread=True)
+    return looks
+
+
+def keyed(looks: Mapping[str, Look]) -> tuple[str, dict[str, Look]]:
+    """Return a key's title and the looks that it names: of very many numbers some, evenly chosen, with both ends."""
+    numbers = [text for text, look in looks.items() if not look.spread]
+    if len(numbers) <= MOST_KEYED:
+        return "sensor accuracy", dict(looks)
+    named = {numbers[i] for i in np.linspace(0, len(numbers) - 1, MOST_KEYED).round().astype(int)}
+    few = {text: look for text, look in looks.items() if look.spread or text in named}
+    return f"sensor accuracy\n({len(few)} of {len(looks)} named)", few
+
+
+def solid_dot(look: Look, size: float, edge: float) -> Line2D:
+    """Return a solid, outlined marker of this look, still without data: for keys and medians."""
+    return Line2D(
+        [], [], linestyle="", marker=look.marker, markersize=size, markerfacecolor=look.colour,
+        markeredgecolor="black", markeredgewidth=edge,
+    )  # fmt: skip
+
+
+def median_dot(look: Look, size: float, edge: float) -> Line2D:
+    """The same for a median among many: a ring where the accuracy is spread, for it must not hide the others."""
+    dot = solid_dot(look, size, edge)
+    if look.spread:
+        dot.set(markerfacecolor="none", markeredgecolor=look.colour, markeredgewidth=2 * edge)
+    return dot
+
+
+def halo(width: float) -> list[patheffects.AbstractPathEffect]:
+    """Return a white rim of `width` points, which keeps what it surrounds legible upon dense dots."""
+    return [patheffects.withStroke(linewidth=width, foreground="white")]

@@ -1,0 +1,167 @@
+"""How fast and how well robots estimate: a dot for each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.lettering import width_of
+from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
+from swarmcensus.figures.panels import Cloud, Cross, Panel, check_few, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.sheets import (
+    NAMES,
+    NOTHING,
+    SMALL,
+    Scale,
+    add_key,
+    caption_panels,
+    count_axis,
+    error_axis,
+    label_dots,
+    name_axes,
+    new_sheet,
+    say_empty,
+    say_lacking,
+)
+
+LABELS = 0.25  # inches over a scatter panel for the names of its medians, if they are short
+TURNS = 6
+EARLY = 0.05  # of the dots: if what is left of them spans less than half a decade, the axis is linear
+
+
+def scatter(
+    results: xr.Dataset,
+    *,
+    local: bool = False,
+    title: str | None = None,
+    axes: Axes | None = None,
+    error_limit: float | None = None,
+    scale: Scale = "log",
+) -> Figure:
+    """Draw how fast and how well robots estimate: one dot a robot and trial, and the medians.
+
+    The panel of the paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of
+    robots that move (`local`: of the local estimate, in observations), y the error |x^K - f|; outlined dots, named
+    above the panel, are the medians of the sensor accuracies, whose colours `looks.looks_of` explains: rings where
+    robots' accuracies differ, so that they hide no other. A thin cross through a median is its 95 % interval over
+    trials on both axes, where there are 6 trials or more, of swarms of one size. Of too many medians the panel names
+    some, and the key says so. All settings of `results` share the panel. With `scale` "log" both axes are logarithmic,
+    above 1 and 0.01, and x begins where the data do (and is linear where all but the earliest 5 % span less than half a
+    decade); with "log-y" the error alone is, and x begins at 0; "linear" is the paper's. Dots above `error_limit` are
+    counted instead of drawn. In `axes` of your own, leave room for the key on their right.
+
+    Raises InputError if `results` lacks a variable or holds no finished trial.
+    """
+    return _scatter([Panel(title or "", results, local, error_limit)], axes, None, scale)
+
+
+def scatter_grid(
+    panels: Sequence[Panel | tuple[Any, ...]], *, title: str | None = None, scale: Scale = "log"
+) -> Figure:
+    """Draw several `scatter` panels, (a), (b), ..., with one key: the paper's Figs. 2, 3 and 5.
+
+    A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). So that panels compare, those
+    of one unit have the same x axis, and those without an `error_limit` of their own the same y axis. A panel
+    without finished trials says so.
+
+    Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
+    """
+    drawn = [Panel(*panel) for panel in panels]
+    check_few(drawn)
+    return _scatter(drawn, None, title, scale)
+
+
+def _scatter(panels: list[Panel], given: Axes | None, title: str | None, scale: Scale) -> Figure:
+    clouds = [cloud_of(panel.results, panel.local) for panel in panels]
+    units = [unit_of(panel.results, panel.local) for panel in panels]
+    looks = looks_of((accuracy for cloud in clouds for accuracy in cloud), "o")
+    if panels and not looks:
+        raise InputError(NOTHING)
+    captions = [panel.caption for panel in panels]
+    above = max([LABELS, *((width_of(look.short, NAMES) + 5) / 72 for look in looks.values())])
+    axes = [given] if given else new_sheet(captions, title, above=above)
+    if given:
+        caption_panels(axes, captions, above)
+    free = [cloud for panel, cloud in zip(panels, clouds, strict=True) if panel.error_limit is None]
+    highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
+    crossed, all_named = False, True
+    for panel, cloud, unit, ax in zip(panels, clouds, units, axes, strict=True):
+        if not cloud:
+            say_empty(ax)
+            continue
+        alike = [i for i, other in enumerate(units) if other == unit and clouds[i]]
+        low = min(when.min() for i in alike for when, _ in clouds[i].values())
+        early = float(np.quantile(np.concatenate([when for i in alike for when, _ in clouds[i].values()]), EARLY))
+        count_axis(ax, low, max(_horizon(panels[i]) for i in alike), scale, early)
+        error_axis(ax, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
+        symbol = r"\hat{x}" if panel.local else "x"
+        name_axes(ax, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
+        crosses = crosses_of(panel.results, panel.local)
+        crossed = crossed or bool(crosses)
+        all_named &= _draw_cloud(ax, cloud, crosses, looks)
+    heading, named = keyed(looks)
+    entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
+    median = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
+    entries[median] = solid_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
+    if crossed:
+        entries["its 95 % interval"] = Line2D([], [], linestyle="", marker="+", markersize=9, color="black", mew=0.8)
+    entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
+    if scale != "linear":
+        from_0 = any(ax.get_xscale() == "asinh" and ax.get_xlim()[0] < 1 for ax in axes)
+        bent = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
+        entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
+    add_key(axes, heading, entries)
+    say_lacking(axes, [panel.results for panel in panels])
+    return axes[0].figure.canvas.figure
+
+
+def _horizon(panel: Panel) -> float:
+    rounds = panel.results["rounds"]
+    return float((rounds * panel.results["observations_per_round"] if panel.local else rounds).max())
+
+
+def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict[str, Look]) -> bool:
+    """Draw what a panel holds; returns whether all of its medians are named."""
+    drawn = [text for text in looks if text in cloud]
+    total = sum(when.size for when, _ in cloud.values())
+    alpha = float(np.clip(25 / np.sqrt(total), 0.12, 0.6))
+    distinct = {text: np.unique(np.stack(cloud[text]).round(9), axis=1, return_counts=True) for text in drawn}
+    # In turns, a share of each accuracy's dots at a time, so that none lies on top of all others, and those of
+    # spread accuracies below them. Equal dots (fully connected robots agree) are drawn once, as opaque as all of
+    # them: their soft edges would add up to squares.
+    for turn in range(TURNS):
+        for text in drawn:
+            (when, error), copies = (values[..., turn::TURNS] for values in distinct[text])
+            for count in np.unique(copies):
+                axes.plot(
+                    when[copies == count], error[copies == count], "o", markersize=2.4, markeredgewidth=0,
+                    color=looks[text].colour, alpha=1 - (1 - alpha) ** count, rasterized=True,
+                    zorder=1.9 if looks[text].spread else 2,
+                    label=f"dots {text}",
+                )  # fmt: skip
+    medians = [(float(np.median(cloud[text][0])), float(np.median(cloud[text][1]))) for text in drawn]
+    for text, (x, y) in zip(drawn, medians, strict=True):
+        dot = median_dot(looks[text], 6, 0.8)
+        dot.set(xdata=[x], ydata=[y], label=f"median {text}", zorder=4, path_effects=halo(2.4))
+        axes.add_line(dot)
+        if text in crosses:
+            left, right, low, high = crosses[text]
+            thin: dict[str, Any] = {"color": looks[text].colour, "linewidth": 0.8, "path_effects": halo(1.6)}
+            axes.plot([left, right], [y, y], label=f"cross {text}", **thin, zorder=3.5)
+            axes.plot([x, x], [low, high], label=f"cross {text}", **thin, zorder=3.5)
+    all_named = label_dots(axes, medians, [looks[text].short for text in drawn])
+    beyond = sum(int((error > axes.get_ylim()[1]).sum()) for _, error in cloud.values())
+    if beyond:
+        axes.text(
+            0.02, 0.98, f"{beyond:,} of {total:,} dots\nlie above", va="top", transform=axes.transAxes,
+            fontsize=SMALL - 1, color="0.3", path_effects=halo(2), zorder=6,
+        )  # fmt: skip
+    return all_named

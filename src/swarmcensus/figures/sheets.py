@@ -1,0 +1,257 @@
+"""The sheet that figures are drawn on: its panels, captions, axes and key, and how it is saved."""
+
+from __future__ import annotations
+
+import string
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Literal
+
+import matplotlib as mpl
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import whole
+from swarmcensus.figures.lettering import SPACING, wrapped
+from swarmcensus.figures.panels import MOST_PANELS, lacking
+
+Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
+
+SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
+CAPTION, TITLE = SMALL + 1.5, SMALL + 3
+MOST_NAMED = 24  # dots of a panel
+HALF_A_DECADE = 10**0.5
+NAMES = SMALL - 1.5  # points: names of dots over a panel
+NOTHING = "nothing to draw: no trial of these settings has been run"
+
+# matplotlib's settings belong to the whole process: threads that save at the same time take turns.
+_settings = threading.Lock()
+
+
+def new_sheet(
+    captions: Sequence[str],
+    title: str | None = None,
+    *,
+    size: tuple[float, float] | None = None,
+    left: float = 0.65,
+    right: float = 1.6,
+    above: float = 0.0,
+    below: float = 0.0,
+) -> list[Axes]:
+    """Return equal panels with these captions on a new figure, in at most 4 columns, with room for a key on the right.
+
+    `size` is a panel's width and height (by default, small multiples are smaller), `left` and `right` are margins,
+    and `above` and `below` are room over and under each panel, beside that for captions and labels: all in inches.
+    Captions take as many lines as they need.
+
+    Raises InputError if there are none or more than 24.
+    """
+    count = len(captions)
+    if not 1 <= count <= MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS} panels, not {count}")
+    columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
+    rows = -(-count // columns)
+    wide, high = size or ((4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9))
+    # Margins and gaps in inches: the room that text needs does not depend on the number of panels.
+    gap_x, line = 0.42, SPACING / 72
+    room = wide + (gap_x - 0.06 if count > 1 else right - 0.1)
+    lines = [max(1, len(text.splitlines())) for text in _lettered(captions, room)]
+    over = [above + line * CAPTION * (max(lines[k : k + columns]) - 1) for k in range(0, count, columns)]
+    width = left + columns * wide + (columns - 1) * gap_x + right
+    titles = wrapped(title or "", 72 * (width - left - 0.1), TITLE, 3)
+    top = 0.35 + over[0] + line * TITLE * len(titles) + (0.1 if titles else 0.0)
+    bottom, gaps = 0.55 + below, [0.72 + below + more for more in over[1:]]
+    height = bottom + rows * high + sum(gaps) + top
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    grid = figure.add_gridspec(  # every second row is a gap
+        2 * rows - 1, columns, left=left / width, right=1 - right / width, bottom=bottom / height,
+        top=1 - top / height, wspace=gap_x / wide, hspace=0.0,
+        height_ratios=[high, *(each for gap in gaps for each in (gap, high))],
+    )  # fmt: skip
+    if titles:
+        figure.suptitle(
+            "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=TITLE, parse_math=False
+        )
+    axes = [figure.add_subplot(grid[2 * (i // columns), i % columns]) for i in range(count)]
+    caption_panels(axes, captions, above, room)
+    return axes
+
+
+def caption_panels(
+    axes: Sequence[Axes], captions: Sequence[str], above: float = 0.0, room: float | None = None, *, math: bool = False
+) -> None:
+    """Write (a), (b), ... and the captions over the panels; a single one gets no letter.
+
+    They begin `above` inches over the panels, and are at most `room` inches wide: by default, as wide as a panel. With
+    `math`, what stands between dollar signs is a formula.
+    """
+    if room is None:
+        room = axes[0].bbox.width / axes[0].figure.dpi
+    for ax, text in zip(axes, _lettered(captions, np.inf if math else room), strict=True):
+        ax.set_title(text, loc="left", fontsize=CAPTION, pad=6 + 72 * above, parse_math=math)
+
+
+def _lettered(captions: Sequence[str], room: float) -> list[str]:
+    letters = [""] if len(captions) == 1 else [f"({letter}) " for letter in string.ascii_lowercase]
+    pairs = zip(letters, captions, strict=False)
+    return ["\n".join(wrapped(letter + caption, 72 * room, CAPTION)) for letter, caption in pairs]
+
+
+def name_axes(axes: Axes, x: str, y: str) -> None:
+    """Write the axis labels, `y` in the leftmost column only, and take away what carries no data."""
+    place = axes.get_subplotspec()
+    axes.set_xlabel(x, fontsize=SMALL + 1)
+    if place is None or place.is_first_col():
+        axes.set_ylabel(y, fontsize=SMALL + 1)
+    axes.tick_params(labelsize=SMALL)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def say_empty(axes: Axes) -> None:
+    """Say in an empty panel that it is empty because nothing has been run."""
+    axes.text(0.5, 0.5, "no trial has been run", ha="center", transform=axes.transAxes, fontsize=SMALL + 1)
+    axes.set_axis_off()
+
+
+def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
+    """Put one key for all panels right of the first row, where it can hide no data.
+
+    Long names are wrapped; the letters are smaller where there are more lines than fit.
+    """
+    places = [ax.get_subplotspec() for ax in axes]
+    last = [ax for ax, place in zip(axes, places, strict=True) if place and place.is_last_col()]
+    corner = last[0] if last else axes[-1]
+    points = 72 / corner.figure.dpi
+    wide = max((corner.figure.bbox.width - corner.bbox.x0 - 1.02 * corner.bbox.width) * points - 3 * SMALL, 60.0)
+    names = ["\n".join("\n".join(wrapped(line, wide, SMALL)) for line in name.split("\n")) for name in entries]
+    lines = sum(1 + name.count("\n") for name in (title, *names))
+    room = corner.bbox.y1 * points - 15  # from the panel's top to the paper's end
+    legend = corner.legend(
+        list(entries.values()), names, title=title, loc="upper left", bbox_to_anchor=(1.02, 1.01),
+        borderaxespad=0, frameon=False, title_fontsize=SMALL, alignment="left", handlelength=1.2,
+        fontsize=float(np.clip(room / lines / 1.6, 3.0, SMALL)),
+    )  # fmt: skip
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+
+
+def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
+    """Say at the foot of the sheet that the trials which are drawn are not all that are to be run."""
+    if note := lacking(parts):
+        figure = axes[0].figure.canvas.figure
+        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # of a caller who has several axes
+        figure.text(
+            1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
+            ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
+        )  # fmt: skip
+
+
+def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
+    """Give `axes` an x axis for counts from `low` to `high`.
+
+    "log" is linear up to 1, logarithmic above, and begins where the counts do. It is linear throughout where `early`,
+    the count that few lie below (by default `low`), is less than half a decade from the end.
+    """
+    if scale != "log":
+        axes.set_xlim(-0.01 * high, 1.02 * high)
+        axes.xaxis.set_major_locator(MaxNLocator(5))
+    elif high < HALF_A_DECADE * (low if early is None else early):
+        span = max(high - low, 0.01 * high)
+        axes.set_xlim(low - 0.05 * span, high + 0.05 * span)
+        axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
+    else:
+        # Rather asinh than symlog: it has no kink. 0 is on the axis, for an estimate may have settled
+        # before the first observation.
+        axes.set_xscale("asinh", linear_width=1.0)
+        begin = -0.1
+        if low >= 10:
+            decade = 10.0 ** np.floor(np.log10(low))
+            begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
+        axes.set_xlim(begin, 1.15 * high)
+        decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
+        few = high < 20 * max(begin, 1.0)  # decades alone would be one label, or two
+        named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
+        if begin > 0 and high >= 20 * begin:
+            named = np.append(named, begin)
+        axes.xaxis.set_major_locator(FixedLocator([0.0, *named]))
+        axes.xaxis.set_minor_locator(FixedLocator(np.outer(decades, np.arange(2, 10)).ravel().tolist()))
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.0f}"))
+
+
+def error_axis(axes: Axes, top: float, scale: Scale) -> None:
+    """Give `axes` a y axis for errors from 0 to `top`: unless "linear", linear up to 0.01, logarithmic above."""
+    if scale != "linear":
+        axes.set_yscale("asinh", linear_width=0.01)
+        axes.yaxis.set_minor_locator(NullLocator())
+    if scale == "linear" or top < 0.02:
+        axes.yaxis.set_major_locator(MaxNLocator(5))
+    else:
+        axes.yaxis.set_major_locator(FixedLocator([0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
+    axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axes.set_ylim(-min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
+
+
+def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
+    """Write texts[i] above the axes, upright, with a thin line down to dots[i] (data coordinates).
+
+    There they cover no data, and stand in the order of the dots, as straight above them as their size allows.
+    Of more than fit some are named, evenly chosen, and far apart: their lines would hide what is below. The axes must
+    have their final limits and size. Returns whether all are named.
+    """
+    size = NAMES
+    width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
+    ends = np.clip(axes.transAxes.inverted().transform(axes.transData.transform(dots)), 0, 1)
+    order = np.argsort(ends[:, 0], kind="stable")
+    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
+        few = int(1 + width / (4 * size))
+        order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
+    ends, texts = ends[order], [texts[i] for i in order]
+    # Neighbours stand at least a line apart: pushing all to the right does it, so does pushing all to the
+    # left, and so does the mean of both.
+    steps = np.arange(len(ends)) * 1.2 * size / width
+    wanted = ends[:, 0] - steps
+    right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
+    places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
+    starts = np.stack([places, np.full(len(ends), 1 + 2 / height)], axis=1)
+    lines = np.stack([starts, ends], axis=1)
+    axes.add_collection(
+        LineCollection(list(lines), linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False),
+        autolim=False,
+    )
+    for place, text in zip(places, texts, strict=True):
+        axes.text(
+            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=size,
+            transform=axes.transAxes,
+        )  # fmt: skip
+    return len(order) == len(dots)
+
+
+def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
+    """Write a figure to `stem`.png, `stem`.svg, ... and return these paths.
+
+    Each file appears whole or not at all, in place of an older one. PNGs have 150 dots an inch, and so have
+    the layers of single dots inside an SVG or PDF; all else there is lines and text. The same figure gives
+    the same bytes.
+
+    Raises InputError for a format that matplotlib cannot write and a place that cannot be written.
+    """
+    known = figure.canvas.get_supported_filetypes()
+    for suffix in formats:
+        if suffix not in known:
+            raise InputError(f"cannot write {suffix!r} files, only {', '.join(sorted(known))}")
+    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
+    for suffix, path in zip(formats, paths, strict=True):
+        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
+        with whole(path) as beside, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
+            figure.savefig(beside, format=suffix, dpi=150, metadata=undated)
+    return paths

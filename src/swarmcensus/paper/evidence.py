@@ -1,0 +1,150 @@
+"""What a claim is judged by: medians and shares of settings, resampled by trial, and the verdict rule."""
+
+import contextlib
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics import statistics
+from swarmcensus.basics.statistics import Floats
+
+YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
+HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
+Range = tuple[float, float]
+BELOW_ZERO, BELOW_ONE, ABOVE_ONE, ALIKE = (-math.inf, 0.0), (-math.inf, 1.0), (1.0, math.inf), (0.8, 1.25)
+
+
+class Missing(LookupError):
+    """The datasets at hand do not hold, or not in full, what a claim needs."""
+
+
+@dataclass(frozen=True)
+class Detail:
+    """One setting's share in a claim: the measured value, its 95 % interval (None: exact), and what it says."""
+
+    setting: str
+    value: float
+    interval: Range | None
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A sentence of the paper and how it is checked; `sentence` is quoted word for word, formulas as plain text.
+
+    `right` is the range in which the statistic bears the sentence out, as `threshold` says in words; `measure`
+    gives a detail a setting and raises Missing where data lack; `studies` are those that it needs.
+    """
+
+    id: str
+    title: str
+    sentence: str
+    section: str
+    statistic: str
+    threshold: str
+    right: Range
+    measure: Callable[["Evidence", Range], Iterable[Detail]]
+    studies: tuple[str, ...] = ()
+    note: Callable[["Evidence"], str] = lambda _: ""  # what else there is to say of the data
+    explanation: Callable[["Evidence", Sequence[Detail]], str] = lambda *_: ""  # what lies behind it where it fails
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """A claim as measured: its verdict, the details, and the one that is the furthest from bearing it out."""
+
+    claim: Claim
+    verdict: str
+    details: Sequence[Detail] = ()
+    note: str = ""
+    worst: Detail | None = field(default=None)
+    explanation: str = ""
+
+    @property
+    def holds(self) -> bool | None:
+        """True, False, or None where it was not decided or not measured."""
+        return {HOLDS: True, FAILS: False}.get(self.verdict)
+
+    def count(self, verdict: str) -> int:
+        """How many settings say YES, NO or OPEN."""
+        return sum(d.verdict == verdict for d in self.details)
+
+
+class Evidence:
+    """Datasets by the name of their study, and one bootstrap of their trials for all that is asked of them."""
+
+    def __init__(self, datasets: Mapping[str, xr.Dataset], resamples: int = statistics.RESAMPLES) -> None:
+        """Take the trials that all datasets have: those of one number meet the same graphs and readings."""
+        self.datasets = datasets
+        self.trials = min((d.sizes["trial"] for d in datasets.values()), default=0)
+        self.counts = statistics.resample(max(self.trials, 1), resamples)
+        self._medians: dict[object, Floats] = {}
+
+    def values(self, study: str, variable: str, **where: object) -> Floats:
+        """A variable of one setting, (trial, robot) or (trial, checkpoint).
+
+        Raises Missing where it is not there or a trial of it is not.
+        """
+        data = self.datasets.get(study)
+        if data is None or variable not in data:
+            raise Missing(f"{study}: {variable}")
+        masks = [data[name].values == value for name, value in where.items()]
+        found = np.flatnonzero(np.logical_and.reduce(masks))
+        if found.size != 1:
+            raise Missing(f"{study}: {found.size} settings with {where}")
+        column = data[variable].variable.isel(setting=found[0], trial=slice(self.trials))
+        values = np.asarray(column.transpose("trial", ...).values, float)
+        if "robot" in column.dims:
+            values = values[:, : int(data["robots"].values[found[0]])]
+        if not (values >= 0).all():  # -1 and NaN stand for trials that were never run
+            raise Missing(f"{study}: trials with {where}")
+        return values
+
+    def median(self, study: str, variable: str, **where: object) -> Floats:
+        """The median over robots and trials of one setting: the sample's, then every resample's. Raises Missing."""
+        key = study, variable, *sorted(where.items())
+        if key not in self._medians:
+            self._medians[key] = statistics.medians(self.values(study, variable, **where), self.counts)
+        return self._medians[key]
+
+    def mean(self, by_trial: Floats) -> Floats:
+        """The mean over trials of (trial,): the sample's, then every resample's."""
+        return statistics.means(by_trial, self.counts)
+
+    def judge(self, setting: str, statistic: Floats, right: Range) -> Detail:
+        """Say yes where the interval lies in `right`, no where it lies wholly outside on one side."""
+        value, low, high = statistics.interval(statistic)
+        verdict = OPEN
+        if self.trials >= statistics.FEWEST:
+            if right[0] < low and high < right[1]:
+                verdict = YES
+            elif high < right[0] or low > right[1]:
+                verdict = NO
+        return Detail(setting, value, (low, high), verdict)
+
+
+def outcome(claim: Claim, evidence: Evidence) -> Outcome:
+    """Check one claim: it holds where all settings say yes, and does not where at least one says no."""
+    try:
+        details = tuple(claim.measure(evidence, claim.right))
+        note = claim.note(evidence)
+    except Missing:
+        return Outcome(claim, UNMEASURED)
+    said = {d.verdict for d in details}
+    explanation = ""
+    with contextlib.suppress(Missing):  # a reason may need more data than the verdict does
+        explanation = claim.explanation(evidence, details) if NO in said else ""
+    undecided = f"{UNDECIDED} by {evidence.trials} trial{'s' * (evidence.trials != 1)}"
+    verdict = FAILS if NO in said else undecided if OPEN in said else HOLDS
+
+    def room(detail: Detail) -> float:
+        low, high = detail.interval or (detail.value, detail.value)
+        room = min(low - claim.right[0], claim.right[1] - high)
+        return -math.inf if math.isnan(room) else room
+
+    order = (NO, OPEN, YES)
+    worst = min(details, key=lambda d: (order.index(d.verdict), room(d)))
+    return Outcome(claim, verdict, details, note, worst, explanation)

@@ -1,0 +1,236 @@
+"""The page that `reproduce` leaves: one HTML file without a single outside resource, links to the files beside it."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+from urllib.parse import quote
+
+import xarray as xr
+
+from swarmcensus import __version__
+from swarmcensus.basics import statistics
+from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Outcome
+from swarmcensus.paper.figures import PaperFigure
+from swarmcensus.paper.report import PAPER, SIGNS, WORDS, kind, measured, tally
+from swarmcensus.paper.strips import strip
+
+TITLE = "The paper, run again"
+SYMBOLS = (
+    "N robots estimate f, the share of the floor that is black; b and w are how often their sensors are right about "
+    "black and about white. On a fixed network they live C communication rounds, with R observations in each; robots "
+    "that move observe and talk once a tick, ten times a second, and their density is D = N π r² / L² in a square of "
+    "side L, with radios that reach r. An estimate has converged at K (round or tick) when it stays within 0.01 of "
+    "what it was there; its error is |x(K) - f|."
+)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage.
+
+    Those of "simulate" are of all runs on these datasets together; the other stages are done anew each time.
+    """
+
+    out: Path
+    command: str
+    datasets: Mapping[str, xr.Dataset]
+    figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
+    claims: Sequence[Outcome]
+    seconds: Mapping[str, float]
+
+    @property
+    def page(self) -> Path:
+        """The page to open in a browser."""
+        return self.out / "index.html"
+
+    @property
+    def files(self) -> list[Path]:
+        """All other files that were written."""
+        data = [data_path(self.out, name) for name in self.datasets]
+        drawn = [path for _, paths in self.figures for path in paths]
+        return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
+
+
+def data_path(out: Path, study: str) -> Path:
+    """Where the dataset of a study goes."""
+    return out / "data" / f"{study}.nc"
+
+
+def html(done: Reproduction) -> str:
+    """The whole of index.html: findings, figures, claims, how they were made, and files; what there is of them."""
+    sections = {
+        "Findings": _findings(done),
+        "Figures": "".join(_figure(done, figure, paths) for figure, paths in done.figures),
+        "Claims": _claims(done),
+        "How it was made": _provenance(done),
+        "Files": _files(done),
+    }
+    filled = {name.lower().replace(" ", "-"): (name, body) for name, body in sections.items() if body}
+    links = "".join(f'<a href="#{key}">{name}</a>' for key, (name, _) in filled.items())
+    bodies = "".join(f'<section id="{key}"><h2>{name}</h2>{body}</section>' for key, (name, body) in filled.items())
+    style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{TITLE}</title><style>{style}</style></head><body>"
+        "<header><h1>The paper, run again</h1><p class=lead>What a paper says about swarms of robots with lying "
+        "sensors, simulated afresh, drawn, and checked sentence by sentence.</p>"
+        f"<p>{escape(PAPER)}: its evaluation on fixed communication networks (Sec. IV-B) and with robots that "
+        "move (Sec. IV-C), by swarmcensus "
+        f"{escape(__version__)}.</p><p class=quiet>{escape(SYMBOLS)}</p>{_scores(done)}</header>"
+        f"<nav>{links}</nav><main>{bodies}</main></body></html>\n"
+    )
+
+
+def _badge(verdict: str, text: str = "") -> str:
+    name = verdict.replace(" ", "-")
+    return f'<span class="badge {name}">{SIGNS[verdict]} {escape(text or WORDS[verdict])}</span>'
+
+
+def _scores(done: Reproduction) -> str:
+    kinds = [kind(outcome) for outcome in done.claims]
+    tiles = "".join(
+        f'<div class="score {name.replace(" ", "-")}"><b>{kinds.count(name)}</b>{SIGNS[name]} {word}</div>'
+        for name, word in WORDS.items()
+        if name in kinds
+    )
+    label = f"Verdicts on {len(kinds)} claims"
+    return f'<div class=scores role=group aria-label="{label}">{tiles}</div>' if kinds else ""
+
+
+def _findings(done: Reproduction) -> str:
+    if not done.claims:
+        return ""
+    others = [outcome for outcome in done.claims if outcome.holds is not True]
+    if not others:
+        return f"<p>All {len(done.claims)} claims hold.</p>"
+    refuted_first = sorted(others, key=lambda outcome: outcome.holds is None)
+    return (
+        f"<p>{len(done.claims) - len(others)} of {len(done.claims)} claims hold. These do not, or cannot be told "
+        f"from these trials:</p><ul class=findings>{''.join(map(_finding, refuted_first))}</ul>"
+    )
+
+
+def _finding(outcome: Outcome) -> str:
+    claim, worst, text = outcome.claim, outcome.worst, ""
+    if worst:
+        which = "clearest" if outcome.holds is False else "least clear"
+        text = (
+            f"<p>Measured: {escape(claim.statistic)}. Needed: {escape(claim.threshold)}. Of "
+            f"{len(outcome.details)} settings, {outcome.count(YES)} are on the right side with their whole interval, "
+            f"{outcome.count(NO)} on the wrong side, and {outcome.count(OPEN)} cannot be told. The {which}: "
+            f"{escape(worst.setting)}, <b class=interval>{' '.join(measured(worst)).strip()}</b>.</p>"
+        )
+    if outcome.explanation:
+        text += f"<p><b>What lies behind it.</b> {escape(outcome.explanation)}</p>"
+    title = f'<a href="#{claim.id}">{escape(claim.title)}</a>'
+    return f"<li><h3>{title}: {_badge(kind(outcome), outcome.verdict)}</h3>{text}</li>"
+
+
+def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> str:
+    image = base64.b64encode(paths[0].read_bytes()).decode()
+    chips = "".join(
+        f'<a class=chip href="#{outcome.claim.id}">{_badge(kind(outcome), outcome.claim.title)}</a>'
+        for outcome in done.claims
+        if outcome.claim.id in figure.claims
+    )
+    if chips:
+        chips = f"<p class=chips>What the paper says of it, as measured:</p><p class=chips>{chips}</p>"
+    panels = "; ".join(f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views))
+    text = figure.said(done.datasets)
+    alt = escape(f"{figure.title}. Panels: {panels}. {text}")
+    links = ", ".join(f'<a href="{_link(done, path)}">{path.suffix[1:].upper()}</a>' for path in paths)
+    return (
+        f'<figure id="{figure.name}"><h3>{escape(figure.title)}</h3>'
+        f'<img alt="{alt}" src="data:image/png;base64,{image}">'
+        f"<figcaption>{escape(text)} <span class=quiet>{links}</span>{chips}</figcaption></figure>"
+    )
+
+
+def _claims(done: Reproduction) -> str:
+    if not done.claims:
+        return ""
+    return (
+        "<p>A claim is checked in every setting that it speaks of: 100 robots on a fixed network, or 25 that move, "
+        "unless it says otherwise. The value is that of the setting that bears it out least, with a "
+        f"{statistics.LEVEL:.0%} interval: percentiles of {statistics.RESAMPLES:,} bootstrap resamples of whole "
+        "trials, for the robots of a trial are not independent. A claim <b>holds</b> where the intervals of all "
+        "settings lie on the right side, <b>does not hold</b> where at least one lies wholly on the wrong side, and "
+        "is <b>not decided</b> otherwise. So a claim "
+        "over many settings is harder to uphold and easier to refute: if all of m settings sat right on the "
+        f"threshold, about m / {2 / (1 - statistics.LEVEL):.0f} would be called wrong by chance. That is why the "
+        "settings are counted. Under a claim, a drawing holds all of its settings in the order of the list below it: "
+        "value and interval, and shaded where they would bear the claim out. Quoted formulas are set as plain "
+        "text.</p>"
+        "<table class=claims><thead><tr><th>Verdict<th>The paper says<th>Measured<th>Value</tr></thead>"
+        f"<tbody>{''.join(map(_row, done.claims))}</tbody></table>"
+    )
+
+
+def _row(outcome: Outcome) -> str:
+    claim, value, more = outcome.claim, "", ""
+    if outcome.worst:
+        number, interval = measured(outcome.worst)
+        value = (
+            f"<b>{number}</b> <span class=interval>{interval}</span>"
+            f"<br><span class=quiet>{escape(outcome.worst.setting)}</span>"
+        )
+        items = "".join(
+            f"<li>{_badge({YES: HOLDS, NO: FAILS}.get(detail.verdict, OPEN), detail.verdict)} "
+            f"{escape(detail.setting)}: <span class=interval>{' '.join(measured(detail))}</span>"
+            for detail in outcome.details
+        )
+        more = (
+            f"<tr class=more><td><td colspan=3><details><summary>All {len(outcome.details)} settings: "
+            f"{tally(outcome)}</summary>{strip(outcome)}<ul class=settings>{items}</ul></details></tr>"
+        )
+    note = f"<p>{escape(outcome.note)}</p>" if outcome.note else ""
+    return (
+        f'<tr id="{claim.id}"><td>{_badge(kind(outcome), outcome.verdict)}'
+        f"<td><b>{escape(claim.title)}</b><blockquote>“{escape(claim.sentence)}”</blockquote>"
+        f"<span class=quiet>Sec. {escape(claim.section)}</span>"
+        f"<td>{escape(claim.statistic)}.<br>Needed: <b>{escape(claim.threshold)}</b>{note}<td>{value}</tr>{more}"
+    )
+
+
+def _provenance(done: Reproduction) -> str:
+    facts = {"Command": f"<code>{escape(done.command)}</code>"}
+    for data in list(done.datasets.values())[:1]:
+        facts["Versions"] = escape(
+            f"swarmcensus {data.attrs['swarmcensus_version']}, Python {data.attrs['python_version']}, "
+            f"{data.attrs['library_versions']}; {data.attrs['machine']}"
+        )
+    facts["Time"] = ", ".join(f"{escape(stage)} {seconds:.1f} s" for stage, seconds in done.seconds.items())
+    if done.datasets:
+        facts["Time"] += "; that of simulations and studies is of all runs on their datasets together"
+    studies = "".join(
+        f"<tr><td>{escape(name)}<td>{data.sizes['setting']}<td>{data.sizes['trial']}<td>{data.attrs['seed']}"
+        f"<td>{data.attrs['wall_seconds']:.1f} s"
+        for name, data in done.datasets.items()
+    )
+    if studies:
+        head = "<tr><th>Study<th>Settings<th>Trials<th>Seed<th>Time"
+        facts["Studies"] = f"<table class=studies>{head}{studies}</table>"
+    return (
+        f"<dl>{''.join(f'<dt>{key}<dd>{value}' for key, value in facts.items())}</dl>"
+        "<p>Every random number is addressed by seed, setting, trial, robot and round or tick: the same command gives "
+        "the same numbers again, with any number of threads. Settings of robots that move share their walks where the "
+        "density is the same: they are compared walk by walk.</p>"
+    )
+
+
+def _files(done: Reproduction) -> str:
+    items = "".join(
+        f'<li><a href="{_link(done, path)}">{escape(path.relative_to(done.out).as_posix())}</a> '
+        f"<span class=quiet>{path.stat().st_size / 1e6:.1f} MB</span>"
+        for path in done.files
+    )
+    return f"<ul>{items}</ul><p>Datasets are netCDF-4: xarray, R and MATLAB read them.</p>" if items else ""
+
+
+def _link(done: Reproduction, path: Path) -> str:
+    return escape(quote(path.relative_to(done.out).as_posix()))

@@ -1,0 +1,199 @@
+"""What of a dataset is as a run makes it, as far as it can tell itself: its structure, and which numbers are there.
+
+Whether its labels and numbers are those of its study is for `labels` and `verifying`.
+"""
+
+import json
+import re
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results.values import EVERY, LOCAL, MISSING, VARIABLES
+from swarmcensus.worlds.networks import MOVING
+
+FORMATS = ("swarmcensus results 1", "swarmcensus results 2")  # that can be read; the last one is written
+TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
+NUMBERS = ("robots", "density", "side", "fill_ratio", "link_success", "rounds", "observations_per_round")
+IN_FORMAT_1 = frozenset(
+    ("brain", "topology", "accuracy", "assumed_accuracy", "floor", "robots", "density", "fill_ratio", "link_success",
+     "rounds", "observations_per_round")
+)  # fmt: skip
+ATTRIBUTES: dict[str, Any] = {
+    "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
+    **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
+}  # fmt: skip
+ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
+
+
+def is_old(data: xr.Dataset) -> bool:
+    """Whether a dataset is of the first format: without `_FillValue`, and without what has come since."""
+    return bool(data.attrs.get("format") == FORMATS[0])
+
+
+def unmask(data: xr.Dataset) -> str | None:
+    """Take fill values out of the attributes of a dataset as read; what of them would show other readers other numbers.
+
+    In memory whole numbers stay whole, and -1 stands for what is missing.
+    """
+    for key, array in data.variables.items():
+        fill = array.attrs.pop("_FillValue", None)
+        fills = [] if fill is None else np.ravel(fill).tolist()
+        if fills:
+            array.encoding["_FillValue"] = fill
+        masked = key in EVERY and array.dtype.kind == "i" and not is_old(data)
+        if fills != [MISSING] if masked else any(one == one for one in fills):
+            return f"{key} should have {'the' if masked else 'no'} _FillValue{f' {MISSING}' if masked else ''}"
+        altered = [name for name in ALTERS if name in array.attrs]
+        if altered:
+            return f"{key} should have no {altered[0]}, which alters its numbers"
+    return None
+
+
+def wrong(data: xr.Dataset) -> str | None:
+    """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
+    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
+    if data.attrs.get("format") not in FORMATS or lacking:
+        return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
+    try:
+        return _shape(data) or _attributes(data) or _missing(data) or (made_from(data) and None)
+    except InputError as error:
+        return str(error)
+
+
+def _shape(data: xr.Dataset) -> str | None:
+    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
+    for name, (dims, kind, *_) in EVERY.items():
+        if name in data and (data[name].dims != dims or data[name].dtype != kind):
+            return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
+    for name, allowed in kinds.items():
+        if name not in data and is_old(data) and name not in IN_FORMAT_1:
+            continue
+        known = data.coords if name != "fingerprint" else data
+        if name not in known or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
+            return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
+        if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
+            return f"{name} should be text"
+    for name in ("setting", "trial", "robot", "checkpoint"):
+        numbers = data[name].values if name in data.coords else np.zeros(0)
+        if numbers.dtype.kind not in "iu" or numbers.shape != (data.sizes[name],) or not numbers.size:
+            return f"{name} should number what there is of it"
+        if (np.diff(numbers) <= 0).any() or numbers[0] < 0 or numbers[-1] >= 2**31:
+            return f"{name} should be numbers from 0 in rising order"
+    if not (data["robots"].values == np.clip(data["robots"].values, 1, data.sizes["robot"])).all():
+        return f"robots should be 1 to {data.sizes['robot']}"
+    if len(set(data["fingerprint"].values.tolist())) < data.sizes["setting"]:
+        return "two settings have one fingerprint"
+    for key, array in data.data_vars.items():
+        inside = "iu" if str(key).startswith("edges_") else "u" if str(key).startswith("floor_") else ""
+        if inside and (array.ndim != 2 or array.dtype.kind not in inside or "source" not in array.attrs):
+            return f"{key} should be whole numbers in rows, with their source"
+    return None
+
+
+def _attributes(data: xr.Dataset) -> str | None:
+    for name, kind in ATTRIBUTES.items():
+        if not isinstance(data.attrs.get(name), kind):
+            return f"the attribute {name} is missing or of another kind"
+    share = data.attrs.get("share", "1/1")
+    if not isinstance(share, str) or not re.fullmatch(r"[1-9]\d{0,9}/[1-9]\d{0,9}", share):
+        return "the attribute share should be such as 1/4"
+    try:
+        failed = failures(data)
+    except (ValueError, KeyError, TypeError, RecursionError):
+        return "the attribute failed is no list of failures"
+    done = finished(data)
+    rows, columns = ({n: k for k, n in enumerate(data[d].values.tolist())} for d in ("setting", "trial"))
+    for setting, trial in sorted(failed):
+        if setting not in rows or trial not in columns:
+            return f"the attribute failed names setting {setting}, trial {trial}, which has no place here"
+        if done[rows[setting], columns[trial]]:
+            return f"the attribute failed names setting {setting}, trial {trial}, which is there"
+    return None
+
+
+def finished(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Of which trials there is all that was asked for, (setting, trial); in merged results some ask for more."""
+    names = ["convergence_round"]
+    if "local_convergence_step" in data and "merged" not in data.attrs:
+        names += ["local_convergence_step"]
+    return np.asarray(np.all([data[name].values[:, :, 0] != MISSING for name in names], axis=0))
+
+
+def failures(data: xr.Dataset) -> set[tuple[int, int]]:
+    """The trials that failed, each once: numbers of setting and trial."""
+    return {(int(one["setting"]), int(one["trial"])) for one in json.loads(data.attrs.get("failed", "[]"))}
+
+
+def _missing(data: xr.Dataset) -> str | None:
+    """Each finished trial has all its numbers and no others, and what is not there is told in the attributes."""
+    done = data["convergence_round"].variable[:, :, 0] != MISSING
+    exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < data["robots"].variable
+    reached = xr.Variable("checkpoint", data["checkpoint"].values) <= data["rounds"].variable
+    merged = "merged" in data.attrs
+    for name, (dims, *_) in EVERY.items():
+        if name not in data:
+            continue
+        array = data[name].variable
+        there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
+        # of what is measured apart, or by some of merged studies: all or nothing of a trial
+        apart = name in LOCAL or (merged and name not in VARIABLES)
+        due = _any(there, set(dims) - {"setting", "trial"}) if apart else done
+        if name == "true_fill_ratio":
+            due = due & xr.Variable("setting", data["topology"].values == MOVING)
+        if "robot" in dims:
+            due = due & exists
+        if "checkpoint" in dims:  # of merged results, at those of the one that ran the trial
+            due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
+        differ = np.argwhere((there != due).transpose(*dims).values)
+        if differ.size:
+            at = dict(zip(dims, differ[0].tolist(), strict=True))
+            where = ", ".join(f"{d} {data[d].values[k]}" for d, k in at.items())
+            lacks = "is missing, though the trial ran" if due.isel(at, missing_dims="ignore") else "should be missing"
+            return f"{name} of {where} {lacks}"
+    # files of the first format counted trials whose local estimates were still to come
+    count = int((done.values if is_old(data) else finished(data)).sum())
+    if data.attrs["trials_done"] != count:
+        return f"trials_done is {data.attrs['trials_done']}, and {count} trials are there"
+    if data.attrs["trials_total"] < count + len(failures(data)):
+        return f"trials_total is {data.attrs['trials_total']}, and {count} trials are there or failed"
+    return None
+
+
+def _any(there: xr.Variable, dims: set[str]) -> xr.Variable:
+    return there.any(dims) if dims else there
+
+
+def selected(data: xr.Dataset) -> dict[str, Any]:
+    """The attributes of a dataset of which settings or trials may have been taken away, as they then are."""
+    left = [
+        one
+        for one in json.loads(data.attrs.get("failed", "[]"))
+        if one["setting"] in data["setting"].values and one["trial"] in data["trial"].values
+    ]
+    counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
+    kept = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
+    return kept | ({"failed": json.dumps(left)} if left else {})
+
+
+def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
+    """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
+    try:
+        sources = {
+            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
+            for n, s in json.loads(data.attrs["brains"]).items()
+        }
+        changed = [n for n, s in sources.items() if brains.digest(s["source"]) != s["sha256"]]
+        texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
+        texts = texts or [str(data.attrs["study"])]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise InputError(
+            f"these results do not say how they were made (attributes study and brains): {error!r}"
+        ) from None
+    if changed:
+        raise InputError(f"the source of the brain {changed[0]!r} is not the one that the hash beside it is of")
+    return sources, texts

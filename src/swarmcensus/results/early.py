@@ -1,0 +1,72 @@
+"""An early picture: what a run has so far, read from the shards beside an output that is not written yet.
+
+The first shard after a second is written beside a file that has all but numbers: the dataset of the study with no
+trial done. Reading takes no lock and alters nothing, so it may be done while the run goes on, or after it was killed.
+"""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results import checking
+from swarmcensus.results.store import load
+from swarmcensus.results.values import EVERY, Values
+
+
+def opened(path: str | Path) -> xr.Dataset:
+    """A results file, or what its run has so far, which is said on stderr. Raises InputError where neither is there."""
+    path = Path(path)
+    if path.exists():
+        return load(path)
+    from swarmcensus.results import shards
+
+    blank = shards.folder_of(path) / shards.SKETCH
+    if not blank.is_file():
+        return load(path)  # which says what is wrong
+    try:
+        data = _filled(load(blank), shards.listed(blank.parent))
+    except InputError:
+        if path.exists():  # the run ended just now
+            return load(path)
+        raise
+    done = int(Values.of(data).done().sum())  # as `show` and `status` count; local estimates may be still to come
+    has = f"this is what its run has so far, {done:,} of {data.attrs['trials_total']:,} trials"
+    print(f"{path} is not written yet: {has}", file=sys.stderr)
+    return data
+
+
+def say_partial(data: xr.Dataset, path: Path) -> None:
+    """Say on stderr where trials of a results file are still to come; of one that is not written yet it is said."""
+    lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(checking.failures(data))
+    if lacking > 0 and path.exists():
+        done, total = data.attrs["trials_done"], data.attrs["trials_total"]
+        print(f"{path}: {done:,} of {total:,} trials done", file=sys.stderr)
+
+
+def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:
+    """The dataset with what the shards hold of its settings; damaged ones are left out, as a run would."""
+    from swarmcensus.results import shards
+
+    values = Values.of(blank)
+    numbers = {str(mark): k for k, mark in enumerate(blank["fingerprint"].values)}
+    checkpoints = blank["checkpoint"].values.tolist()
+    for shard in filter(None, map(shards.read, paths)):
+        for one in shard.found:
+            columns = {name: taken for name, taken in one.columns.items() if name in values.arrays}
+            fits = shard.about["checkpoints"] == checkpoints or one.local
+            if one.setting in numbers and columns and fits:
+                trial = EVERY[next(iter(columns))][0].index("trial") - 1
+                values.grow(one.first + next(iter(columns.values())).shape[trial])
+                values.put(numbers[one.setting], one.first, columns)
+    data = blank.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
+    for name, array in values.arrays.items():
+        data[name] = (EVERY[name][0], array, blank[name].attrs, blank[name].encoding)
+    data.attrs["trials_done"] = int(checking.finished(data).sum())
+    data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
+    wrong = checking.wrong(data)
+    if wrong:
+        raise InputError(f"what a run keeps beside its output is damaged or changed: {wrong}")
+    return data

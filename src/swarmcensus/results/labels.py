@@ -1,0 +1,226 @@
+"""What results say beside their numbers, held against the studies that they name.
+
+What should be there is made by the very code that writes it: a dataset of the same studies before any trial is run.
+"""
+
+import functools
+import json
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import __version__
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results.checking import IN_FORMAT_1, failures, finished, is_old
+from swarmcensus.results.store import dataset, widths_of_rule
+from swarmcensus.results.values import EVERY, MISSING, Values
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # of the numbers
+
+
+def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
+    """The dataset of studies before any trial is run: one study's, or that of several that are merged.
+
+    Settings are in the order in which they first appear. Raises InputError where one name stands for two brains,
+    edge lists or images.
+    """
+    parts = []
+    for study in studies:
+        marked = settings_of(study)
+        settings = list(marked.values())
+        asked = study.measure.local, study.measure.estimates
+        parts.append(dataset(study, settings, list(marked), Values(settings, 0, len(study.checkpoints), *asked)))
+        if study.until and not merged:
+            parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
+    first = parts[0]
+    if len(parts) > 1:
+        first = _together(parts)
+        first.attrs["title"] = " + ".join(dict.fromkeys(study.name for study in studies))
+    if merged:
+        first.attrs["merged"] = json.dumps([study.text for study in studies])
+    return first
+
+
+@functools.lru_cache(maxsize=8)
+def settings_of(study: Study) -> dict[str, Setting]:
+    """A study's settings by their fingerprints, in order."""
+    return {setting.fingerprint(study.seed): setting for setting in study.settings()}
+
+
+def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
+    marks = np.concatenate([part["fingerprint"].values for part in parts])
+    kept = np.sort(np.unique(marks, return_index=True)[1])
+    checkpoints = np.unique(np.concatenate([part["checkpoint"].values for part in parts]))
+    sizes = {"setting": kept.size, "trial": 0, "robot": max(p.sizes["robot"] for p in parts)}
+    sizes["checkpoint"] = checkpoints.size
+    coordinates: dict[Any, Any] = {name: np.arange(n) for name, n in sizes.items()}
+    coordinates["checkpoint"] = ("checkpoint", checkpoints, parts[0]["checkpoint"].attrs)
+    variables: dict[Any, Any] = {}
+    for name, one in ((name, one) for part in parts for name, one in part.variables.items()):
+        if name in sizes:
+            continue
+        if name in EVERY:
+            shape = [sizes[str(d)] for d in one.dims]
+            variables[name] = (one.dims, np.zeros(shape, one.dtype), one.attrs, one.encoding)
+        elif one.dims == ("setting",):
+            column = np.concatenate([part[name].values for part in parts])[kept]
+            (coordinates if name in parts[0].coords else variables)[name] = ("setting", column, one.attrs)
+        elif name in variables and not one.equals(variables[name]):  # type: ignore[no-untyped-call]
+            raise InputError(f"two of the studies have two different {name}")
+        else:
+            variables[name] = one
+    brains: dict[str, Any] = {}
+    for brain, source in (item for part in parts for item in json.loads(part.attrs["brains"]).items()):
+        if brains.setdefault(brain, source)["sha256"] != source["sha256"]:
+            raise InputError(f"two of the studies name two different brains {brain!r}")
+    return xr.Dataset(variables, coordinates, parts[0].attrs | {"brains": json.dumps(brains, sort_keys=True)})
+
+
+def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
+    """What results say otherwise than the studies that they name, as sentences.
+
+    With whole=False settings and trials may have been taken away.
+    """
+    want = outline(studies, "merged" in data.attrs)
+    size = _size(data, studies, want) if whole else ()
+    trials = _trials(data, studies, "merged" in data.attrs)
+    return [*_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
+
+
+def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
+    mine, due = ({str(name) for name in one.variables} for one in (data, want))
+    for name in sorted(mine - due):
+        yield f"{name} is in the file, and no run of its study writes it"
+    for name in sorted(due - mine):
+        if not is_old(data) or name in IN_FORMAT_1 or name not in want.coords:
+            yield f"{name} is not in the file"
+
+
+def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
+    """Each setting's number, and what is said of it, by its fingerprint."""
+    places = {mark: k for k, mark in enumerate(want["fingerprint"].values.tolist())}
+    numbers = data["setting"].values
+    place = np.array([places.get(mark, -1) for mark in data["fingerprint"].values.tolist()])
+    for number in numbers[place < 0][:1]:
+        yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
+    known = np.flatnonzero(place >= 0)
+    for name in ("setting", *(k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")):
+        if name not in data or data[name].dims != ("setting",):
+            continue
+        mine, due = data[name].values[known], want[name].values[place[known]]
+        wrong = np.flatnonzero(_differ(mine, due))
+        if wrong.size:
+            k = wrong[0]
+            more = f" ({wrong.size} settings differ)" if wrong.size > 1 else ""
+            yield (
+                f"setting {numbers[known[k]]}: {name} is {_plain(mine[k])!r} in the file and {_plain(due[k])!r} by its "
+                f"study{more}"
+            )
+
+
+def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
+    """Variables that are not along settings, attributes of variables, and those of the whole."""
+    ours = data.attrs["swarmcensus_version"] == __version__ and not is_old(data)  # then each word is the same
+    for name, due in want.variables.items():
+        if name not in data.variables:
+            continue
+        mine = data[name].variable
+        if mine.dims != due.dims:
+            yield f"{name} has the dimensions {', '.join(map(str, mine.dims))}, not {', '.join(map(str, due.dims))}"
+        elif name not in EVERY and name != "trial" and "setting" not in due.dims and not _alike(mine, due):
+            yield f"{name} is not what its study says"
+        for key in sorted({*mine.attrs, *due.attrs} if ours else {"units"} & {*mine.attrs, *due.attrs}):
+            if str(mine.attrs.get(key)) != str(due.attrs.get(key)):
+                yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
+    for key in sorted({*want.attrs} - {*MAKERS, "format"}):
+        mine_said, due_said = data.attrs.get(key), want.attrs[key]
+        if key in ("brains", "merged"):
+            mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
+        if mine_said != due_said and not (is_old(data) and key == "title" and "merged" in data.attrs):
+            yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
+
+
+def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
+    """Each trial that is there is asked for by a study; in merged results it has what one of them, or some, measure."""
+    checkpoints, trials, done = data["checkpoint"].values, data["trial"].values, finished(data)
+    asked: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
+    for study in studies:
+        looked = np.isin(checkpoints, study.checkpoints)
+        for mark, setting in settings_of(study).items():
+            ours = looked & (checkpoints <= setting.rounds)
+            needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local])
+            asked.setdefault(mark, []).append((study.trials, needs))
+    for k, mark in enumerate(data["fingerprint"].values.tolist()):
+        if mark not in asked:
+            continue
+        number, there = data["setting"].values[k], trials[done[k]]
+        most = max(trials for trials, _ in asked[mark])
+        if there.size and there[-1] >= most:
+            yield f"setting {number}: trial {there[-1]} is in the file, and its study asks for {most}"
+        elif merged:
+            found = _measured(data, k)[done[k]]
+            made = np.zeros_like(found)
+            for most, needs in asked[mark]:
+                made |= needs & ((there < most) & (found >= needs).all(axis=1))[:, np.newaxis]
+            for trial in there[(found != made).any(axis=1) | ~made.any(axis=1)][:1]:
+                yield f"setting {number}, trial {trial}: some of what its study measures is missing"
+
+
+def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
+    """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones."""
+    nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
+    decisions = np.isfinite(data["correct"].values[k].T)
+    kept = np.isfinite(data["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
+    name = "local_convergence_step"
+    local = data[name].values[k, :, :1] != MISSING if name in data else nothing[:, :1]
+    return np.hstack([decisions, kept, local])
+
+
+def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:
+    """How much there should be, if all had been run."""
+    lacking = want.sizes["setting"] - data.sizes["setting"]
+    if lacking > 0:
+        yield f"{lacking} of the {want.sizes['setting']} settings of its study are not in the file"
+    trials = data["trial"].values
+    most = max(study.trials for study in studies)
+    ruled = any(study.until for study in studies)
+    if not np.array_equal(trials, np.arange(trials.size)) or trials.size > most or (trials.size < most and not ruled):
+        yield f"trial should number the {most} trials of each setting"
+    stored, total = int(data.attrs["trials_done"]) + len(failures(data)), int(data.attrs["trials_total"])
+    planned = sum(most_trials(studies, want))
+    if is_old(data) and "merged" in data.attrs:
+        planned = trials.size * data.sizes["setting"]  # as was counted then
+    if total != planned and not (ruled and stored <= total <= planned):
+        yield f"the attribute trials_total is {total} in the file and {planned} by its study"
+
+
+def most_trials(studies: Sequence[Study], want: xr.Dataset) -> list[int]:
+    """How many trials, at the most, studies ask for of each setting of their outline."""
+    most = dict.fromkeys(want["fingerprint"].values.tolist(), 0)
+    for study in studies:
+        for mark in settings_of(study):
+            most[mark] = max(most[mark], study.trials)
+    return list(most.values())
+
+
+def _differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    return np.asarray(~((one == other) | ((one != one) & (other != other))))
+
+
+def _alike(one: xr.Variable, other: xr.Variable) -> bool:
+    same = one.dtype.kind == other.dtype.kind and one.shape == other.shape
+    return same and not _differ(one.values, other.values).any()
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _short(value: Any) -> str:
+    text = repr(_plain(value))
+    return text if len(text) <= 60 else f"{text[:57]}..."

@@ -1,0 +1,173 @@
+"""Puts results together whose settings or trials differ, such as the shares of several machines."""
+
+import json
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_writable
+from swarmcensus.results import checking
+from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
+from swarmcensus.results.origins import studies_of
+from swarmcensus.results.shards import Identity, Parts, listed
+from swarmcensus.results.store import load, save
+from swarmcensus.results.values import EVERY, MISSING
+from swarmcensus.studies.study import Study
+
+ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
+
+
+def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
+    """One dataset of all settings and trials of several, settings in the order in which they first appear.
+
+    A setting is known by its fingerprint. Where two hold the same trial of one setting, it must be the same to the
+    last bit; what each says of its settings must be what its study says. Raises InputError where that is not so, or
+    where the results cannot go together.
+    """
+    names = [str(one) if isinstance(one, str | Path) else f"results {k + 1}" for k, one in enumerate(results)]
+    datasets = [one if isinstance(one, xr.Dataset) else load(one) for one in results]
+    if not datasets:
+        raise InputError("nothing to merge")
+    studies: dict[object, Study] = {}  # each once
+    planned = []
+    for name, data in zip(names, datasets, strict=True):
+        for key in ALIKE:
+            if data.attrs.get(key) != datasets[0].attrs.get(key):
+                raise InputError(
+                    f"{name} and {names[0]} cannot go together: {key} is {data.attrs.get(key)} and "
+                    f"{datasets[0].attrs.get(key)}"
+                )
+        own = studies_of(data, run=False)
+        for wrong in filter(None, (checking.wrong(data), *unlike(data, own, whole=False))):
+            raise InputError(f"{name}: damaged or changed: {wrong}")
+        for study in own:
+            studies.setdefault((study.text, *study.settings()), study)
+        planned.append(_planned(data, own))
+    return _together(names, datasets, outline(list(studies.values()), True), planned)
+
+
+def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
+    """`merge` files into the file `out`, which no run may be writing meanwhile.
+
+    What `out` holds already must be in the others too, unless `fresh`. Raises InputError.
+    """
+    check_writable(out, *map(Path, results))
+    data = merge(results)
+    about = data.attrs
+    identity = Identity(*(about[k] for k in ("title", "seed", "swarmcensus_version", "delta", "bins", "truth")))
+    with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
+        if not fresh and listed(parts.folder):
+            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or --fresh")
+        if not fresh and out.exists():
+            _check_kept(out, data)
+        save(data, out)
+        parts.clear()
+    return data
+
+
+def _check_kept(out: Path, data: xr.Dataset) -> None:
+    """Raise InputError where a file holds trials that are not in `data`."""
+    hint = "merge it too into another file, write elsewhere with --out, or replace it with --fresh"
+    try:
+        old = load(out)
+    except InputError as error:
+        raise InputError(f"{error}: it is in the way, {hint}") from None
+    lost = len(_trials(old) - _trials(data))
+    if lost:
+        raise InputError(f"{out} is there, with {lost:,} trials that are not in what is merged: {hint}")
+
+
+def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
+    """The finished trials: fingerprints of their settings, and their numbers."""
+    place, trial = np.nonzero(checking.finished(data))
+    return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
+
+
+def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
+    """How many trials a dataset has of each setting, or is to have: of a rule that holds, those that it needed."""
+    marks = data["fingerprint"].values.tolist()
+    failed = checking.failures(data)
+    if any(study.until for study in studies):
+        done = checking.finished(data)
+        if data.attrs["trials_total"] == done.sum() + len(failed):
+            lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
+            return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
+    want = outline(studies, True)
+    most = dict(zip(want["fingerprint"].values.tolist(), most_trials(studies, want), strict=True))
+    return {mark: most[mark] for mark in marks}
+
+
+def _together(
+    names: Sequence[str], datasets: Sequence[xr.Dataset], want: xr.Dataset, planned: Sequence[dict[str, int]]
+) -> xr.Dataset:
+    present = {mark for data in datasets for mark in data["fingerprint"].values.tolist()}
+    merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
+    sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
+    arrays = {}
+    for name in (name for name in EVERY if any(name in data for data in datasets)):
+        one = next(data[name] for data in (want, *datasets) if name in data)
+        blank = MISSING if one.dtype.kind == "i" else np.nan
+        arrays[name] = (one.dims, np.full([sizes[str(d)] for d in one.dims], blank, one.dtype), one.attrs, one.encoding)
+    merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
+    rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
+    origin = np.full((sizes["setting"], sizes["trial"]), -1)
+    failed: dict[tuple[int, int], dict[str, object]] = {}
+    for k, data in enumerate(datasets):
+        place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
+        _put(merged, data, place, origin, k, names)
+        row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
+        for one in json.loads(data.attrs.get("failed", "[]")):
+            failed[row_of[one["setting"]], one["trial"]] = one
+    total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
+    merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
+    numbers = merged["setting"].values.tolist()
+    still = [one | {"setting": numbers[k], "trial": t} for (k, t), one in sorted(failed.items()) if origin[k, t] < 0]
+    if still:
+        merged.attrs["failed"] = json.dumps(still)
+    merged.attrs |= _making_of(datasets, origin)
+    return merged
+
+
+def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dict[str, object]:
+    """What made the numbers, and how long it took: of datasets that overlap, by the trials that each gave."""
+    first = datasets[0].attrs
+    taken = [int((origin == k).sum()) / max(1, int(d.attrs["trials_done"])) for k, d in enumerate(datasets)]
+    return {key: first[key] for key in (*MAKERS, "started", "finished") if key in first} | {
+        key: round(sum(float(d.attrs.get(key, 0.0)) * part for d, part in zip(datasets, taken, strict=True)), 3)
+        for key in ("wall_seconds", "cpu_seconds")
+    }
+
+
+def _put(
+    merged: xr.Dataset, data: xr.Dataset, place: np.ndarray, origin: np.ndarray, number: int, names: Sequence[str]
+) -> None:
+    """Copy a dataset's finished trials to their place. Raises InputError where it disagrees with what is there."""
+    trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
+    done = checking.finished(data)
+    ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
+    for name, (dims, *_) in EVERY.items():
+        if name not in data:
+            continue
+        where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])
+        array, new = merged[name].values, data[name].values
+        old = array[where]
+        half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
+        blank = half | (new == MISSING if new.dtype.kind == "i" else np.isnan(new))
+        unset = old == MISSING if old.dtype.kind == "i" else np.isnan(old)
+        differ = np.argwhere(~blank & ~unset & (old != new))
+        if differ.size:
+            at = dict(zip(dims, differ[0].tolist(), strict=True))
+            setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
+            before = names[origin[setting, trial]]
+            mine, other = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
+            raise InputError(
+                f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
+                f"{names[number]}, trial {trial}: {name} is {mine!r} and {other!r}"
+            )
+        array[where] = np.where(blank, old, new)
+    own = np.ix_(place, trials)
+    origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

@@ -1,0 +1,106 @@
+"""What results were made from: their studies and brains, read from what the results carry themselves.
+
+The text of a study in a results file may name files, and may be somebody else's. No edge list and no image is opened
+but those in the results, and no brain file is run but one that was given, or that lies below the folder in which one
+works, where the study says, with the very source that the results hold.
+"""
+
+import contextlib
+import types
+from collections.abc import Iterable
+from pathlib import Path
+
+import xarray as xr
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.times import Time, in_ticks
+from swarmcensus.results.checking import made_from
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.worlds.networks import MOVING
+
+Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
+
+
+def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study, Setting]:
+    """The setting of this number in a dataset, and the study that it is of: see `studies_of`. Raises InputError."""
+    if number not in data["setting"].values:
+        known = data["setting"].values
+        raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
+    mark = str(data["fingerprint"].sel(setting=number).values)
+    for study in studies_of(data, brain):
+        settings = study.settings()
+        # its place in the grid, but for merged studies
+        order = [settings[number], *settings] if 0 <= number < len(settings) else settings
+        for setting in order:
+            if setting.fingerprint(study.seed) == mark:
+                must_be_read(setting.brain)
+                return study, setting
+    raise InputError(f"setting {number}: it is not of the study that these results name")
+
+
+def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> list[Study]:
+    """The studies that a dataset holds, as they were run: one, but for merged results.
+
+    Brains that are not shipped are given as files, or lie below the current folder where the study says; they must
+    have the sources that the results were made with, and are not run before that is known. Others of the studies'
+    brains stay unread (see `must_be_read`), with run=False all of them. Raises InputError.
+    """
+    sources, texts = made_from(data)
+    known: dict[str, brains.Brain] = {}
+    for path in [brain] if isinstance(brain, str | Path) else brain or ():
+        place = brains.find(path)
+        given = brains.read(place)
+        names = [n for n, s in sources.items() if s["sha256"] == brains.digest(given)]
+        if not names:
+            raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
+        known |= {n: brains.parse(given, n, place) for n in names}
+    for name, source in sources.items():
+        if name not in known and not (run and name in brains.shipped()):
+            known[name] = (run and _found(name, source["source"])) or _unread(name, source["source"])
+    edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
+    images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
+    context = {"base": None, "edges": edges, "brains": known, "images": images, "kept": True}
+    studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
+    for used in (brain for study in studies for brain in study.brains):
+        if used.sha256 != sources.get(used.name, {}).get("sha256"):
+            raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
+    return studies
+
+
+def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None:
+    """A round as it is, a time in ticks, where all settings have robots that move, by one clock. Raises InputError."""
+    if not isinstance(value, Time):
+        return value
+    moving = bool((data["topology"].values == MOVING).all())
+    clocks = {study.world.body.tick for study in studies_of(data, run=False)} if moving else set()
+    if len(clocks) > 1:
+        raise InputError(f"{key} {value}: these results have several clocks: should be a number of ticks")
+    try:
+        return in_ticks(value, clocks.pop() if clocks else None, key)
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
+def must_be_read(brain: brains.Brain) -> None:
+    """Raise InputError for a brain file that results name, and that was neither given nor found."""
+    if not brain.message:
+        raise InputError(
+            f"the brain {brain.name!r} is a file, and a file named in results is not run unasked, but where it lies "
+            "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
+        )
+
+
+def _found(name: str, source: str) -> brains.Brain | None:
+    """The brain file of this name, where it lies below the current folder and has this source: no other is run."""
+    with contextlib.suppress(OSError, ValueError, InputError):
+        place = Path(name).resolve()
+        small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends and a byte mark
+        if small and place.is_relative_to(Path.cwd().resolve()) and brains.read(place) == source:
+            return brains.parse(source, name, Path(name))
+    return None
+
+
+def _unread(name: str, source: str) -> brains.Brain:
+    return brains.Brain(name, Path(name), source, {}, (), (), types.ModuleType("unread"))

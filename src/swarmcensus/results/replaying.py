@@ -1,0 +1,139 @@
+"""One trial of some results again, in full: every robot's mind after every round, or what robots saw and heard."""
+
+import itertools
+from pathlib import Path
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.engine.modes import NEVER
+from swarmcensus.results.origins import setting_of
+from swarmcensus.results.store import load
+from swarmcensus.simulation.inferring import trace_of
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.faults import PARTS
+
+
+def replay(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None, links: bool = False
+) -> xr.Dataset:
+    """One trial again, in full: dimensions round and robot, each field of the brain's memory, `estimate`.
+
+    Of robots that move also `position` (axis; metres, the arena's centre at 0), `heading` (radians), `looked`
+    (whether an observation was made), `tile` (the true colour under the sensor, 1 black), `reading` (NaN where
+    none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot;
+    where robots fail, `stops` (part, robot), the first tick without moving, sensing or talking, -1 for never.
+
+    `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not
+    shipped with swarmcensus must be given as a file. The curves are those that the run measured, to the last
+    bit. Raises InputError.
+    """
+    study, found = _find(results, setting, trial, brain)
+    if found.body is not None:
+        trace = _moving_trace(found, study.seed, trial, links)
+    else:
+        history, estimates, blacks = record_trial(found, study.seed, trial)
+        trace = trace_of({name: history[name] for name in found.brain.memory}, estimates, found.brain)
+        trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
+    trace.attrs |= {
+        "title": f"{study.name}, setting {setting}, trial {trial}: {found.brain.name}, {found}",
+        "setting": setting,
+        "trial": trial,
+        "seed": study.seed,
+        "fill_ratio": found.fill_ratio,
+        "bins": study.measure.bins,
+        "delta": study.measure.delta,
+        "truth": study.measure.truth,
+    }
+    return trace
+
+
+def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset) -> None:
+    """Raise InputError where a trial that was run ended otherwise: results put together from several studies."""
+    stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: trace.sizes["robot"]]
+    ran = np.isfinite(stored).all() and len(stored) == trace.sizes["robot"]
+    if ran and not np.allclose(stored, trace["estimate"].values[-1], rtol=0.0, atol=1e-9):
+        raise InputError(
+            f"setting {setting}, trial {trial}: the replay ends elsewhere than the run did: these results are not of "
+            "the study that they name, or of another version"
+        )
+
+
+def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
+    assert found.body is not None
+    assert found.density is not None
+    ride = record_ride(found, seed, trial)
+    trace = trace_of({name: ride.history[name] for name in found.brain.memory}, ride.estimates, found.brain)
+    dims = ("round", "robot")
+    trace["position"] = ((*dims, "axis"), ride.poses[..., :2], {"units": "m", "long_name": "from the arena's centre"})
+    trace["heading"] = (dims, ride.poses[..., 2], {"units": "rad"})
+    trace["looked"] = (dims, ride.looked.astype(np.int8), {"long_name": "1 where an observation was made"})
+    trace["tile"] = (dims, ride.colours, {"long_name": "the true colour under the ground sensor, 1 black"})
+    trace["reading"] = (dims, ride.readings, {"long_name": "what the ground sensor said, 1 black"})
+    heard = np.zeros(ride.looked.shape, np.int32)
+    for side in (1, 2):
+        np.add.at(heard, (ride.links[:, 0], ride.links[:, side]), 1)
+    trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
+    if links:
+        trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
+    if found.faults:
+        stops = found.stops(seed, trial)
+        says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
+        trace["stops"] = (("part", "robot"), np.where(stops == NEVER, -1, stops), says)
+        trace = trace.assign_coords(part=sorted(PARTS, key=PARTS.__getitem__))
+    trace = trace.assign_coords(axis=["x", "y"])
+    trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
+    trace.attrs |= {
+        "true_fill_ratio": ride.true_fill_ratio,
+        "side": arena.side(found.robots, found.density, found.body),
+        "radio_range": found.body.radio_range,
+        "radius": found.body.radius,
+        "tile_side": found.body.tile,
+        "tick_seconds": found.body.tick,
+    }
+    return trace
+
+
+def recording(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the robots of one trial saw and who heard whom, as `infer` takes it.
+
+    Returns readings (step, robot), 1 black, and undirected edges (edge, 2); of robots that move and of directed
+    links, messages (message, 3) of step, sender, receiver. Raises InputError.
+    """
+    study, found = _find(results, setting, trial, brain)
+    if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
+        raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
+    if found.body is not None:
+        ride = record_ride(found, study.seed, trial)
+        tick, i, j = ride.links.T
+        messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
+        return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
+    links = found.links(study.seed, trial, 1)
+    if links.senders.size or found.robots == 1 or found.topology.name != "full":
+        pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
+        if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
+            steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1
+            messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
+            return record_readings(found, study.seed, trial), messages
+        edges = pairs[pairs[:, 0] > pairs[:, 1], ::-1]
+    else:
+        edges = np.array(list(itertools.combinations(range(found.robots), 2)))
+    return record_readings(found, study.seed, trial), edges
+
+
+def _find(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None
+) -> tuple[Study, Setting]:
+    data = results if isinstance(results, xr.Dataset) else load(results)
+    known = data["trial"].values
+    if trial not in known:
+        raise InputError(f"trial {trial}: these results hold trial {known.min()} to {known.max()}")
+    return setting_of(data, setting, brain)

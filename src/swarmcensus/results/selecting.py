@@ -1,0 +1,136 @@
+"""Picks settings of a dataset by an expression such as 'topology == "ring" and accuracy == 0.675'."""
+
+import ast
+import json
+import operator
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+
+COMPARE: dict[type, Callable[[Any, Any], Any]] = {
+    ast.Eq: operator.eq,
+    ast.NotEq: operator.ne,
+    ast.Lt: operator.lt,
+    ast.LtE: operator.le,
+    ast.Gt: operator.gt,
+    ast.GtE: operator.ge,
+}
+
+
+MOST_VALUES = 12  # of a coordinate that are named
+
+
+class TooMuch(InputError):
+    """More settings than a figure shows, and how to select some: to users of Python, and in `shell` to those of one."""
+
+    def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
+        """Say `what` is too much, and to select settings by coordinates, as these values of theirs do."""
+        advice = f"{what}: select some of the settings"
+        masks = [f"(results.{name} == {value!r})" for name, value in chosen.items()]
+        terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
+        python = f", as results.isel(setting=({' & '.join(masks)}).values)" if chosen else ""
+        super().__init__(advice + python)
+        self.shell = advice + (f", as --where '{' and '.join(terms)}'" if chosen else "")
+
+
+def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
+    """The settings for which the expression over their coordinates holds; all of them for None.
+
+    Known are ==, !=, <, <=, >, >=, in, and, or, not and brackets; nothing is executed. Raises InputError.
+    """
+    if expression is None:
+        return data
+    known = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",)}
+    try:
+        tree = ast.parse(expression.strip(), mode="eval").body
+        holds = _evaluate(tree, known)
+    except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
+        what = error.msg if isinstance(error, SyntaxError) else error
+        raise InputError(
+            f'--where {expression!r}: {what}; write for example: topology == "ring" and accuracy == 0.675'
+        ) from None
+    chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
+    if not chosen.sizes["setting"]:
+        raise InputError(f"--where {expression!r}: no setting is so{_known_values(tree, known)}")
+    return chosen
+
+
+def _known_values(tree: ast.expr, known: dict[str, np.ndarray]) -> str:
+    """What there is of the first coordinate that is asked for a value that no setting has."""
+    for node in ast.walk(tree):
+        if not isinstance(node, ast.Compare) or len(node.ops) != 1 or not isinstance(node.ops[0], ast.Eq):
+            continue
+        sides = node.left, node.comparators[0]
+        name = next((side.id for side in sides if isinstance(side, ast.Name)), None)
+        if name is None or np.any(_evaluate(node, known)):
+            continue
+        values = dict.fromkeys(map(str, known[name].tolist()))
+        meant = next((str(side.value) for side in sides if isinstance(side, ast.Constant)), "")
+        more = ", ..." if len(values) > MOST_VALUES else ""
+        return f": {did_you_mean(meant, values)}{name} is {', '.join([*values][:MOST_VALUES])}{more}"
+    return ""
+
+
+def _evaluate(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(node, ast.BoolOp):
+        combine = np.logical_and if isinstance(node.op, ast.And) else np.logical_or
+        return combine.reduce([_evaluate(v, known) for v in node.values])
+    if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+        return np.logical_not(_evaluate(node.operand, known))
+    if isinstance(node, ast.Compare):
+        operands = [node.left, *node.comparators]
+        if len(node.ops) > 1 and not any(isinstance(one, ast.Name) for one in operands[1:-1]):
+            raise ValueError("a chain has a coordinate between, as 0.5 < accuracy < 0.9")
+        parts = [
+            _compare(op, left, right, known) for op, left, right in zip(node.ops, operands, operands[1:], strict=False)
+        ]
+        return np.logical_and.reduce(parts)
+    raise ValueError("should compare settings' coordinates with values")
+
+
+def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(op, ast.In | ast.NotIn):
+        if not isinstance(right, ast.List | ast.Tuple):
+            raise ValueError("after 'in' comes a list")
+        found = np.logical_or.reduce([_compare(ast.Eq(), left, item, known) for item in right.elts])
+        return np.logical_not(found) if isinstance(op, ast.NotIn) else found
+    if type(op) not in COMPARE:
+        raise ValueError("should compare with ==, !=, <, <=, >, >= or in")
+    a, b = _value(left, known), _value(right, known)
+    for one, other in ((a, b), (b, a)):  # an accuracy is text, for it may be a spread
+        if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
+            return COMPARE[type(op)](*((numbers(one), other) if one is a else (other, numbers(one))))
+    return COMPARE[type(op)](a, b)
+
+
+def numbers(texts: np.ndarray) -> np.ndarray:
+    """Texts as numbers, NaN where one is none."""
+
+    def number(text: str) -> float:
+        try:
+            return float(text)
+        except ValueError:
+            return np.nan
+
+    return np.array([number(str(t)) for t in texts])
+
+
+def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
+    if isinstance(node, ast.Name):
+        if node.id not in known:
+            raise ValueError(
+                f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
+            )
+        return known[node.id]
+    try:
+        value = ast.literal_eval(node)
+    except ValueError:
+        raise ValueError(f"{ast.unparse(node)!r} is neither a coordinate nor a value") from None
+    if not isinstance(value, str | int | float):
+        raise ValueError(f"{value!r} is no number and no text")
+    return value

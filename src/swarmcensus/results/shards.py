@@ -1,0 +1,274 @@
+"""Finished work on disk while a run goes on: shards beside the output, each whole, each named by its own checksum.
+
+A shard is a NumPy archive of plain numbers; opening one runs no code. Its name ends in the hash of its bytes, so
+one that was cut short or changed is known before it is read. What a shard holds is addressed by content: a setting
+by its fingerprint, a trial by its number.
+"""
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import re
+import socket
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any, Self
+
+import numpy as np
+from filelock import FileLock, Timeout
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
+from swarmcensus.results.values import Columns, Piece, shapes
+
+FORMAT = "swarmcensus shard 1"
+SKETCH = "study.nc"  # the dataset without a trial: see `early`
+OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its shards
+NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
+ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
+SKETCH_AFTER = 1.0, 3e-3  # seconds, and for each setting: shorter runs need no early picture, at some 40 us a setting
+AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
+
+
+@dataclass(frozen=True)
+class Identity:
+    """What work must have in common to be put together."""
+
+    study: str
+    seed: int
+    version: str
+    delta: float
+    bins: int
+    truth: str
+
+    def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
+        """Raise InputError, saying how they differ, where `other` is of something else."""
+        mine = asdict(self)
+        differ = [k for k, v in mine.items() if other.get(k) != v]
+        if differ:
+            said = "; ".join(f"{k} is {other.get(k)!r} there and {mine[k]!r} here" for k in differ)
+            raise InputError(f"{where} is of another run: {said}. {hint}")
+
+
+@dataclass
+class Found:
+    """One piece of finished work: a setting's fingerprint, the first trial, and its numbers."""
+
+    setting: str
+    first: int
+    columns: Columns
+    local: bool
+
+
+@dataclass
+class Shard:
+    """What a shard says of itself, and what it holds."""
+
+    about: dict[str, Any]
+    found: list[Found] = field(default_factory=list)
+
+
+def folder_of(out: Path) -> Path:
+    """Where the shards of a run that writes `out` are: one folder for all links to one file."""
+    out = Path(os.path.realpath(out)) if out.is_symlink() else out
+    return out.with_name(out.name + ".parts")
+
+
+def read(path: Path) -> Shard | None:
+    """What a shard holds, or None where its bytes are not those that were written, or were not written by a run."""
+    name = NAME.fullmatch(path.name)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"cannot read {path}: {error.strerror}") from error
+    if name is None or checksum(data) != name[2]:
+        return None
+    try:
+        with np.load(io.BytesIO(data)) as arrays:
+            about = json.loads(arrays["about"].tobytes())
+            if min(float(about[key]) for key in ("wall_seconds", "cpu_seconds", "work")) < 0.0:
+                return None
+            return Shard(about, list(_unpacked(arrays, about)))
+    except Exception:  # whatever an archive of other things provokes
+        return None
+
+
+def checksum(data: bytes) -> str:
+    """The hash that a shard is named by."""
+    return hashlib.blake2b(data, digest_size=16).hexdigest()
+
+
+def listed(folder: Path) -> list[Path]:
+    """The shards of a folder, in the order in which they were written; what has another name is no run's."""
+    return sorted(path for path in folder.glob("*.npz") if NAME.fullmatch(path.name) and _is_plain(path))
+
+
+def _is_plain(path: Path) -> bool:
+    return path.is_file() and not path.is_symlink()
+
+
+def is_busy(folder: Path) -> bool:
+    """Whether a run is at work on this folder now."""
+    try:
+        with FileLock(folder / "lock", timeout=0):
+            return False
+    except (Timeout, OSError):
+        return True
+
+
+class Parts:
+    """The shards of one run, held against any other run on the same output as long as the block lasts."""
+
+    def __init__(self, out: Path, identity: Identity, checkpoints: Sequence[int], fingerprints: Sequence[str]) -> None:
+        """Name the run; `fingerprints` are of its settings."""
+        self.out, self.folder = out, folder_of(out)
+        self.identity, self.checkpoints, self.fingerprints = identity, list(checkpoints), fingerprints
+        self.lock = FileLock(self.folder / "lock", timeout=0)
+        self.sketch: Callable[[Path], None] | None = None  # writes the dataset without a trial, once
+        self.added = False  # whether this run finished anything
+        self._waiting: list[Piece] = []
+        self._work = 0.0
+
+    def __enter__(self) -> Self:
+        """Take the lock. Raises InputError where another run has it, or where a link leads elsewhere."""
+        for path in (self.folder, *(self.folder / name for name in OURS)):
+            if path.is_symlink() or (path.is_dir() and path != self.folder):
+                what = "link" if path.is_symlink() else "folder"
+                raise InputError(f"{path} is a {what}: a run keeps its work there, and leaves none; remove it")
+        try:
+            self._take_lock()
+        except Timeout:
+            raise InputError(f"{self.out}: another run {self._holder()}is writing it") from None
+        except OSError as error:
+            raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error
+        self._begun = self._last = time.monotonic()
+        self._cpu = time.process_time()
+        for left in self.folder.glob(".*.npz"):  # of a run that was killed while it wrote
+            if is_leftover(left, NAME.pattern.removesuffix(r"\.npz"), r"\.npz"):
+                left.unlink(missing_ok=True)
+        for path in (self.out, self.folder / "run.json", self.folder / SKETCH):
+            remove_leftovers(path)
+        self._next = max((int(path.name.partition("-")[0]) for path in listed(self.folder)), default=0) + 1
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Let go of the lock, and of a folder in which nothing is kept."""
+        if not listed(self.folder):
+            self.clear()
+            with contextlib.suppress(OSError):
+                (self.folder / "lock").unlink(missing_ok=True)  # somebody may have removed the folder
+                self.folder.rmdir()
+        self.lock.release()
+
+    def _take_lock(self) -> None:
+        while True:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            self.lock.acquire()
+            if (self.folder / "lock").exists():
+                return
+            self.lock.release()  # of a folder that another run removed just then
+
+    def _holder(self) -> str:
+        try:
+            state = json.loads((self.folder / "run.json").read_text(encoding="utf-8"))
+            return f"(process {state['process']} on {state['host']}, since {state['since']}) "
+        except (OSError, ValueError, KeyError, TypeError):
+            return ""
+
+    def announce(self, **state: Any) -> None:
+        """Say in run.json what is being run, for `status`."""
+        state |= asdict(self.identity) | {
+            "process": os.getpid(),
+            "host": socket.gethostname(),
+            "since": time.strftime("%Y-%m-%d %H:%M:%S"),
+        }
+        with whole(self.folder / "run.json") as beside:
+            beside.write_text(json.dumps(state, indent=1), encoding="utf-8")
+
+    def found(self) -> Iterator[tuple[Path, Shard | None]]:
+        """Every shard that is there; None for one that is damaged. Raises InputError for one of another run."""
+        hint = f"Remove the folder, run with --fresh, or write elsewhere with --out ({self.folder})"
+        for path in listed(self.folder):
+            shard = read(path)
+            if shard is not None:
+                self.identity.check(shard.about, str(path), hint)
+            yield path, shard
+
+    def add(self, pieces: Sequence[Piece], work: float) -> None:
+        """Keep finished work, which took so many predicted seconds; on disk within seconds."""
+        self.added |= bool(pieces)
+        self._waiting += pieces
+        self._work += work
+        now = time.monotonic()
+        if now - self._last >= min(max(AT_LEAST, OF_ELAPSED * (now - self._begun)), AT_MOST):
+            self.flush()
+
+    def flush(self) -> None:
+        """Write what waits as one shard. Raises InputError where there is no room for it."""
+        if not self._waiting:
+            return
+        now, cpu = time.monotonic(), time.process_time()
+        if self.sketch and now - self._begun >= SKETCH_AFTER[0] + SKETCH_AFTER[1] * len(self.fingerprints):
+            self.sketch(self.folder / SKETCH)
+            self.sketch = None
+        about = asdict(self.identity) | {
+            "format": FORMAT,
+            "checkpoints": self.checkpoints,
+            "wall_seconds": now - self._last,
+            "cpu_seconds": cpu - self._cpu,
+            "work": self._work,
+        }
+        data = _packed(about, self._waiting, self.fingerprints)
+        name = f"{self._next:06d}-{checksum(data)}.npz"
+        with whole(self.folder / name) as beside:
+            beside.write_bytes(data)
+        self._waiting, self._work = [], 0.0
+        self._last, self._cpu = now, cpu
+        self._next += 1
+
+    @property
+    def replaces(self) -> bool:
+        """Whether the shards are of a run that began anew: what the output holds is none of theirs."""
+        return (self.folder / "fresh").exists()
+
+    def begin_anew(self) -> None:
+        """Remove the shards, and remember that the output is to be replaced."""
+        self.clear()
+        (self.folder / "fresh").touch()
+
+    def clear(self) -> None:
+        """Remove the shards: what they hold is in the output, or not wanted."""
+        # the mark goes first: with it, the output would not be taken over
+        for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json", self.folder / SKETCH):
+            path.unlink(missing_ok=True)
+
+
+def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> bytes:
+    items = np.array([(fingerprints[p.setting], p.first, *p.shape, p.local) for p in pieces], ITEM)
+    flat: dict[str, list[NDArray[Any]]] = {}
+    for piece in pieces:
+        for name, values in piece.columns.items():
+            flat.setdefault(name, []).append(values.ravel())
+    text = np.frombuffer(json.dumps(about).encode(), np.uint8)
+    out = io.BytesIO()
+    np.savez(out, about=text, items=items, **{k: np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
+    return out.getvalue()
+
+
+def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Found]:
+    flat = {name: arrays[name] for name in arrays if name not in ("about", "items")}
+    used = dict.fromkeys(flat, 0)
+    for setting, first, trials, robots, local in arrays["items"].astype(ITEM, casting="equiv").tolist():
+        if min(first, trials - 1, robots - 1) < 0:
+            raise ValueError("no trials")
+        taken = {}
+        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, "estimates" in flat).items():
+            size = int(np.prod(shape))
+            taken[name] = flat[name][used[name] : used[name] + size].reshape(shape)
+            used[name] += size
+        yield Found(setting.decode(), first, taken, local)

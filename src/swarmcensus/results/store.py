@@ -1,0 +1,197 @@
+"""The dataset's schema: how results are laid out, stored, opened and exported."""
+
+import importlib.metadata
+import json
+import platform
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import __version__
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import whole
+from swarmcensus.results import checking
+from swarmcensus.results.values import EVERY, MISSING, PER_ROBOT, Values
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+FORMAT = checking.FORMATS[-1]
+LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
+
+
+def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
+    """A study's dataset: its numbers as far as they are there, with what they are of and how they came to be."""
+    checkpoints = study.checkpoints
+    robots = values.arrays["final_estimate"].shape[2]
+    sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
+    coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
+    columns = [s.coordinates for s in settings]
+    for key in columns[0]:
+        column = [c[key] for c in columns]
+        coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
+    variables: dict[str, Any] = {}
+    for name, array in values.arrays.items():
+        dims, _, units, meaning = EVERY[name]
+        whole_numbers = array.dtype.kind == "i"
+        comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
+        fill = {"_FillValue": MISSING} if whole_numbers else {}  # so that other readers see what is missing
+        variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
+    variables["fingerprint"] = (
+        "setting", np.array(fingerprints, dtype=object),
+        {"long_name": "the address of all that a setting's numbers depend on"},
+    )  # fmt: skip
+    for topology in study.topologies:
+        if topology.source:
+            says = {"long_name": "directed links: sender, receiver", "directed": 1} if topology.directed else {
+                "long_name": "undirected edges"}  # fmt: skip
+            variables[f"edges_{topology.name}"] = (
+                (f"edge_{topology.name}", "end"), np.array(topology.edges, np.int32).reshape(-1, 2),
+                says | {"source": topology.source},
+            )  # fmt: skip
+    for picture in study.pictures:
+        variables[f"floor_{picture.name}"] = (
+            (f"row_{picture.name}", f"column_{picture.name}"), picture.grey,
+            {"long_name": "grey levels of an image, 0 black to 65535 white", "source": picture.source},
+        )  # fmt: skip
+    data = xr.Dataset(variables, coordinates, provenance(study))
+    data["checkpoint"].attrs["units"] = "rounds"
+    return data
+
+
+def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
+    """The variable `half_width` of a study with a rule, one number a setting."""
+    assert study.until is not None
+    return "setting", widths, {"long_name": "half the interval that the rule looks at", "rule": study.until.until}
+
+
+def provenance(study: Study) -> dict[str, Any]:
+    """How a dataset came to be: enough to make it again."""
+    return {
+        "format": FORMAT,
+        "title": study.name,
+        "study": study.text,
+        "seed": study.seed,
+        "delta": study.measure.delta,
+        "bins": study.measure.bins,
+        "truth": study.measure.truth,
+        "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
+        "swarmcensus_version": __version__,
+        "python_version": platform.python_version(),
+        "machine": f"{platform.system()} {platform.machine()}",
+        "processor": _processor(),
+        "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),
+    }
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        return next(line.split(":", 1)[1].strip() for line in lines if line.startswith("model name"))
+    except (OSError, StopIteration):
+        return platform.processor() or "unknown"
+
+
+def save(data: xr.Dataset, path: str | Path) -> None:
+    """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
+    if data.attrs.get("format") in checking.FORMATS:
+        data = data.drop_attrs(deep=False).assign_attrs(checking.selected(data))
+    packed = {"zlib": True, "complevel": 1, "shuffle": True}
+    integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
+    encoding = {n: packed | {k: v for k, v in data[n].encoding.items() if k == "_FillValue"} for n in integers}
+    with whole(path) as beside:
+        data.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
+
+
+def load(path: str | Path) -> xr.Dataset:
+    """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
+    path = Path(path)
+    if not path.is_file():
+        what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else _absent(path)
+        raise InputError(f"results file {path}: {what}")
+    try:
+        with h5py.File(path) as file:
+            elsewhere = _not_here(file["/"])  # h5netcdf would complain of a bad root once past all handlers
+        if elsewhere:
+            raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
+        with xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False) as data:
+            data = data.load()
+    except InputError:
+        raise
+    except Exception as error:  # whatever a damaged HDF5 file provokes
+        raise InputError(
+            f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
+            f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
+        ) from error
+    if not str(data.attrs.get("format")).startswith("swarmcensus results"):
+        raise InputError(f"results file {path}: not a results file of swarmcensus")
+    wrong = checking.unmask(data) or checking.wrong(data)
+    if wrong:
+        raise InputError(f"results file {path}: damaged or changed: {wrong}")
+    return data
+
+
+def _not_here(root: h5py.Group) -> str | None:
+    """What of a file is no plain array in it, in words: HDF5 may lead to other files, which nobody meant to open."""
+    for name in root:
+        if not isinstance(root.get(name, getlink=True), h5py.HardLink):
+            return f"{name} is a link"
+        one = root[name]
+        if not isinstance(one, h5py.Dataset):
+            return f"{name} is a group"
+        if one.is_virtual or one.external:
+            return f"the numbers of {name} are not in the file"
+    return None
+
+
+def _absent(path: Path) -> str:
+    """What there is in place of a results file."""
+    from swarmcensus.results import shards
+
+    folder = shards.folder_of(path)
+    if not (folder / "run.json").is_file():
+        return "there is no such file"
+    if shards.is_busy(folder):
+        return (
+            f"not written yet, a run is at work on it: see swarmcensus status {path}; Ctrl-C there writes what is done"
+        )
+    return f"not written yet, its run was cut off: the same swarmcensus run goes on (swarmcensus status {path})"
+
+
+def frame(data: xr.Dataset) -> Any:
+    """Results in long form: a pandas table with one row a robot and trial, as `export` writes it.
+
+    Missing places are left out. Its columns are the setting's coordinates, `trial`, `robot`, `true_fill_ratio` and the
+    variables that have a robot.
+    """
+    per_robot = [n for n in EVERY if n in data and data[n].dims == PER_ROBOT]
+    size = data["robots"].values
+    mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
+    mask = np.broadcast_to(mask[:, np.newaxis, :], data["final_estimate"].shape)
+    mask = mask & np.isfinite(data["final_estimate"].values)
+    setting, trial, robot = np.nonzero(mask)
+    import pandas as pd
+
+    columns: dict[str, Any] = {"setting": data["setting"].values[setting]}
+    columns |= {str(k): c.values[setting] for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
+    columns |= {"trial": data["trial"].values[trial], "robot": data["robot"].values[robot]}
+    columns |= {"true_fill_ratio": data["true_fill_ratio"].values[setting, trial]}
+    columns |= {n: data[n].values[mask] for n in per_robot}
+    return pd.DataFrame(columns)
+
+
+def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
+    """Write results in long form as "csv" or "parquet"; returns the number of rows. Raises InputError."""
+    table = frame(data)
+    with whole(path) as beside:
+        if kind == "csv":
+            table.to_csv(beside, index=False)
+        else:
+            try:
+                table.to_parquet(beside, index=False)
+            except ImportError:
+                raise InputError("parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
+    return len(table)

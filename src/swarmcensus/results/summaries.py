@@ -1,0 +1,194 @@
+"""What results come to: a row a setting, of medians over robots and trials, and how far trials leave them open."""
+
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.statistics import LEVEL, interval_of
+from swarmcensus.results import selecting
+from swarmcensus.results.store import load
+
+FORMAT = "swarmcensus summary 1"
+SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
+MEDIANS = ("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error")
+BLOCK = 2**22  # values that are sorted at once
+
+Columns = dict[str, NDArray[Any]]
+
+
+def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoint: int | None = None) -> Any:
+    """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
+
+    Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
+    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed) and
+    `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches)
+    the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks settings, as in
+    `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that vary, and the
+    values. Raises InputError.
+    """
+    import pandas as pd
+
+    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    columns = _with_intervals(data, checkpoint)
+    varied = [
+        k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
+    ]
+    first = dict.fromkeys(["setting", *map(str, varied)])
+    last = [name for name in (*MEDIANS, "correct") if name in columns]
+    between = [name for name in columns if name not in first and name not in last]
+    return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
+
+
+def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
+    columns: Columns = {}
+    for name, values in points(data, checkpoint).items():
+        columns[name] = values
+        if name in (*MEDIANS, "correct"):
+            ends = _intervals(data, name, checkpoint)
+            columns |= {f"{name}_low": ends[:, 0], f"{name}_high": ends[:, 1]}
+    return columns
+
+
+def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
+    """The columns of a summary without its intervals, which take the most time. Raises InputError."""
+    ran = done(data)
+    columns: Columns = {"setting": data["setting"].values}
+    columns |= {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
+    failed = Counter(one["setting"] for one in failed_trials(data))
+    columns["trials"] = ran.sum(axis=1)
+    columns["failed"] = np.array([failed[setting] for setting in columns["setting"].tolist()])
+    for name in MEDIANS:
+        if name in data:
+            columns[name] = _medians(data, name, ran)
+    place = _reached(data, checkpoint)
+    columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])
+    correct = np.where(ran, data["correct"].values[np.arange(len(ran)), place], 0.0)
+    columns["correct"] = np.where(columns["trials"] > 0, correct.sum(axis=1) / np.maximum(columns["trials"], 1), np.nan)
+    if "half_width" in data:
+        columns["half_width"] = data["half_width"].values
+    return columns
+
+
+def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
+    """The settings in the order of a column of `points`, what is missing last. Raises InputError."""
+    found = points(data, checkpoint)
+    if column not in found and column not in SHORT:
+        known = [*SHORT, *(k for k in found if k not in SHORT.values())]
+        raise InputError(f"--sort {column}: {did_you_mean(column, known)}known are {', '.join(known)}")
+    values = found[SHORT.get(column, column)]
+    if values.dtype.kind in "OU":  # accuracies are text: numbers among them come first, as numbers
+        texts, place = np.unique(values.astype(str), return_inverse=True)
+        values = np.argsort(np.lexsort((texts, selecting.numbers(texts))))[place]
+    return data.isel(setting=np.argsort(-values if reverse else values, kind="stable"))
+
+
+def asked_anew(data: xr.Dataset) -> list[str]:
+    """Which of "bins" and "delta" are not the study's own: see `remeasure`."""
+    return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
+
+
+def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
+    """The failed trials of the settings that are there: `setting`, `trial` and `why`."""
+    there = set(data["setting"].values.tolist())
+    return [one for one in json.loads(data.attrs.get("failed", "[]")) if one["setting"] in there]
+
+
+def as_json(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> str:
+    """The summary of these settings of a file as JSON: see docs/data-format.md. Raises InputError."""
+    import pandas as pd
+
+    frame = pd.DataFrame(_with_intervals(data, checkpoint))
+    rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
+    about = {
+        "format": FORMAT,
+        "title": str(data.attrs["title"]),
+        **{key: _plain(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+        "asked_anew": asked_anew(stored),
+        "rule": rule,
+        "level": LEVEL,
+        "settings_total": stored.sizes["setting"],
+        "trials_done": int(done(stored).sum()),
+        "trials_total": int(stored.attrs["trials_total"]),
+        "trials_failed": len(failed_trials(stored)),
+        "failed": failed_trials(data),
+        "settings": [_nested(row) for row in frame.to_dict("records")],
+    }
+    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
+
+
+def _nested(row: dict[str, Any]) -> dict[str, Any]:
+    out: dict[str, Any] = {}
+    for name, value in row.items():
+        if f"{name}_low" in row:
+            ends = [_plain(row[f"{name}_low"]), _plain(row[f"{name}_high"])]
+            what = "mean" if name == "correct" else "median"
+            out[name] = {what: _plain(value), "interval": None if None in ends else ends}
+        elif name == "checkpoint":
+            out[name] = None if value < 0 else value
+        elif name.removesuffix("_low").removesuffix("_high") not in out:
+            out[name] = _plain(value)
+    return out
+
+
+def _plain(value: Any) -> Any:
+    """A NumPy number as JSON takes it; None for one that is not finite."""
+    value = value.item() if isinstance(value, np.generic) else value
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def done(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Which trials have run, (setting, trial)."""
+    return np.asarray(data["convergence_round"].values[:, :, 0] >= 0)
+
+
+def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
+    """The place of the checkpoint that is looked at, a setting; -1 where a setting ends before.
+
+    Of such a setting nothing is known there, nor at the last checkpoint, which -1 is the place of.
+    """
+    known, rounds = data["checkpoint"].values, data["rounds"].values
+    if checkpoint is None:
+        return np.searchsorted(known, rounds, side="right") - 1
+    if checkpoint not in known:
+        raise InputError(f"checkpoint {checkpoint}: decisions were recorded after round {', '.join(map(str, known))}")
+    return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
+
+
+def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The median over the trials that are done and their robots, a setting; NaN where there is none."""
+    array, robots = data[name].values, data["robots"].values
+    settings, trials, widest = array.shape
+    out = np.full(settings, np.nan)
+    step = max(1, BLOCK // (trials * widest))
+    for first in range(0, settings, step):
+        rows = slice(first, first + step)
+        here = ran[rows, :, np.newaxis] & (np.arange(widest) < robots[rows, np.newaxis, np.newaxis])
+        values = np.sort(np.where(here, array[rows], np.inf).reshape(len(here), -1), axis=1)
+        count = here.sum(axis=(1, 2))[:, np.newaxis]
+        middle = np.take_along_axis(values, np.concatenate([(count - 1) // 2, count // 2], axis=1), axis=1)
+        out[rows] = np.where(count[:, 0] > 0, middle.mean(axis=1), np.nan)
+    return out
+
+
+def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[np.float64]:
+    """The ends of a column's intervals over trials, (setting, 2); none of these columns is ever below 0.
+
+    No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
+    """
+    array, robots = data[name].values, data["robots"].values.tolist()
+    ran, place = done(data), _reached(data, checkpoint)
+    ends = np.full((len(ran), 2), np.nan)
+    for row, trials in enumerate(ran):
+        if name == "correct":
+            _, *ends[row] = interval_of(array[row, place[row], trials, np.newaxis], "mean", share=True)
+        else:
+            _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
+    most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
+    return np.asarray(np.clip(ends, 0.0, most))

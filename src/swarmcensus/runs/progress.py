@@ -1,0 +1,98 @@
+"""How a run tells a person where it is: a bar on a terminal, plain lines elsewhere."""
+
+import contextlib
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from swarmcensus.runs.running import Progress
+
+LINE_SECONDS = 5.0  # between plain lines
+
+
+@contextlib.contextmanager
+def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
+    """A callback for `run` that shows trials done, their rate and the time left, on stderr."""
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines(label)
+        return
+    from rich.markup import escape
+    from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
+    from rich.progress import Progress as Bar
+
+    columns: tuple[Any, ...] = (
+        TextColumn("{task.description}"),
+        BarColumn(bar_width=None),
+        MofNCompleteColumn(),
+        TextColumn("trials  {task.fields[rate]}  {task.fields[left]}"),
+    )
+    with Bar(*columns, console=console, transient=True) as bar:
+        task = bar.add_task(escape(label), total=None, rate="", left="")
+        begun = time.monotonic()
+
+        def show(progress: Progress) -> None:
+            rate, left = _pace(progress, time.monotonic() - begun)
+            bar.update(
+                task,
+                description=escape(progress.note or label),
+                total=progress.total,
+                completed=progress.done,
+                rate=rate,
+                left=left,
+            )
+
+        yield show
+
+
+def _lines(label: str) -> Callable[[Progress], None]:
+    begun = last = time.monotonic()
+    note = ""
+
+    def show(progress: Progress) -> None:
+        nonlocal last, note
+        now = time.monotonic()
+        if progress.note != note or (not note and now - last >= LINE_SECONDS):
+            last, note = now, progress.note
+            pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
+            trials = f"{progress.done:,} of {progress.total:,} trials, " if progress.total else ""
+            print(f"{label}: {trials}{pace}", file=sys.stderr, flush=True)
+
+    return show
+
+
+def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
+    if not progress.work_done or not elapsed:
+        return "", ""
+    left = elapsed * (progress.work_total - progress.work_done) / progress.work_done
+    return f"{progress.done / elapsed:,.0f}/s", f"{clock(left)} left"
+
+
+@contextlib.contextmanager
+def compiling(name: str, what: str = "replay") -> Iterator[None]:
+    """Say on stderr that `name`, and for `what`, is being compiled where it is: not where it lies in the cache."""
+    from numba.core import event
+
+    class Teller(event.Listener):  # type: ignore[misc]
+        told = False
+
+        def on_start(self, event: object) -> None:
+            if not self.told:
+                print(f"compiling {name} for {what}, once on this machine", file=sys.stderr, flush=True)
+            self.told = True
+
+        def on_end(self, event: object) -> None:
+            pass
+
+    with event.install_listener("numba:compile", Teller()):
+        yield
+
+
+def clock(seconds: float) -> str:
+    """Seconds as 1:02:03, or 2:03."""
+    minutes, seconds = divmod(round(seconds), 60)
+    hours, minutes = divmod(minutes, 60)
+    return f"{hours}:{minutes:02}:{seconds:02}" if hours else f"{minutes}:{seconds:02}"

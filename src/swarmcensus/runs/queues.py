@@ -1,0 +1,206 @@
+"""Batch systems: the TOML file that says what a job is, and the jobs that were submitted."""
+
+import contextlib
+import inspect
+import signal
+import subprocess
+import threading
+import time
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.studies.tables import explain
+from swarmcensus.studies.toml_text import read_toml
+
+GRACE_SECONDS = 30.0  # without a worker after which a job that had one has ended, and between two tries of one refused
+ASK_SECONDS = 20.0  # between questions to Slurm for why no worker comes
+NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # Dask would take port 8787 in any case
+Whole = Annotated[int, Field(strict=True, ge=1)]
+
+
+SYSTEMS = {
+    "slurm": "SLURM", "pbs": "PBS", "sge": "SGE", "lsf": "LSF", "htcondor": "HTCondor", "oar": "OAR", "moab": "Moab"
+}  # fmt: skip
+
+
+class Queue(BaseModel):
+    """A batch system on which workers are started as jobs, by dask-jobqueue: the keys of a cluster's TOML file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    system: Literal["slurm", "pbs", "sge", "lsf", "htcondor", "oar", "moab"] = "slurm"
+    jobs: Whole
+    cores: Whole  # of each job: as many worker processes
+    memory: Annotated[str, Field(pattern=r"^\d+(\.\d+)? ?[KMGT]i?B$")]  # of each job, as "16GB"
+    walltime: str | None = None
+    partition: str | None = None
+    account: str | None = None
+    interface: str | None = None  # the network that workers and this process share, as "ib0"
+    directives: list[str] = []  # further lines of the job script's head, as "--exclusive"
+    prologue: list[str] = []  # shell commands before a worker starts, as "source ~/venv/bin/activate"
+    scratch: str | None = None  # a folder on each node, for what does not fit into a worker's memory
+    logs: str | None = None  # a folder for what the jobs print
+    options: dict[str, str | int] = {}  # what else the system's class in dask-jobqueue takes, as disk = "1GB"
+
+    def start(self) -> Any:
+        """The dask-jobqueue cluster, without jobs. Raises ImportError, and ValueError for a wrong option."""
+        import dask_jobqueue
+
+        kind = getattr(dask_jobqueue, f"{SYSTEMS[self.system]}Cluster")
+        takes = {k for c in kind.job_cls.__mro__ if c is not object for k in inspect.signature(c.__init__).parameters}
+        named = {
+            "walltime": self.walltime, "queue": self.partition,
+            "account" if "account" in takes else "project": self.account, **self.options,
+        }  # fmt: skip
+        named = {k: v for k, v in named.items() if v is not None}
+        unknown = sorted(set(named) - takes)
+        if unknown:
+            raise ValueError(f"{self.system} takes no {', '.join(unknown)}")
+        common: dict[str, Any] = {
+            "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
+            "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
+            "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
+            "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL", "job_cls": _told(kind.job_cls),
+        }  # fmt: skip
+        return kind(**{k: v for k, v in common.items() if v is not None}, **named)
+
+
+def _told(job: type) -> type:
+    """A kind of job that says why it was refused, where Dask would drop the reason and wait for its workers."""
+    from distributed.core import Status
+
+    class Told(job):  # type: ignore[misc]
+        refusal = ""
+
+        async def start(self) -> None:
+            try:
+                await super().start()
+            except FileNotFoundError as error:
+                self.refusal = f"{error.filename}: no such command here"
+            except (OSError, RuntimeError, ValueError) as error:
+                self.refusal = "; ".join(str(error).rpartition("stderr:\n")[2].split("\n")).strip("; ")
+            self.status = Status.running
+
+        async def close(self) -> None:
+            await super().close()
+            self.status = Status.closed  # which Dask asserts at the end
+
+    return Told
+
+
+class Jobs:
+    """The jobs of a batch system: one that was there and has ended, as at its walltime, is submitted anew."""
+
+    def __init__(self, cluster: Any, queue: Queue) -> None:
+        """Submit them. Raises RuntimeError, with what the system says, where it refuses every one."""
+        self.cluster, self.queue = cluster, queue
+        self._seen: dict[str, float] = {}  # when a job last had a worker, or was refused
+        self._asked = time.monotonic()
+        self._why = ""
+        self._began = False  # whether a worker ever came
+        self._ended = 0  # jobs, before that
+        cluster.scale(jobs=queue.jobs)
+        while not cluster.workers:  # filled when all have an answer
+            time.sleep(0.05)
+        refused = self._refused()
+        if len(refused) == queue.jobs:
+            raise RuntimeError(refused[0])
+        if refused:
+            warnings.warn(
+                f"{len(refused)} of {queue.jobs} jobs were refused, and are tried again every "
+                f"{GRACE_SECONDS:.0f} seconds: {refused[0]}",
+                stacklevel=2,
+            )
+
+    def renew(self) -> str:
+        """Submit those that lack; returns why no worker is there, if known. Raises InputError where none can come."""
+        there = [str(worker["name"]) for worker in self.cluster.scheduler_info["workers"].copy().values()]
+        now = time.monotonic()
+        jobs = self.cluster.workers.copy()
+        self._seen = {name: when for name, when in self._seen.items() if name in jobs}
+        for name, job in jobs.items():
+            if any(worker == name or worker.startswith(f"{name}-") for worker in there):
+                self._seen[name] = now
+            elif job.refusal:
+                self._seen.setdefault(name, now)
+            if now - self._seen.get(name, now) > GRACE_SECONDS:
+                self._replace(name)
+        self.cluster.scale(jobs=self.queue.jobs)
+        self._began |= bool(there)
+        if there or self.queue.system != "slurm":
+            self._why = ""
+        elif now - self._asked > ASK_SECONDS:
+            self._asked = now
+            self._why = self._ask_slurm(jobs)
+        return next(iter(self._refused()), self._why) if not there else ""
+
+    def _refused(self) -> list[str]:
+        return [job.refusal for job in self.cluster.workers.copy().values() if job.refusal]
+
+    def _replace(self, name: str) -> None:
+        self._seen.pop(name, None)
+        job = self.cluster.workers.pop(name, None)  # Dask may let go of it at the same time
+        if job is not None:
+            self.cluster.loop.add_callback(job.close)
+
+    def _ask_slurm(self, jobs: dict[str, Any]) -> str:
+        """Look at jobs of which none has a worker; those that ended before one came are submitted anew."""
+        asked = ["squeue", "--me", "--noheader", "--format=%i %T, %r"]
+        try:
+            answer = subprocess.run(asked, capture_output=True, text=True, timeout=ASK_SECONDS)
+        except (OSError, subprocess.TimeoutExpired):
+            return ""
+        if answer.returncode:
+            return "; ".join(answer.stderr.strip().split("\n"))
+        found = dict(line.strip().split(" ", 1) for line in answer.stdout.splitlines())
+        ended = [name for name, job in jobs.items() if job.job_id and job.job_id not in found]
+        self._ended += len(ended)
+        if self._ended >= self.queue.jobs and not self._began:
+            where = f"the folder {self.queue.logs}" if self.queue.logs else "what they printed"
+            raise InputError(f"{self._ended} jobs ended or were cancelled before a worker came: {where} may say why")
+        for name in ended:
+            self._replace(name)
+        states = [found[job.job_id] for job in jobs.values() if job.job_id in found]
+        return f"Slurm says {states[0].removesuffix(', None')}" if states else ""
+
+
+@contextlib.contextmanager
+def ended_politely() -> Iterator[None]:
+    """Have SIGTERM and SIGHUP do what Ctrl-C does, so that jobs are cancelled whatever ends this process.
+
+    To import dask-jobqueue makes Ctrl-C end Python at once, with exit code 0 and work lost: that is undone.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = {number: signal.getsignal(number) or signal.SIG_DFL for number in numbers}
+    with contextlib.suppress(ImportError):
+        import dask_jobqueue  # noqa: F401
+    for number, handler in before.items():  # nohup ignores SIGHUP, and means it
+        ends = handler is signal.SIG_DFL or getattr(handler, "__module__", None) == "dask_jobqueue.runner"
+        signal.signal(number, signal.default_int_handler if ends else handler)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+def read_queue(path: Path) -> Queue:
+    """Read a cluster's TOML file. Raises InputError."""
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError, ValueError) as error:
+        raise InputError(
+            f"--cluster {path}: should be local:4, a scheduler's address, or a TOML file, which cannot be read: {error}"
+        ) from None
+    try:
+        return Queue.model_validate(read_toml(text, f"cluster file {path}"))
+    except ValidationError as error:
+        raise InputError(explain(error, f"cluster file {path}", Queue)) from None

@@ -1,0 +1,419 @@
+"""Runs a study: its work goes out in bundles to threads or to a cluster, and what is finished is never lost."""
+
+import contextlib
+import json
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterator
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field, replace
+from functools import partial
+from pathlib import Path
+from typing import Protocol
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.engine import compiler
+from swarmcensus.results import store as results
+from swarmcensus.results.values import Values
+from swarmcensus.runs.resuming import Holding, hold
+from swarmcensus.runs.tasks import Bundle, Failure, Outcome, Task, bundled, metrics_of, plan, run_bundle
+from swarmcensus.simulation.trials import seconds
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.worlds.networks import Topology
+
+BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
+WAIT_SECONDS = 0.1
+MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and none beyond the cores helps
+
+
+@dataclass(frozen=True)
+class Progress:
+    """How far a run is: trials, and predicted seconds of work."""
+
+    done: int
+    total: int
+    work_done: float
+    work_total: float
+    note: str = ""  # what is going on where it is not trials
+
+
+class Pool(Protocol):
+    """Where bundles are run: threads here, or the workers of a cluster."""
+
+    @property
+    def width(self) -> int:
+        """How many bundles it should have at hand."""
+
+    @property
+    def note(self) -> str:
+        """What to tell a person who waits, or nothing."""
+
+    def bundle_seconds(self, work: float) -> float:
+        """How long a bundle should be, of so many seconds of work."""
+
+    def submit(self, bundle: Bundle) -> Future[Outcome]:
+        """Have a bundle run."""
+
+    def halt(self) -> None:
+        """Have what runs end soon, with what it has."""
+
+    def explain(self, error: BaseException) -> str | None:
+        """Why a bundle was lost though the study goes on; None where it cannot."""
+
+
+class Threads:
+    """Threads of this process: the engine holds no lock while it computes."""
+
+    note = ""
+
+    def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
+        """Take the executor's threads."""
+        self.executor, self.width = executor, 4 * jobs
+        self.stop = np.zeros(1, np.uint8)
+        self.common = settings, study.seed
+        self.metrics = metrics_of(study)
+
+    def submit(self, bundle: Bundle) -> Future[Outcome]:
+        """Have a bundle run by the next thread that is free."""
+        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop)
+
+    def halt(self) -> None:
+        """Tell the engine to stop within a round."""
+        self.stop[0] = 1
+
+    def bundle_seconds(self, work: float) -> float:
+        """How long a bundle should be."""
+        return BUNDLE_SECONDS
+
+    def explain(self, error: BaseException) -> str | None:
+        """Nothing is lost here but by a fault of swarmcensus."""
+        return None
+
+
+@dataclass
+class State:
+    """What a run has so far."""
+
+    study: Study
+    settings: list[Setting]
+    values: Values
+    report: Callable[[Progress], None]
+    holding: Holding | None
+    widths: NDArray[np.float64]  # half the interval that a rule looks at, of each setting
+    share: slice  # which trials are to be run
+    failures: list[Failure] = field(default_factory=list)
+    done: int = 0
+    total: int = 0
+    work_done: float = 0.0
+    work_total: float = 0.0
+
+    def show(self, note: str = "") -> None:
+        """Report how far the run is."""
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note))
+
+
+def run(
+    study: Study,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    *,
+    out: str | Path | None = None,
+    fresh: bool = False,
+    cluster: str | None = None,
+    share: tuple[int, int] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> xr.Dataset:
+    """Run every trial of every setting and return the dataset (see docs/data-format.md).
+
+    `jobs` threads, by default one a core; the numbers do not depend on it. `progress` is called from this
+    thread about ten times a second. With `out`, the dataset is written there, finished work is kept beside it as
+    the run goes on, and what is there already is not run again, unless `fresh`; `say` gets a line on it.
+    `cluster` is a Dask scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only
+    the k-th of n parts of the trials is run, k from 1: for machines that share nothing, and `merge` afterwards.
+
+    A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
+    which carries the dataset of what was done. Raises InputError where nothing could be run.
+    """
+    jobs = threads(jobs)
+    if share is not None and study.until:
+        raise InputError(
+            f"share {share[0]}/{share[1]}: a study whose trials follow a rule cannot be shared, for how many they are "
+            "is not known beforehand: give trials a number"
+        )
+    if share is not None and not 1 <= share[0] <= share[1] <= study.trials:
+        raise InputError(
+            f"share {share[0]}/{share[1]}: should be k/n with 1 <= k <= n, and n no more than the study's trials "
+            f"({study.trials})"
+        )
+    settings = study.settings()
+    marks = [setting.fingerprint(study.seed) for setting in settings]
+    first = next(study.stages())
+    state = State(
+        study, settings, Values(settings, first, len(study.checkpoints), study.measure.local, study.measure.estimates),
+        progress or (lambda _: None), None, np.full(len(settings), np.nan),
+        slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
+    )  # fmt: skip
+    with contextlib.ExitStack() as stack:
+        if out is not None:
+            state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
+            state.holding.share = "{}/{}".format(*share) if share else ""
+            state.holding.fill(state.values)
+            known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
+            state.holding.announce(known, total, 0.0)  # while it compiles, or waits for workers
+            state.holding.parts.sketch = partial(_sketch, state, marks, share)
+        begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
+        pool = stack.enter_context(_pool(state, jobs, cluster))
+        try:
+            interrupted = _run_stages(state, pool)
+        except KeyboardInterrupt:  # between two stages
+            interrupted = True
+        data = results.dataset(study, settings, marks, state.values)
+        before = state.holding.seconds if state.holding else (0.0, 0.0)
+        done = int(state.values.finished().sum())
+        state.failures = list({(f.setting, f.trial): f for f in reversed(state.failures)}.values())
+        enough = study.until is not None and not interrupted  # a rule's total is known once it holds
+        data.attrs |= {
+            "trials_done": done,
+            "trials_total": done + len(state.failures) if enough else study.trials * len(settings),
+            "started": started,
+            "finished": time.strftime("%Y-%m-%dT%H:%M:%S%z"),
+            "wall_seconds": round(before[0] + time.monotonic() - begun, 3),
+            "cpu_seconds": round(before[1] + time.process_time() - cpu, 3),
+        }
+        if share is not None:
+            data.attrs["share"] = "{}/{}".format(*share)
+        if study.until is not None:
+            data["half_width"] = results.widths_of_rule(study, state.widths)
+        if state.failures:
+            _tell(state, data)
+        if state.holding is not None:
+            state.holding.finish(data)
+    if interrupted:
+        raise Interrupted(data, data.attrs["trials_done"], data.attrs["trials_total"])
+    return data
+
+
+def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
+    """Write the dataset as it is before any trial: with the shards an early picture of the run."""
+    study, settings, measure = state.study, state.settings, state.study.measure
+    data = results.dataset(
+        study, settings, marks, Values(settings, 1, len(study.checkpoints), measure.local, measure.estimates)
+    )
+    data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
+    if share is not None:
+        data.attrs["share"] = "{}/{}".format(*share)
+    if study.until is not None:
+        data["half_width"] = results.widths_of_rule(study, np.full(len(settings), np.nan))
+    results.save(data, path)
+
+
+def threads(jobs: int | None) -> int:
+    """How many threads to compute with: by default one a core. Raises InputError for none, or too many."""
+    cores = os.cpu_count() or 1
+    most = max(MOST_JOBS, cores)
+    jobs = cores if jobs is None else jobs
+    if not 1 <= jobs <= most:
+        raise InputError(
+            f"jobs = {jobs}: should be 1 to {most} threads; more than this machine has cores ({cores}) gain nothing"
+        )
+    return jobs
+
+
+def recompute(
+    study: Study,
+    settings: list[Setting],
+    wanted: NDArray[np.bool_],
+    local: bool,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Values:
+    """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
+    jobs = threads(jobs)
+    values = Values(settings, wanted.shape[1], len(study.checkpoints), local, study.measure.estimates)
+    state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
+    tasks = plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS)
+    state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
+    with _pool(state, jobs, None) as pool:
+        if _work(state, bundled(tasks, BUNDLE_SECONDS), pool):
+            raise KeyboardInterrupt
+    return values
+
+
+def _tell(state: State, data: xr.Dataset) -> None:
+    """Say which trials failed; raise InputError where all did."""
+    state.failures.sort(key=lambda f: (f.setting, f.trial))
+    data.attrs["failed"] = json.dumps([vars(f) for f in state.failures])
+    first = state.failures[0].why
+    if not state.values.done().any():
+        raise InputError(first)
+    numbers = {f.setting for f in state.failures}
+    warnings.warn(
+        f"{len(state.failures)} trials of {len(numbers)} settings failed; the others are kept. The first: "
+        f"setting {state.failures[0].setting}: {first}",
+        stacklevel=3,
+    )
+
+
+@contextlib.contextmanager
+def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[Pool]:
+    if cluster is not None and not _everything_found(state):
+        from swarmcensus.runs.clusters import workers
+
+        if "://" not in cluster:  # those workers use the cache of this machine, or of a home that they share
+            _compile(state)
+        with workers(cluster, state.study, state.show) as pool:
+            yield pool
+        return
+    if not _everything_found(state):
+        _compile(state)
+    with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
+        threads = Threads(executor, jobs, state.study, state.settings)
+        try:
+            yield threads
+        finally:
+            threads.halt()
+
+
+def work_of(study: Study, settings: list[Setting]) -> float:
+    """The predicted seconds of a study on one core."""
+    every = np.ones((len(settings), study.trials), np.bool_)
+    return sum(task.cost for task in plan(settings, every, every if study.measure.local else None, BUNDLE_SECONDS))
+
+
+def _everything_found(state: State) -> bool:
+    return state.study.until is None and bool(state.values.done().all())
+
+
+def _compile(state: State) -> None:
+    """Compile what all need here, so that threads do not wait for one another."""
+    for setting in smallest(state.settings):
+        if not compiler.is_compiled(setting.brain, "riding.ride" if setting.body else "kernel.simulate"):
+            what = "robots that move" if setting.body else "fixed networks"
+            state.show(f"compiling {setting.brain.name} for {what}, once on this machine")
+        task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
+        # a brain that fails is named by the real run
+        run_bundle([setting], 0, (task,), metrics_of(state.study), np.zeros(1, np.uint8))
+
+
+def smallest(settings: list[Setting]) -> list[Setting]:
+    """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
+    found = {}
+    for setting in settings:
+        key = setting.brain.name, setting.body is None, setting.floor and setting.floor.kind
+        if key not in found:
+            tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
+            if setting.body is not None:
+                tiny = replace(tiny, topology=setting.topology, density=1.0)
+            found[key] = tiny
+    return list(found.values())
+
+
+def _run_stages(state: State, pool: Pool) -> bool:
+    """Run all trials, of a rule in stages; whether Ctrl-C ended it."""
+    open_ = np.ones(len(state.settings), np.bool_)
+    for trials in state.study.stages():
+        state.values.grow(trials)
+        mine = open_[:, np.newaxis] & _in_share(state, trials)
+        lacking = mine & ~state.values.done()[:, :trials]
+        local = None
+        if state.study.measure.local:
+            local = mine & ~state.values.done(local=True)[:, :trials]
+        some = pool.bundle_seconds(
+            sum(seconds(s) * n for s, n in zip(state.settings, lacking.sum(axis=1), strict=True))
+        )
+        tasks = plan(state.settings, lacking, local, some)
+        state.done, state.total = _so_far(state, trials, open_)
+        state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
+        if state.holding:
+            state.holding.announce(state.done, state.total, state.work_total)
+        if tasks and _work(state, bundled(tasks, some), pool):
+            return True
+        if state.study.until is not None:
+            open_[[f.setting for f in state.failures]] = False
+            for number in np.flatnonzero(open_):
+                state.widths[number] = half_width(state.study, state.values, int(number), trials)
+                open_[number] = not state.study.until.holds(state.widths[number])
+        if not open_.any():
+            break
+    return False
+
+
+def _in_share(state: State, trials: int) -> NDArray[np.bool_]:
+    return np.isin(np.arange(trials), np.arange(trials)[state.share])
+
+
+def _so_far(state: State, trials: int, open_: NDArray[np.bool_]) -> tuple[int, int]:
+    """How many trials there are, and with those that the settings still open to a rule lack of so many each."""
+    done = state.values.done()[:, :trials] & _in_share(state, trials)
+    lacking = open_[:, np.newaxis] & _in_share(state, trials) & ~done
+    return int(done.sum()), int(done.sum() + lacking.sum())
+
+
+def half_width(study: Study, values: Values, number: int, trials: int) -> float:
+    """Half the interval that a study's rule looks at, of the first so many trials of a setting."""
+    assert study.until is not None
+    array = values.arrays[study.until.variable][number]
+    if study.until.checkpoint is not None:
+        array = array[study.checkpoints.index(study.until.checkpoint), :, np.newaxis]
+    else:
+        array = array[:, : values.robots[number]]
+    return study.until.half_width(array[:trials].astype(np.float64))
+
+
+def _work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
+    """Run bundles to their end; whether Ctrl-C came before."""
+    waiting: dict[Future[Outcome], Bundle] = {}
+    try:
+        while True:
+            while len(waiting) < pool.width and (bundle := next(rest, None)) is not None:
+                waiting[pool.submit(bundle)] = bundle
+            if not waiting:
+                break
+            state.show(pool.note)
+            finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
+            for future in finished:
+                _keep(state, pool, future, waiting.pop(future))
+    except KeyboardInterrupt:
+        pool.halt()
+        for future in waiting:
+            future.cancel()
+        for future, bundle in waiting.items():
+            if not future.cancelled():
+                _keep(state, pool, future, bundle)
+        return True
+    finally:
+        for future in waiting:
+            future.cancel()
+    state.show()
+    return False
+
+
+def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
+    try:
+        outcome = future.result()
+    except Exception as error:
+        why = pool.explain(error)
+        if why is None:
+            raise
+        outcome = [
+            Failure(number, task.first + k, why)
+            for task in bundle
+            for number in task.settings
+            for k in range(task.trials)
+        ]
+    pieces = [one for one in outcome if not isinstance(one, Failure)]
+    failures = [one for one in outcome if isinstance(one, Failure)]
+    for piece in pieces:
+        state.values.put(piece.setting, piece.first, piece.columns)
+        state.done += 0 if piece.local else piece.shape[0]
+    state.failures += failures
+    cost = sum(task.cost for task in bundle)
+    state.work_done += cost
+    if state.holding:
+        state.holding.parts.add(pieces, cost)

@@ -1,0 +1,238 @@
+"""Whether results are what they say: labels are held against the study, trials run again and compared bit for bit."""
+
+import math
+import warnings
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus import __version__
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results import checking
+from swarmcensus.results.labels import settings_of, unlike
+from swarmcensus.results.origins import Brains, must_be_read, studies_of
+from swarmcensus.results.store import load, provenance
+from swarmcensus.results.values import EVERY, MISSING, VARIABLES, Values
+from swarmcensus.runs.running import Progress, half_width, recompute
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+COUNTED = ("trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
+           "cpu_seconds")  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A trial that did not come out as stored."""
+
+    setting: int
+    trial: int
+    variable: str
+    stored: float
+    found: float
+
+    def __str__(self) -> str:
+        """The difference as a sentence."""
+        return (
+            f"setting {self.setting}, trial {self.trial}: {self.variable} is {self.stored!r} in the file and "
+            f"{self.found!r} when it is run again"
+        )
+
+
+@dataclass(frozen=True)
+class Verification:
+    """What came of it: how many trials were run again, of how many, and the first difference of each that differs.
+
+    `labels` are sentences on what else the results say otherwise than their study; `notes` on what is no fault, but
+    should be known.
+    """
+
+    checked: int
+    stored: int
+    differences: list[Difference]
+    labels: list[str] = field(default_factory=list)
+    notes: list[str] = field(default_factory=list)
+
+
+def verify(
+    results: xr.Dataset | str | Path,
+    sample: float = 0.01,
+    *,
+    brain: Brains = (),
+    seed: int | None = None,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+) -> Verification:
+    """Run a random share `sample` of the trials in results again, at least one, and compare all that was measured.
+
+    With sample=1 all are. `seed` makes the choice the same each time. Brains that are not shipped must be given, or
+    found: see `origins`. What results say beside their numbers is compared in any case. Raises InputError.
+    """
+    if not 0.0 < sample <= 1.0:
+        raise InputError(f"sample = {sample:g}: should be a share above 0, and 1 at the most")
+    data = results if isinstance(results, xr.Dataset) else load(results)
+    if wrong := checking.wrong(data):
+        raise InputError(f"damaged or changed: {wrong}")
+    studies = studies_of(data, brain)
+    labels = [*unlike(data, studies), *_ended(data, studies)]
+    tried = data["convergence_round"].values[:, :, 0] != MISSING
+    if not tried.any():
+        raise InputError("these results hold no finished trial")
+    for setting, trial in checking.failures(data):  # these should fail again
+        tried |= np.outer(data["setting"].values == setting, data["trial"].values == trial)
+    done = np.argwhere(tried)
+    count = min(len(done), max(1, math.ceil(sample * len(done))))
+    chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
+    wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
+    wanted[chosen[:, 0], chosen[:, 1]] = True
+    differences: list[Difference] = []
+    left = np.asarray(wanted.any(axis=1))
+    for study in (_looking(data, study) for study in studies):
+        places, settings = _ours(data, study, left)
+        if settings:
+            left[places] = False
+            differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
+    wanted[left] = False  # of no setting of these studies, as the labels say
+    differences.sort(key=lambda d: (d.setting, d.trial))
+    return Verification(int(wanted.sum()), len(done), differences, labels, list(_notes(data, studies)))
+
+
+def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    version = data.attrs["swarmcensus_version"]
+    if version != __version__:
+        yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
+    if checking.is_old(data):
+        yield "the file is of the first format: descriptions and what a rule came to are not compared"
+    done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
+    if done < total:
+        failed = len(checking.failures(data))
+        yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+    own = {*provenance(studies[0]), *COUNTED}
+    for name in sorted({*data.attrs} - own):
+        yield f"the attribute {name} is not of a run"
+
+
+def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """Where results say that no trial is to come: what their rules ask for and is not there, and what they came to."""
+    if checking.is_old(data):
+        return  # intervals were others then
+    failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
+    rows, columns = ({n: k for k, n in enumerate(data[d].values.tolist())} for d in ("setting", "trial"))
+    for setting, trial in checking.failures(data):
+        failed[rows[setting], columns[trial]] = True
+    values = Values.of(data)
+    ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
+    for study in studies:
+        if not {*study.checkpoints} <= {*data["checkpoint"].values.tolist()}:
+            continue  # which is told already
+        if "merged" in data.attrs:
+            values = Values.of(data.sel(checkpoint=study.checkpoints))
+        ours = settings_of(study)
+        for k, mark in enumerate(data["fingerprint"].values.tolist()):
+            if mark not in ours:
+                continue
+            number = data["setting"].values[k]
+            found, lacking = _stages(study, values, k, failed[k])
+            if ended and lacking:
+                yield f"setting {number}: of its {lacking} trials some are missing, and none is said to be"
+            if "half_width" not in data or data["half_width"].dims != ("setting",) or study.until is None:
+                continue
+            said = data["half_width"].values[k].item()
+            whole = ended and not failed[k].any()
+            if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
+                yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
+
+
+def _stages(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
+    """What a rule's half width was at each look, as far as there are trials, and how many more trials it asks for.
+
+    The latter is the number of trials of the stage that was not ended, or 0.
+    """
+    found = [math.nan]
+    tried = values.done()[k] | failed
+    for trials in study.stages():
+        if trials > tried.size or not tried[:trials].all():
+            return found, trials
+        if failed[:trials].any():
+            return found, 0  # no rule is asked any more
+        if study.until is not None:
+            found.append(half_width(study, values, k, trials))
+            if study.until.holds(found[-1]):
+                break
+    return found, 0
+
+
+def _looking(data: xr.Dataset, study: Study) -> Study:
+    """The same study, looking at a dataset's checkpoints: merged results have those of all their studies."""
+    longest = max(setting.rounds for setting in study.settings())
+    looked = [c for c in data["checkpoint"].values.tolist() if c <= longest] or [longest]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # of the same study once more
+        return study.with_(measure=study.measure.model_dump(exclude_none=True) | {"checkpoints": looked})
+
+
+def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[Setting]]:
+    """The places in a dataset of settings that are of a study, of those that are `left`, and these settings."""
+    marks = {mark: k for k, mark in enumerate(data["fingerprint"].values.tolist()) if left[k]}
+    found = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
+    for setting in found.values():
+        must_be_read(setting.brain)
+    return np.array(sorted(found), np.intp), [found[k] for k in sorted(found)]
+
+
+def _compare(
+    data: xr.Dataset,
+    study: Study,
+    places: NDArray[np.intp],
+    settings: list[Setting],
+    wanted: NDArray[np.bool_],
+    jobs: int | None,
+    progress: Callable[[Progress], None] | None,
+) -> list[Difference]:
+    local = "local_convergence_step" in data
+    trials = data["trial"].values
+    columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
+    columns[:, trials] = wanted
+    again = recompute(study, settings, columns, local, jobs, progress)
+    known = [study.checkpoints.index(c) if c in study.checkpoints else -1 for c in data["checkpoint"].values.tolist()]
+    out: dict[tuple[int, int], Difference] = {}
+    for name in (name for name in EVERY if name in data and name in again.arrays):
+        dims = EVERY[name][0]
+        others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
+        stored = data[name].values[places]
+        found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
+        same = (stored == found) & (np.signbit(stored) == np.signbit(found))
+        differ = ~(same | ((stored != stored) & (found != found)))
+        there = stored != MISSING if stored.dtype.kind == "i" else ~np.isnan(stored)
+        due = wanted
+        if name not in VARIABLES:  # not asked for by some of merged studies
+            due = due & there.any(axis=others)
+        if "checkpoint" in dims:  # nor these checkpoints
+            differ &= there
+        for row, column in np.argwhere(differ.any(axis=others) & due).tolist():
+            number, trial = int(data["setting"].values[places[row]]), int(trials[column])
+            one = {"setting": row, "trial": column}
+            at = tuple(one.get(d, slice(None)) for d in dims)
+            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
+            out.setdefault((number, trial), Difference(number, trial, name, *values))
+    return list(out.values())
+
+
+def _fitted(
+    array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
+) -> NDArray[Any]:
+    """A variable as a dataset of other sizes holds it; `known` are the places of its checkpoints, or -1."""
+    array = array.take(trials, dims.index("trial"))
+    if "checkpoint" in dims:
+        array = array[:, known]
+        array[:, np.array(known) < 0] = np.nan
+    if "robot" in dims:
+        blank = MISSING if array.dtype.kind == "i" else np.nan
+        more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
+        array = np.pad(array, more, constant_values=blank)[..., :robots]
+    return array

@@ -1,0 +1,86 @@
+"""Which line of a brain fails: its trial again in CPython, for machine code does not say."""
+
+import linecache
+import traceback
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from swarmcensus import brains
+from swarmcensus.engine.compiler import compile_brain
+from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+from swarmcensus.studies.settings import Setting
+
+MOST_STEPS = 3_000_000  # of robots and rounds: some ten seconds of CPython
+
+
+def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
+    """Where the brain fails in this trial, as ", at my_brain.py, line 12: x = 1 / me.n"; empty where it cannot be told.
+
+    What robots see and whom they hear is taken from the same trial with a shipped brain: it is the same, but for
+    brains that steer.
+    """
+    if setting.robots * setting.rounds > MOST_STEPS:
+        return ""
+    try:
+        _live(setting, seed, trial)
+    except Exception as error:
+        for frame in reversed(traceback.extract_tb(error.__traceback__)):
+            if frame.filename == str(setting.brain.path):
+                line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
+                return f", at {frame.filename}, line {frame.lineno}: {line}"
+    return ""
+
+
+def _live(setting: Setting, seed: int, trial: int) -> None:
+    """The trial's minds, step by step, as the engine runs them."""
+    known = replace(setting, brain=brains.load("minimalistic"))
+    heard_by = compile_brain(known.brain).heard_by
+    functions, stops = setting.brain.functions, setting.stops(seed, trial)
+    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
+    minds = [setting.brain.robot(float(b[i % b.size]), float(w[i % w.size])) for i in range(setting.robots)]
+    delay = setting.body.message_delay if setting.body else 0
+    looks, threshold, key = setting.observations_per_round, setting.loss_threshold, setting.losses_key(seed)
+
+    def works(part: int, robot: int, tick: int) -> bool:
+        return stops.shape[1] == 0 or bool(tick < stops[part, robot])
+
+    said = [[functions.broadcast(me) for me in minds]]
+    for tick, (blacks, pairs) in enumerate(_lived(known, seed, trial), start=1):
+        for i, me in enumerate(minds):
+            if not np.isnan(blacks[i]) and works(SENSING, i, tick):
+                functions.observe(me, float(blacks[i]), float(looks))
+        said.append([functions.broadcast(me) for me in minds])
+        for receiver, sender in pairs if tick >= delay else ():
+            lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
+            if not lost and works(TALKING, sender, tick - delay):
+                functions.receive(minds[receiver], said[-1 - delay][sender])
+        del said[: -1 - delay]
+        for me in minds:
+            functions.fuse(me)
+            functions.estimate(me)
+            if setting.brain.steers and setting.body:
+                functions.steer(me)
+
+
+def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """By round or tick: black readings of each robot, NaN where it made none, and rows of receiver and sender."""
+    if setting.body is not None:
+        ride = record_ride(setting, seed, trial)
+        both = np.concatenate([ride.links, ride.links[:, [0, 2, 1]]])
+        both = both[np.lexsort(both.T[::-1])]
+        first = np.searchsorted(both[:, 0], np.arange(setting.rounds + 2))
+        for tick in range(1, setting.rounds + 1):
+            yield ride.readings[tick], both[first[tick] : first[tick + 1], 1:]
+        return
+    _, _, blacks = record_trial(setting, seed, trial)
+    links = setting.links(seed, trial, 1)
+    if links.mode in (FULL, PAIRS):
+        pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
+    else:
+        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
+    for row in blacks[1:]:
+        yield row.astype(np.float64), pairs

@@ -1,0 +1,163 @@
+"""Minds after every round, of recorded data: what a brain would have believed, in machine code or in CPython."""
+
+import itertools
+import warnings
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.engine import compiler
+from swarmcensus.simulation import oracle
+
+ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
+
+
+def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains.Brain) -> xr.Dataset:
+    """A trace: fields of memory (round, robot) and estimates (round, robot)."""
+    dims = ("round", "robot")
+    trace = xr.Dataset(
+        {name: (dims, np.ascontiguousarray(values)) for name, values in fields.items()},
+        coords={"round": ("round", np.arange(len(estimates)), ROUND), "robot": np.arange(estimates.shape[1])},
+    )
+    trace["estimate"] = (dims, estimates, {"units": "1", "long_name": "the fill ratio that the robot believes in"})
+    trace.attrs["brain"] = brain.name
+    return trace
+
+
+def infer(
+    observations: Any,
+    links: Any = None,
+    accuracy: Any = None,
+    observations_per_round: int | None = None,
+    brain: str | Path | brains.Brain = "minimalistic",
+    compiled: bool = True,
+) -> xr.Dataset:
+    """Run a brain on recorded observations and links instead of a simulated world; returns a trace.
+
+    `observations`: array (step, robot) of 0 (white) and 1 (black), NaN where a robot made none. `links`: fixed
+    undirected edges (edge, 2) along which all robots exchange at the end of every round, or (message, 3) rows
+    of step, sender and receiver, each heard at its step; None for robots that never talk. `accuracy`: a number
+    or an array (robot) where b = w, or a tuple (b, w) of such. A round is `observations_per_round` steps: by
+    default 10 with edges and 1 with messages. Steps left over end in a last round without an exchange.
+    With compiled=False CPython runs the brain file itself: slow, the same numbers. Raises InputError.
+    """
+    readings = _readings(observations)
+    robots = readings.shape[1]
+    b, w = _accuracies(accuracy, robots)
+    if (np.abs(b + w - 1.0) < 1e-12).any():
+        warnings.warn(
+            "a sensor with b + w = 1 carries no information: it says the same of black and white", stacklevel=2
+        )
+    rows = np.zeros((0, 2), np.int64) if links is None else _whole_rows(links)
+    periodic = rows.shape[1] == 2
+    pairs, first = _edges(rows, robots) if periodic else _messages(rows, *readings.shape)
+    every = observations_per_round if observations_per_round is not None else (10 if periodic else 1)
+    if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
+        raise InputError(f"observations_per_round = {every!r}: should be a whole number from 1")
+    used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
+    if compiled:
+        blank = compiler.blank(used)
+        kernel = compiler.compile_brain(used)
+        history = np.empty((-(-len(readings) // every) + 1, robots), blank.dtype)
+        receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
+        try:
+            kernel.follow(blank, b, w, readings, int(every), periodic, first, senders, receivers, history)
+        except Exception as error:
+            raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
+        estimates = np.empty(history.shape)
+        kernel.believe(history, estimates)
+        fields = {name: history[name] for name in used.memory}
+    else:
+        steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
+        fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps)
+    trace = trace_of(fields, estimates, used)
+    trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
+    return trace
+
+
+def _readings(observations: Any) -> np.ndarray:
+    try:
+        readings = np.ascontiguousarray(observations, np.float64)
+    except (TypeError, ValueError):
+        raise InputError("observations: should be an array of 0, 1 and NaN") from None
+    if readings.ndim != 2 or 0 in readings.shape:
+        raise InputError(f"observations of shape {readings.shape}: should be (step, robot), one of each at least")
+    wrong = ~(np.isnan(readings) | (readings == 0.0) | (readings == 1.0))
+    if wrong.any():
+        step, robot = np.argwhere(wrong)[0]
+        raise InputError(
+            f"observations[{step}, {robot}] = {readings[step, robot]:g}: should be 0 (white), 1 (black) or NaN (none)"
+        )
+    return readings
+
+
+def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
+    if accuracy is None:
+        raise InputError("accuracy: how good the sensors are must be said: a number, or a pair (b, w)")
+    sides = accuracy if isinstance(accuracy, tuple) else (accuracy, accuracy)
+    if len(sides) != 2:
+        raise InputError(f"accuracy is a tuple of {len(sides)}: should be a pair (b, w)")
+    out = []
+    for side in sides:
+        try:
+            values = np.asarray(side, np.float64)
+            if values.shape not in ((), (robots,)):
+                raise ValueError
+            values = np.array(np.broadcast_to(values, (robots,)))
+        except (TypeError, ValueError):
+            raise InputError(
+                f"accuracy of shape {np.shape(side)}: should be a number or one for each of {robots} robots"
+            ) from None
+        if not ((values >= 0.0) & (values <= 1.0)).all():
+            raise InputError(f"accuracy {values[~((values >= 0.0) & (values <= 1.0))][0]:g}: should lie in [0, 1]")
+        out.append(values)
+    return out[0], out[1]
+
+
+def _whole_rows(links: Any) -> np.ndarray:
+    try:
+        rows = np.asarray(links)
+        whole = rows.astype(np.int64)
+        if rows.size and not (whole == rows).all():
+            raise ValueError
+    except (TypeError, ValueError):
+        raise InputError("links: should be an array of whole numbers") from None
+    if not whole.size:
+        return np.zeros((0, 2), np.int64)
+    if whole.ndim != 2 or whole.shape[1] not in (2, 3):
+        raise InputError(f"links of shape {whole.shape}: should be (edge, 2) or (message, 3)")
+    return whole
+
+
+def _check_robots(rows: np.ndarray, columns: slice, robots: int) -> None:
+    wrong = ((rows[:, columns] < 0) | (rows[:, columns] >= robots)).any(axis=1)
+    if wrong.any():
+        k = int(np.argmax(wrong))
+        raise InputError(
+            f"links[{k}] = {rows[k].tolist()} names a robot that is not there: "
+            f"{robots} robots are numbered 0 to {robots - 1}"
+        )
+    loops = rows[:, columns][:, 0] == rows[:, columns][:, 1]
+    if loops.any():
+        raise InputError(f"links[{int(np.argmax(loops))}] joins a robot to itself")
+
+
+def _edges(rows: np.ndarray, robots: int) -> tuple[np.ndarray, np.ndarray]:
+    _check_robots(rows, slice(0, 2), robots)
+    pairs = np.unique(np.concatenate([rows, rows[:, ::-1]]), axis=0)  # (receiver, sender), in order
+    return pairs, np.zeros(1, np.int64)
+
+
+def _messages(rows: np.ndarray, steps: int, robots: int) -> tuple[np.ndarray, np.ndarray]:
+    _check_robots(rows, slice(1, 3), robots)
+    late = (rows[:, 0] < 0) | (rows[:, 0] >= steps)
+    if late.any():
+        k = int(np.argmax(late))
+        raise InputError(f"links[{k}] = {rows[k].tolist()}: the steps are numbered 0 to {steps - 1}")
+    rows = rows[np.lexsort((rows[:, 1], rows[:, 2], rows[:, 0]))]
+    first = np.searchsorted(rows[:, 0], np.arange(steps + 1))
+    return rows[:, [2, 1]], first.astype(np.int64)

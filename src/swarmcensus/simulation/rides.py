@@ -1,0 +1,194 @@
+"""Trials of moving robots: one walk, and all the minds that ride along on it."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.engine import compiler
+from swarmcensus.simulation.floors import Ground, side_of, tiles_across
+from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.trials import Batch, Metrics, blame
+from swarmcensus.simulation.walking import Chunk, set_out, walk
+from swarmcensus.studies.settings import Setting
+
+MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
+
+
+class Rider:
+    """One setting's minds on a walk, and the curves of their estimates."""
+
+    def __init__(self, setting: Setting, seed: int, trial: int) -> None:
+        """Wake the minds of one trial."""
+        assert setting.body is not None
+        self.setting, self.trial = setting, trial
+        self.kernel = compiler.compile_brain(setting.brain, "riding")
+        self.delay = setting.body.message_delay
+        robots = setting.robots
+        blank = compiler.blank(setting.brain)
+        self.memory = np.empty(robots, blank.dtype)
+        self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
+        self.rows = np.empty((setting.rounds, robots))
+        self.start = np.empty((1, robots))
+        self.stops = setting.stops(seed, trial)
+        self.keys = setting.readings_key(seed), setting.losses_key(seed)
+        b, w, *assumed = (a[0] for a in setting.accuracies(seed, trial, 1))
+        self.sensors = b, w
+        self.kernel.wake(self.memory, blank, *assumed, self.outbox, self.start)
+
+    def ride(
+        self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
+    ) -> None:
+        """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
+        kept = keep or (np.empty((0, 0), self.memory.dtype), np.zeros((0, 0)))
+        self.kernel.ride(
+            self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, *self.keys,
+            self.setting.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept,
+            self.stops, stop,
+        )  # fmt: skip
+
+    def wish(self, wishes: np.ndarray) -> None:
+        """Say where the minds want to go in the next tick, if they steer."""
+        if wishes.size:
+            assert self.setting.body is not None
+            self.kernel.wish(self.memory, self.setting.body.numbers, wishes)
+
+    def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
+        """The trial's metrics, as a batch of one."""
+        truth = true_fill_ratio if metrics.on_floor else self.setting.fill_ratio
+        robots = self.setting.robots
+        where, value = np.zeros(robots, np.int64), np.zeros(robots)
+        self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
+        error = np.abs(value - truth)
+        low, high = right_bin(truth, metrics.bins)
+        right = np.full((len(metrics.checkpoints), 1), np.nan)
+        kept = np.full((len(metrics.checkpoints), 1, robots), np.nan)
+        for c, checkpoint in enumerate(metrics.checkpoints):
+            if checkpoint <= len(self.rows):
+                row = kept[c, 0] = self.rows[checkpoint - 1]
+                right[c, 0] = np.mean((row >= low) & (row < high))
+        filled = np.array([true_fill_ratio])
+        estimates = kept if metrics.estimates else None
+        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates)
+
+
+def run_ride(
+    settings: Sequence[Setting], seed: int, trial: int, metrics: Metrics, stop: np.ndarray
+) -> list[Batch] | None:
+    """One trial of settings that share a walk; None if `stop` was set meanwhile."""
+    if settings[0].brain.steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
+        batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
+        return None if batch is None else [batch]
+    riders = [Rider(setting, seed, trial) for setting in settings]
+    keys = [setting.floor_key(seed).tobytes() for setting in settings]
+    grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
+    wishes = wishes_of(settings[0])
+    for chunk in walk_of(settings[0], seed, trial, stop, wishes):
+        black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
+        for rider, key in zip(riders, keys, strict=True):
+            try:
+                rider.ride(chunk, black[key], stop)
+                rider.wish(wishes)
+            except Exception as error:
+                raise blame(rider.setting, trial, 1, error) from error
+    if stop[0]:
+        return None
+    return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
+
+
+def tiles_of(setting: Setting) -> int:
+    """How many tiles the arena has from wall to wall."""
+    assert setting.body is not None
+    return tiles_across(side_of(setting), setting.body.tile)
+
+
+def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
+    """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
+    assert setting.body is not None
+    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
+    key = setting.walk_key(seed)
+    state, numbers, half, around, listed = set_out(setting.robots, side_of(setting), setting.body, key, trial)
+    nothing = np.empty((0, 0), rider.memory.dtype), np.zeros((0, 0))
+    try:
+        compiler.compile_brain(setting.brain, "steering").live(
+            state, numbers, half, key, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
+            ground.all_tiles(tiles_of(setting)), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
+            setting.loss_threshold, rider.delay, nothing, rider.stops, stop,
+        )  # fmt: skip
+    except Exception as error:
+        raise blame(setting, trial, 1, error) from error
+    return None if stop[0] else rider.measure(metrics, ground.true_fill_ratio)
+
+
+def wishes_of(setting: Setting) -> np.ndarray:
+    """Room for where robots want to go (3, robot), none yet; empty where their brain does not steer."""
+    return np.zeros((3, setting.robots if setting.brain.steers else 0))
+
+
+def walk_of(
+    setting: Setting, seed: int, trial: int, stop: np.ndarray, wishes: np.ndarray, poses: bool = False
+) -> Iterator[Chunk]:
+    """The chunks of a setting's walk; `wishes` may change from chunk to chunk."""
+    assert setting.body is not None
+    return walk(
+        setting.robots,
+        side_of(setting),
+        setting.body,
+        setting.walk_key(seed),
+        trial,
+        setting.rounds,
+        stop,
+        poses,
+        setting.stops(seed, trial),
+        wishes,
+    )
+
+
+@dataclass(frozen=True)
+class Ride:
+    """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""
+
+    history: np.ndarray  # minds
+    estimates: np.ndarray
+    poses: np.ndarray  # x, y, heading
+    looked: np.ndarray  # whether an observation was made
+    colours: np.ndarray  # the true tile, 1 black
+    readings: np.ndarray  # NaN where none was made
+    links: np.ndarray  # (link, 3): tick, robot, robot
+    true_fill_ratio: float
+
+
+def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
+    """Run one trial of moving robots again, and keep all of it."""
+    stop = np.zeros(1, np.uint8)
+    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
+    shape = (setting.rounds + 1, setting.robots)
+    history = np.empty(shape, rider.memory.dtype)
+    history[0] = rider.memory
+    poses = np.full((*shape, 3), np.nan)
+    looked = np.zeros(shape, np.bool_)
+    colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
+    links = []
+    wishes = wishes_of(setting)
+    for chunk in walk_of(setting, seed, trial, stop, wishes, poses=True):
+        ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
+        if chunk.tick == 1:
+            poses[0] = chunk.begin
+        colours[ticks] = ground.colours(chunk.tiles)
+        rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
+        rider.wish(wishes)
+        poses[ticks], looked[ticks] = chunk.poses, chunk.looked
+        links.append(links_of(chunk))
+    estimates = np.concatenate([rider.start, rider.rows])
+    joined = np.concatenate(links)
+    return Ride(history, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
+
+
+def links_of(chunk: Chunk) -> np.ndarray:
+    """The links of a chunk, each once: rows of tick, robot, robot, the lower robot first."""
+    ticks, robots = chunk.looked.shape
+    place = np.repeat(np.arange(ticks * robots), np.diff(chunk.heard))
+    tick, receiver = chunk.tick + place // robots, place % robots
+    sender = chunk.senders[: len(place)]
+    once = receiver < sender
+    return np.stack([tick[once], receiver[once], sender[once]], axis=1)

@@ -1,0 +1,157 @@
+"""Runs batches of trials of one setting, and single trials again in full."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.engine import compiler
+from swarmcensus.engine.draws import PART
+from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.studies.settings import Setting
+
+ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
+ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
+CROWD_BYTES = 1_000_000_000
+NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
+
+
+@dataclass(frozen=True)
+class Metrics:
+    """What is measured: see `swarmcensus.simulation.metrics`."""
+
+    delta: float
+    bins: int
+    checkpoints: tuple[int, ...]
+    on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
+    estimates: bool = False  # each robot's estimate is kept at the checkpoints
+
+
+@dataclass(frozen=True)
+class Batch:
+    """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
+    fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
+    where they are kept, estimates at the checkpoints (checkpoint, trial, robot)."""
+
+    convergence: np.ndarray
+    error: np.ndarray
+    final: np.ndarray
+    correct: np.ndarray
+    true_fill_ratio: np.ndarray | None = None
+    kept: np.ndarray | None = None
+
+
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
+    """How many indices of estimates to keep at a time.
+
+    All of them where they are few; else so many that they and the snapshots between them together take the
+    least memory, which grows with the square root of the rounds.
+    """
+    fits = ROWS_BYTES // (8 * robots)
+    crowd = min(ROWS_OF_A_CROWD, CROWD_BYTES // (8 * robots))
+    balanced = math.isqrt(rounds * record_bytes // 8)
+    length = max(fits, crowd, balanced, 1)
+    return min(rounds, -(-length // multiple) * multiple)
+
+
+def run_batch(
+    setting: Setting, seed: int, first: int, trials: int, metrics: Metrics, stop: np.ndarray, local: bool = False
+) -> Batch | None:
+    """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
+
+    With `local`, the metrics are of the local estimate by single observation.
+    """
+    blank = compiler.blank(setting.brain)
+    looks = setting.observations_per_round
+    rounds = setting.rounds * (looks if local else 1)
+    shape = (trials, setting.robots)
+    where, value, final = np.zeros(shape, np.int64), np.zeros(shape), np.zeros(shape)
+    checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
+    correct = np.full((checkpoints.size, trials), np.nan)
+    kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
+    try:
+        links = setting.links(seed, first, trials)
+    except ValueError as error:
+        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
+    segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
+    segments = -(-rounds // segment)
+    kernel = compiler.compile_brain(setting.brain)
+    room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
+        np.empty(setting.robots, blank.dtype),
+        np.empty((2 * setting.robots, len(setting.brain.message))),
+        np.empty((segment, setting.robots)),
+        np.empty((segments, setting.robots if segments > 1 else 0), blank.dtype),
+    )
+    arguments = (
+        blank, *room, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks, rounds,
+        setting.readings_key(seed), setting.readings_key(seed, "order") if local else NO_KEY,
+        setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
+        links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
+        np.stack([setting.stops(seed, first + t) for t in range(trials)]),
+        metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
+        where, value, final, correct, kept, stop,
+    )  # fmt: skip
+    try:
+        finished = kernel.simulate(*arguments)
+    except Exception as error:
+        raise blame(setting, first, trials, error) from error
+    if not finished:
+        return None
+    estimates = kept if metrics.estimates else None
+    return Batch(where, np.abs(value - setting.fill_ratio), final, correct, kept=estimates)
+
+
+def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
+    """What a failing brain is told by."""
+    text = str(error).strip()
+    which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
+    what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
+    if "numba" in type(error).__module__:
+        what = f"it cannot be compiled: swarmcensus brains --check {setting.brain.path} says why"
+    return InputError(f"brain {setting.brain.name!r} fails in {which} of {setting}: {what}")
+
+
+def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot)."""
+    blank = compiler.blank(setting.brain)
+    kernel = compiler.compile_brain(setting.brain)
+    shape = (setting.rounds + 1, setting.robots)
+    history, estimates, blacks = np.empty(shape, blank.dtype), np.empty(shape), np.zeros(shape, np.int64)
+    links = setting.links(seed, trial, 1)
+    kernel.record(
+        blank, trial, *(a[0] for a in setting.accuracies(seed, trial, 1)), setting.fill_ratio,
+        setting.observations_per_round, history, blacks, setting.readings_key(seed), setting.losses_key(seed),
+        links.mode, links.receivers, links.senders, setting.loss_threshold, setting.stops(seed, trial),
+    )  # fmt: skip
+    kernel.believe(history, estimates)
+    return history, estimates, blacks
+
+
+def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
+    """The single readings (observation, robot), 1 black, that the rounds of a trial are made of."""
+    out = np.zeros((setting.rounds * setting.observations_per_round, setting.robots))
+    b, w, _, _ = setting.accuracies(seed, trial, 1)
+    compiler.compile_world().single_readings(
+        b[0], w[0], setting.fill_ratio, setting.observations_per_round,
+        setting.readings_key(seed), setting.readings_key(seed, "order"), trial, out,
+    )  # fmt: skip
+    return out
+
+
+def seconds(setting: Setting, local: bool = False) -> float:
+    """A rough prediction of a trial's cost on one core, for batches of a fair size and the time left."""
+    looks = setting.observations_per_round
+    if setting.body is not None:
+        return setting.rounds * setting.robots * 40e-9
+    if local:
+        return setting.rounds * looks * setting.robots * 15e-9
+    messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
+    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
+        messages = float(setting.robots)
+    return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
+
+
+def walk_seconds(setting: Setting) -> float:
+    """The same of a walk."""
+    return setting.rounds * setting.robots * (100e-9 + 30e-9 * (setting.density or 0.0))

@@ -1,0 +1,115 @@
+"""Walks as data: who looked at which tile and who heard whom, tick by tick, in chunks that fit in memory."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.motion import COS, SIN, STATE, X, Y
+from swarmcensus.engine.neighbours import ALL_PAIRS
+from swarmcensus.worlds.bodies import Body
+
+CHUNK_BYTES = 4_000_000  # of a walk kept at a time
+SENDERS = 2_000_000
+NO_WISHES = np.zeros((0, 0))
+NO_STOPS = np.zeros((3, 0), np.int64)
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some ticks of a walk of n robots.
+
+    In the k-th of these ticks robot i hears senders[heard[k n + i]: heard[k n + i + 1]], in order.
+    """
+
+    tick: int  # the first one
+    looked: np.ndarray  # (tick, robot), bool: whether an observation is made
+    tiles: np.ndarray  # (tick, robot, 2): the tile under the ground sensor
+    heard: np.ndarray  # (tick * robot + 1)
+    senders: np.ndarray
+    poses: np.ndarray  # (tick, robot, 3): x and y in metres, heading in radians; no rows where not asked for
+    begin: np.ndarray  # (robot, 3): the same before the first of these ticks
+
+
+def neighbours_at_most(robots: int, body: Body) -> int:
+    """How many bodies fit around one robot within its reach: the densest packing of discs."""
+    fit = math.pi / math.sqrt(12.0) * ((body.reach + body.skin + body.radius) / body.radius) ** 2
+    return min(robots - 1, int(fit) + 1)
+
+
+def set_out(
+    robots: int, side: float, body: Body, key: np.ndarray, trial: int
+) -> tuple[np.ndarray, np.ndarray, float, tuple[np.ndarray, ...], int]:
+    """Put robots in their places: their state, the body's numbers, half the side, room to work in, and how many
+    messages one tick may have at the most.
+
+    Raises InputError where the robots find no room.
+    """
+    module = compile_world("walk")
+    numbers, half = body.numbers, side / 2.0
+    state = np.zeros((STATE, robots))
+    if not module.place(state, numbers, half, key, trial):
+        raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
+    if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
+        state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
+    cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
+    listed = max(1, robots * neighbours_at_most(robots, body))
+    around = (
+        np.full((2, robots), np.inf),
+        np.zeros(robots + 1, np.uint32),
+        np.zeros(listed // 2 + 1, np.uint32),
+        np.zeros(robots + 1, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(robots, np.uint32),
+        np.zeros(listed, np.uint32),
+        np.zeros(listed, np.uint32),
+        np.zeros((2, listed)),
+        np.zeros((listed // 2 + 1, 2), np.uint32),
+        np.zeros(1, np.uint64),
+        np.zeros(robots),
+        np.zeros((cells, cells), np.int32),
+        np.zeros(robots, np.int32),
+    )
+    return state, numbers, half, around, listed
+
+
+def walk(
+    robots: int,
+    side: float,
+    body: Body,
+    key: np.ndarray,
+    trial: int,
+    ticks: int,
+    stop: np.ndarray,
+    poses: bool = False,
+    stops: np.ndarray = NO_STOPS,
+    wishes: np.ndarray = NO_WISHES,
+) -> Iterator[Chunk]:
+    """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
+
+    `wishes` (3, robot) of brains that steer are read anew for each tick: chunks are of one tick then.
+    Raises InputError where the robots find no room.
+    """
+    module = compile_world("walk")
+    state, numbers, half, around, listed = set_out(robots, side, body, key, trial)
+    senders = np.zeros(listed + SENDERS, np.int32)
+    tick = 1
+    while tick <= ticks:
+        length = 1 if wishes.size else min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))
+        looked = np.zeros((length, robots), np.bool_)
+        tiles = np.zeros((length, robots, 2), np.int32)
+        heard = np.zeros(length * robots + 1, np.int64)
+        seen = np.zeros((length if poses else 0, robots, 3))
+        begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1) if poses else seen[:0, 0]
+        done = module.walk(
+            state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, wishes, stops, stop
+        )
+        if stop[0] != 0:
+            return
+        said = senders[: heard[done * robots]].copy()
+        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], said, seen[:done], begin)
+        tick += done

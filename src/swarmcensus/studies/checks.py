@@ -1,0 +1,183 @@
+"""Whether a study's values go together: what one table alone cannot tell."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from decimal import ROUND_DOWN, ROUND_UP, Context
+from typing import Any
+
+from swarmcensus.studies.fields import LARGEST, plain_text
+from swarmcensus.studies.grids import SIZES, Grid
+from swarmcensus.studies.precision import Until
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.tables import Tables
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.faults import Fault
+
+MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
+MOVING_ONLY = ("density", "side", "floor", "body", "ticks")  # keys of robots that move
+FIXED_ONLY = ("rounds", "observations_per_round")  # of fixed networks
+
+
+def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
+    """Raise ValueError, naming the key, where values do not go together; with `all_used`, where one means nothing."""
+    for grid in grids:
+        for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
+            names = [v.name for v in values]
+            if len(set(names)) < len(names):
+                raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
+    _one_name("swarm.brain", "brains", (b for grid in grids for b in grid.swarm.brain))
+    _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
+    sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
+    for topology, robots in dict.fromkeys(sizes):
+        plain_text(topology.name)
+        topology.check(robots)
+    if all_used:
+        _check_used(tables, grids)
+    _check_measure(tables, grids)
+    for grid in grids:
+        if grid.moves:
+            _check_moving(grid)
+    _check_faults(tables, grids, all_used)
+    pictures = [f.picture for grid in grids if grid.moves for f in grid.world.floor or () if f.picture]
+    sources: dict[str, str] = {}
+    for picture in pictures:
+        if sources.setdefault(picture.name, picture.source) != picture.source:
+            raise ValueError(f"two images of world.floor have one name: {picture.name}")
+
+
+NAMES = {
+    "brain": "",
+    "topology": ': name a graph by graph.name = "office", an edge list by {name = "office", edges = ...}',
+}
+
+
+def _one_name(key: str, what: str, values: Iterable[Any]) -> None:
+    known: dict[str, Any] = {}
+    for value in values:
+        if known.setdefault(value.name, value) != value:
+            raise ValueError(f"two {what} of {key} and of cases have one name: {value.name}{NAMES[key.split('.')[1]]}")
+
+
+def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
+    """Raise ValueError where a key was given that means nothing in any grid that has it."""
+    base = {
+        key
+        for table in (tables.swarm, tables.world, tables.schedule)
+        for key in table.model_fields_set
+        if getattr(table, key) is not None
+    }
+    for keys, kind in ((MOVING_ONLY, "moves"), (FIXED_ONLY, "stands")):
+        for key in keys:
+            same = SIZES if key in SIZES else {key}
+            users = [grid for grid in grids if getattr(grid, kind) and not (grid.given & same)]
+            useless = [grids[0]] if key in base and not users else []
+            useless += [grid for grid in grids if key in grid.given and not getattr(grid, kind)]
+            for grid in useless:
+                raise ValueError(f"{grid.key(key)} is of {MEANING[kind]}")
+    for grid in (grid for grid in grids if grid.moves and "message_delay" in grid.world.body.model_fields_set):
+        delay, last = grid.world.body.message_delay, max(grid.schedule.ticks)
+        if delay >= last:
+            raise ValueError(f"world.body.message_delay = {delay}: no message is heard within {last} ticks")
+    if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
+        raise ValueError(f'measure.truth = "floor" is of {MEANING["moves"]}')
+
+
+MEANING = {
+    "moves": 'robots that move: it goes with topology = "moving"',
+    "stands": "fixed networks: robots that move observe once a tick at most, and schedule.ticks says how long",
+}
+
+
+def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
+    last, until, known = last_round(grids), tables.trials, tables.measure.checkpoints
+    if isinstance(until, Until) and until.checkpoint is not None:
+        if known is not None and until.checkpoint not in known:
+            raise ValueError(f"trials.until = {until.until!r}: {until.checkpoint} is no checkpoint")
+        if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
+            which = "the last round" if shortest == last else f"the last round of settings of {shortest} rounds"
+            raise ValueError(f"trials.until = {until.until!r}: that comes after {which}")
+    late = [c for c in known or () if c > last]
+    if late:
+        raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {last}")
+    if tables.measure.local:
+        if any(grid.moves for grid in grids):
+            raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")
+        steps = max(max(g.schedule.rounds) * max(g.schedule.observations_per_round) for g in grids)
+        if steps > LARGEST:
+            raise ValueError(f"measure.local = true follows {steps} observations: {LARGEST} at the most")
+
+
+def last_round(grids: Sequence[Grid]) -> int:
+    """The last round, or tick, of the longest setting."""
+    return max(length for grid in grids for length in grid.lengths)
+
+
+def _check_moving(grid: Grid) -> None:
+    world = grid.world
+    if world.density is not None and world.side is not None:
+        raise ValueError(
+            f"{grid.key('density')} and {grid.key('side')} both say how large the arena is: give one of them"
+        )
+    if world.density is None and world.side is None:
+        raise ValueError(
+            f"{grid.key('density')} is missing: robots that move need a swarm density, such as 1, or the side of "
+            "their arena in metres (side)"
+        )
+    for floor in world.floor or ():
+        floor.check(world.body.tile)
+    for robots, (key, value, density) in _sizes(grid):
+        if density > arena.largest_density(robots, world.body):
+            if key == "side":
+                side = arena.smallest_side(robots, world.body)
+                limit = f"the smallest that can has {_rounded(side, ROUND_UP)} m"
+            else:
+                limit = f"the largest that can is {_rounded(arena.largest_density(robots, world.body), ROUND_DOWN)}"
+            raise ValueError(f"{grid.key(key)} = {value}: the arena cannot hold {robots} robots; {limit}")
+        across = arena.side(robots, density, world.body) / world.body.tile
+        if across > MOST_TILES:
+            raise ValueError(
+                f"{grid.key(key)} = {value}: the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
+            )
+
+
+def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
+    """Numbers of robots, and with each the key and value that say how large the arena is, and the density."""
+    key, values = ("density", grid.world.density) if grid.world.density is not None else ("side", grid.world.side)
+    for robots in grid.swarm.robots:
+        for value, density in zip(values or (), grid.densities(robots), strict=True):
+            yield robots, (key, value, density)
+
+
+def _rounded(value: float, way: str) -> str:
+    """In four digits, not beyond the limit that it is."""
+    return f"{float(Context(prec=4, rounding=way).create_decimal_from_float(value)):g}"
+
+
+def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
+    sizes = [robots for grid in grids for robots in grid.swarm.robots]
+    for n, fault in enumerate(tables.faults):
+        if isinstance(fault.robots, int) and fault.robots > min(sizes):
+            raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {min(sizes)} robots")
+        if "moving" in fault.stop and not any(grid.moves for grid in grids):
+            raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
+        if all_used and fault.at > last_round(grids):
+            raise ValueError(f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}")
+        if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):
+            raise ValueError(
+                f"faults[{n}].robots = {fault.robots}: that is less than one of {max(sizes)} robots: none would fail"
+            )
+
+
+def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setting]:
+    """Those of all grids, each once. Raises ValueError where one holds a setting twice, or nothing that is new."""
+    found: dict[Setting, None] = {}
+    for grid in grids:
+        settings = list(grid.settings(faults))
+        before = len(found)
+        own = dict.fromkeys(settings)
+        if len(own) < len(settings):
+            twice = next(s for s in settings if own.pop(s, s) is not None)
+            raise ValueError(f"a value stands twice in a list, and so does the setting {twice}")
+        found = found | own if found else own
+        if len(found) == before:
+            raise ValueError(f"{grid.case} adds no setting: all that it spans are there already")
+    return list(found)

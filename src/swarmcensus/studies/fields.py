@@ -1,0 +1,84 @@
+"""What the values of a study file may be, key by key."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
+
+from swarmcensus import brains
+from swarmcensus.basics.times import OR_TIME
+from swarmcensus.studies.precision import Until
+from swarmcensus.worlds.bodies import Number, Positive
+from swarmcensus.worlds.networks import Topology, parse_topology
+from swarmcensus.worlds.patterns import Floor, parse_floor
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+
+LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list | tuple) else [value]
+
+
+def _tables(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, Mapping):
+        raise ValueError(f"should be a list of tables, each under [[{info.field_name}]]")
+    return value
+
+
+def _context(info: ValidationInfo, key: str, default: Any) -> Any:
+    return (info.context or {}).get(key, default)
+
+
+def _topology(value: object, info: ValidationInfo) -> Topology:
+    return parse_topology(value, _context(info, "base", Path()), _context(info, "edges", {}))
+
+
+def _floor(value: object, info: ValidationInfo) -> Floor:
+    return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
+
+
+def _brain(value: object, info: ValidationInfo) -> brains.Brain:
+    if isinstance(value, brains.Brain):
+        return value
+    if not isinstance(value, str | Path):
+        raise ValueError("a brain is a shipped brain's name or the path of a brain file")
+    known = _context(info, "brains", {})
+    if str(value) in known:
+        return known[str(value)]  # type: ignore[no-any-return]
+    base = _context(info, "base", Path())
+    if base is None and str(value) not in brains.shipped():
+        raise ValueError("this brain's source is not here, and no file is opened that is only named here")
+    return brains.load(value, base)
+
+
+def plain_text(value: str) -> str:
+    """The text, for names. Raises ValueError where it holds control characters."""
+    if not value.isprintable():
+        raise ValueError("a name is printed and drawn: it has no control characters")
+    return value
+
+
+Name = Annotated[str, Field(min_length=1), AfterValidator(plain_text)]
+Whole = Annotated[int, Field(strict=True, ge=1, le=LARGEST)]
+Share = Annotated[Number, Field(ge=0.0, le=1.0)]
+
+NUMBER, RULE = "(number)", "(rule)"  # how pydantic tells the two forms of `trials` apart
+Trials = Annotated[
+    Annotated[Whole, Tag(NUMBER)] | Annotated[Until, Tag(RULE)],
+    Discriminator(lambda value: RULE if isinstance(value, Mapping | Until) else NUMBER),
+]
+
+# of keys that span a grid: one value, or a list of them
+_Listed, _Some = BeforeValidator(_listed), Field(min_length=1)
+Wholes = Annotated[list[Whole], _Listed, _Some]
+Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
+Shares = Annotated[list[Share], _Listed, _Some]
+Positives = Annotated[list[Positive], _Listed, _Some]
+Brains = Annotated[list[Annotated[brains.Brain, BeforeValidator(_brain)]], _Listed, _Some]
+Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _Listed, _Some]
+Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
+Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]
+Beliefs = Annotated[list[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]], _Listed, _Some]
+SeveralTables = BeforeValidator(_tables)

@@ -1,0 +1,104 @@
+"""A grid of settings: every combination of a study's values, as they are or with a case's in place of some."""
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.tables import Case, Schedule, Swarm, World
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.faults import Fault
+from swarmcensus.worlds.networks import MOVING
+from swarmcensus.worlds.patterns import Floor
+
+SIZES = {"density", "side"}  # of an arena: a case that gives one takes it in place of the other
+
+
+@dataclass(frozen=True)
+class Grid:
+    """The tables that span a grid; of a case's, its name, such as "case[0]", and the keys that it gave."""
+
+    swarm: Swarm
+    world: World
+    schedule: Schedule
+    case: str = ""
+    given: frozenset[str] = frozenset()
+
+    def key(self, name: str) -> str:
+        """How messages call one of the grid's keys: "world.side", "case[0].side" or "case[0]: world.side"."""
+        if name in self.given:
+            return f"{self.case}.{name}"
+        table = next(t for t in ("swarm", "world", "schedule") if name in type(getattr(self, t)).model_fields)
+        return f"{self.case}: {table}.{name}" if self.case else f"{table}.{name}"
+
+    @property
+    def moves(self) -> bool:
+        """Whether some of its robots move."""
+        return any(t.name == MOVING for t in self.world.topology)
+
+    @property
+    def stands(self) -> bool:
+        """Whether some of its networks are fixed."""
+        return any(t.name != MOVING for t in self.world.topology)
+
+    @property
+    def lengths(self) -> set[int]:
+        """How many rounds, or ticks, its settings have."""
+        return {*(self.schedule.rounds if self.stands else ()), *(self.schedule.ticks if self.moves else ())}
+
+    def densities(self, robots: int) -> list[float]:
+        """The swarm densities of so many robots that move."""
+        sides = [arena.density(robots, side, self.world.body) for side in self.world.side or ()]
+        return [*(self.world.density or ()), *sides]
+
+    @property
+    def _lists(self) -> list[list[Any]]:
+        swarm, world = self.swarm, self.world
+        return [
+            swarm.brain, world.topology, swarm.robots, swarm.accuracy, [*(swarm.assumed_accuracy or (None,))],
+            world.fill_ratio, world.link_success,
+        ]  # fmt: skip
+
+    @property
+    def count(self) -> int:
+        """How many settings there are."""
+        world, schedule = self.world, self.schedule
+        moving = sum(t.name == MOVING for t in world.topology)
+        fixed = len(world.topology) - moving
+        return math.prod(len(values) for values in self._lists if values is not world.topology) * (
+            fixed * len(schedule.rounds) * len(schedule.observations_per_round)
+            + moving * len(self.densities(1)) * len(world.floor or [None]) * len(schedule.ticks)
+        )
+
+    def settings(self, faults: tuple[Fault, ...]) -> Iterator[Setting]:
+        """Every combination of the values: brain, topology, robots and accuracy vary slowest."""
+        world, schedule = self.world, self.schedule
+        fixed = [(c, r, None, None, faults) for c in schedule.rounds for r in schedule.observations_per_round]
+        moving = {
+            robots: [
+                (ticks, 1, density, world.body, faults, floor)
+                for density in self.densities(robots)
+                for floor in world.floor or [Floor()]
+                for ticks in schedule.ticks
+            ]
+            for robots in self.swarm.robots
+        }
+        for brain, topology, robots, *others in itertools.product(*self._lists):
+            for length in moving[robots] if topology.name == MOVING else fixed:
+                yield Setting(brain, topology, robots, *others, *length)
+
+
+def grids_of(swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Case]) -> list[Grid]:
+    """The full grid of a study, and then that of each case."""
+    grids = [Grid(swarm, world, schedule)]
+    for number, case in enumerate(cases):
+        given = {key: values for key, values in case if values is not None}
+        instead = given | dict.fromkeys(SIZES - given.keys()) if SIZES & given.keys() else given
+        tables: dict[str, Any] = {
+            name: table.model_copy(update={k: v for k, v in instead.items() if k in type(table).model_fields})
+            for name, table in {"swarm": swarm, "world": world, "schedule": schedule}.items()
+        }
+        grids.append(Grid(**tables, case=f"case[{number}]", given=frozenset(given)))
+    return grids

@@ -1,0 +1,184 @@
+"""A setting: one point of a study's grid, and the addresses of its random numbers.
+
+Each address holds just what its draws depend on. So two settings that differ only in brain or topology
+meet the same tiles and readings, trial by trial, and no setting's numbers depend on its place in a grid.
+"""
+
+import hashlib
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.brains import Brain
+from swarmcensus.engine.random import address
+from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.faults import Fault, stops
+from swarmcensus.worlds.networks import Links, Topology
+from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One combination of a study's values."""
+
+    brain: Brain
+    topology: Topology
+    robots: int
+    accuracy: Accuracy
+    assumed_accuracy: Accuracy | Misjudgement | None  # None: robots know their sensors
+    fill_ratio: float
+    link_success: float
+    rounds: int  # ticks where robots move
+    observations_per_round: int
+    density: float | None = None  # of robots that move
+    body: Body | None = None
+    faults: tuple[Fault, ...] = ()
+    floor: Floor | None = None  # of robots that move; None: independent tiles
+
+    def __str__(self) -> str:
+        """The setting in a line, for messages."""
+        where = f"{self.topology}, N = {self.robots}"
+        assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
+        lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
+        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}"
+        if self.body is not None:
+            floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
+            return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
+        return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
+
+    @property
+    def _room(self) -> str:
+        """Density or side of the arena: which has fewer digits is what the study gave."""
+        density, side = float(f"{self.density:.12g}"), self.side
+        return f"L = {side} m" if len(str(side)) < len(str(density)) else f"D = {density}"
+
+    @property
+    def coordinates(self) -> dict[str, object]:
+        """What the dataset says of this setting."""
+        return {
+            "brain": self.brain.name,
+            "topology": str(self.topology),
+            "robots": self.robots,
+            "density": np.nan if self.density is None else self.density,
+            "side": self.side,
+            "accuracy": str(self.accuracy),
+            "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
+            "fill_ratio": self.fill_ratio,
+            "floor": "" if self.body is None else str(self.floor or Floor()),
+            "link_success": self.link_success,
+            "rounds": self.rounds,
+            "observations_per_round": self.observations_per_round,
+        }
+
+    @property
+    def side(self) -> float:
+        """The inner side of the arena in metres, to as many digits as survive its density; NaN on fixed networks."""
+        if self.body is None or self.density is None:
+            return np.nan
+        return float(f"{arena.side(self.robots, self.density, self.body):.12g}")
+
+    def fingerprint(self, seed: int) -> str:
+        """The address of names and of all that a trial's numbers depend on: alike where settings are, in any study."""
+        content = (
+            self.brain.name,
+            self.brain.sha256,
+            self.topology.content,
+            self.robots,
+            str(self.accuracy),
+            "" if self.assumed_accuracy is None else str(self.assumed_accuracy),
+            self.fill_ratio,
+            self.link_success,
+            self.rounds,
+            self.observations_per_round,
+            self.density,
+            self.body and self.body.model_dump(),
+            [fault.model_dump() for fault in self.faults],
+            self.floor and [str(self.floor), self.floor.content],
+        )
+        return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
+
+    def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
+        """The address of what the robots' sensors say."""
+        return address(
+            seed,
+            purpose,
+            robots=self.robots,
+            accuracy=str(self.accuracy),
+            fill_ratio=self.fill_ratio,
+            observations_per_round=self.observations_per_round,
+            **self._where,
+        )
+
+    @property
+    def _where(self) -> dict[str, object]:
+        return {} if self.density is None else {"density": self.density}
+
+    @property
+    def walk_content(self) -> dict[str, object]:
+        """What the random numbers of a walk depend on."""
+        assert self.body is not None
+        body = self.body.model_dump(exclude={"message_delay"})
+        return {"robots": self.robots, "density": self.density, "body": body}
+
+    @property
+    def walk_group(self) -> str:
+        """Settings alike in this share their walks, trial by trial: those whose brains steer, with no other."""
+        if self.brain.steers:
+            return self.fingerprint(0)
+        lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
+        return repr((self.walk_content, self.rounds, lame))
+
+    def walk_key(self, seed: int) -> np.ndarray:
+        """The address of where robots start and how they walk."""
+        return address(seed, "walk", **self.walk_content)
+
+    def floor_key(self, seed: int) -> np.ndarray:
+        """The address of the floor's tiles."""
+        assert self.body is not None
+        return address(
+            seed,
+            "floor",
+            robots=self.robots,
+            density=self.density,
+            tile=self.body.tile,
+            fill_ratio=self.fill_ratio,
+            **({} if self.floor in (None, Floor()) else {"floor": self.floor.content}),
+        )
+
+    def losses_key(self, seed: int) -> np.ndarray:
+        """The address of which messages are lost."""
+        return address(
+            seed,
+            "losses",
+            topology=self.topology.content,
+            robots=self.robots,
+            success=self.link_success,
+            **self._where,
+        )
+
+    def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
+        """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
+        true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)
+        if self.assumed_accuracy is None:
+            return *true, *true
+        if isinstance(self.assumed_accuracy, Misjudgement):
+            return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
+        return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
+
+    def stops(self, seed: int, trial: int) -> np.ndarray:
+        """When parts of robots fail: see `swarmcensus.worlds.faults`."""
+        return stops(self.faults, seed, trial, self.robots)
+
+    def links(self, seed: int, first_trial: int, trials: int) -> Links:
+        """Who hears whom in these trials."""
+        heard_by_all = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
+        return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, bool(self.brain.sums))
+
+    @property
+    def loss_threshold(self) -> np.uint64:
+        """A message gets through where a uniform uint64 is below this; 0 stands for always."""
+        if self.link_success == 1.0:
+            return np.uint64(0)
+        return np.uint64(max(1, int(self.link_success * 2.0**64)))

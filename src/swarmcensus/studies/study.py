@@ -1,0 +1,144 @@
+"""A study: a grid of settings, from a study file or from Python."""
+
+import itertools
+import warnings
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Self
+
+from pydantic import ValidationError
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import Brain
+from swarmcensus.studies.checks import all_settings, check
+from swarmcensus.studies.grids import grids_of
+from swarmcensus.studies.precision import Until
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.tables import Tables, explain
+from swarmcensus.studies.toml_text import plain, read_toml, to_toml
+from swarmcensus.worlds.networks import Topology
+from swarmcensus.worlds.patterns import Picture
+
+MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
+MOST_SETTINGS = 1_000_000
+
+
+class Study:
+    """A grid of settings, and those of its cases, each run for a number of trials."""
+
+    def __init__(self, **tables: Any) -> None:
+        """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
+        self._fill(plain(tables), None, "study", {})
+
+    def _fill(self, tables: dict[str, Any], text: str | None, where: str, context: Mapping[str, Any]) -> None:
+        try:
+            checked = Tables.model_validate(tables, context=dict(context))
+        except ValidationError as error:
+            raise InputError(explain(error, where, given=tables)) from None
+        self.name, self.seed = checked.name, checked.seed
+        self.until = checked.trials if isinstance(checked.trials, Until) else None
+        self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
+        self.swarm, self.world = checked.swarm, checked.world
+        self.schedule, self.measure = checked.schedule, checked.measure
+        self.faults, self.case = checked.faults, checked.case
+        self.text = text if text is not None else to_toml(tables)
+        self.grids = grids_of(self.swarm, self.world, self.schedule, self.case)
+        try:
+            check(checked, self.grids, all_used=not context.get("kept"))
+            count = sum(grid.count for grid in self.grids)
+            if count > MOST_SETTINGS:
+                raise ValueError(f"its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
+            settings = all_settings(self.grids, self.faults)
+        except ValueError as error:
+            raise InputError(f"{where}: {error}") from None
+        kept = len(self.checkpoints) if self.measure.estimates else 1
+        values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
+        if values > MOST_VALUES:
+            raise InputError(
+                f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
+                f"{MOST_VALUES:,} is the most: fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
+            )
+        for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
+            if accuracy.is_blind:
+                warnings.warn(
+                    f"{where}: accuracy {accuracy} carries no information: "
+                    "such a sensor says the same of black and white",
+                    stacklevel=2,
+                )
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a study file. Brain files, edge lists and images are looked for beside it."""
+        try:
+            text = Path(path).read_text(encoding="utf-8-sig")
+        except OSError as error:
+            raise InputError(f"study file {path}: cannot be read: {error.strerror or error}") from error
+        except ValueError as error:
+            raise InputError(f"study file {path}: cannot be read as text: {error}") from error
+        return cls.parse(text, where=f"study file {path}", context={"base": Path(path).parent})
+
+    @classmethod
+    def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
+        """Read a study from TOML text.
+
+        `context` may hold `base` (the folder of brain files, edge lists and images; None: no file is opened),
+        `brains`, `edges` and `images` (known by name, so that no file is read), and `kept` (the text is that of
+        results: keys that mean nothing there are let pass). Raises InputError, naming file, key and value.
+        """
+        study = cls.__new__(cls)
+        study._fill(read_toml(text, where), text, where, context)
+        return study
+
+    def with_(self, **changes: Any) -> Self:
+        """The same study with another seed or number of trials; None leaves a value as it is."""
+        changes = {k: plain(v) for k, v in changes.items() if v is not None}
+        if not changes:
+            return self
+        study = type(self).__new__(type(self))
+        study._fill({**read_toml(self.text, "study"), **changes}, None, "study", self.context)
+        return study
+
+    @property
+    def context(self) -> dict[str, Any]:
+        """What `parse` must know to read the study's text again without its files."""
+        return {
+            "brains": {b.name: b for b in self.brains},
+            "edges": {t.source: t.edges for t in self.topologies if t.source},
+            "images": {p.source: p.grey for p in self.pictures},
+            "kept": True,
+        }
+
+    def stages(self) -> Iterator[int]:
+        """After how many trials of a setting it is looked at whether there are enough: once, but for a rule."""
+        return self.until.stages() if self.until else iter([self.trials])
+
+    @property
+    def brains(self) -> list[Brain]:
+        """The brains of all settings, each once."""
+        return list({b.name: b for grid in self.grids for b in grid.swarm.brain}.values())
+
+    @property
+    def topologies(self) -> list[Topology]:
+        """The topologies of all settings, each once."""
+        return list({t.name: t for grid in self.grids for t in grid.world.topology}.values())
+
+    @property
+    def pictures(self) -> list[Picture]:
+        """The images of all settings' floors, each file once."""
+        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
+        return list({f.picture.source: f.picture for f in floors if f.picture}.values())
+
+    @property
+    def checkpoints(self) -> list[int]:
+        """The rounds at which decisions are recorded: by default 1, 2, 5, 10, 20, 50 ... and the last."""
+        if self.measure.checkpoints is not None:
+            return sorted(set(self.measure.checkpoints))
+        lengths = {length for grid in self.grids for length in grid.lengths}
+        steps = {m * 10**k for k in range(10) for m in (1, 2, 5)}
+        asked = {self.until.checkpoint} if self.until and self.until.checkpoint else set()
+        return sorted({s for s in steps if s < max(lengths)} | lengths | asked)
+
+    def settings(self) -> list[Setting]:
+        """Those of the full grid, in which brain, topology, robots and accuracy vary slowest; then each case's."""
+        every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
+        return list(dict.fromkeys(every) if self.case else every)

@@ -1,0 +1,182 @@
+"""The tables and keys of a study file, and what is said where one is wrong."""
+
+import re
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.times import in_ticks
+from swarmcensus.studies.fields import (
+    NUMBER,
+    RULE,
+    Accuracies,
+    Beliefs,
+    Brains,
+    Floors,
+    Name,
+    Positives,
+    SeveralTables,
+    Shares,
+    Times,
+    Topologies,
+    Trials,
+    Wholes,
+)
+from swarmcensus.studies.precision import Until
+from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.worlds.bodies import Body, Number
+from swarmcensus.worlds.faults import Fault
+from swarmcensus.worlds.networks import MOVING
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+
+class Swarm(_Table):
+    """The robots: their brains, how many, how good their sensors are, and what they think of them."""
+
+    brain: Brains = Field(default=["minimalistic"], validate_default=True)
+    robots: Wholes
+    accuracy: Accuracies
+    assumed_accuracy: Beliefs | None = None
+
+
+class World(_Table):
+    """What the robots live in: who hears whom, how much is black, how often a message gets through.
+
+    `density` or `side`, `floor` and `body` are those of robots that move (topology "moving").
+    """
+
+    topology: Topologies
+    fill_ratio: Shares
+    link_success: Shares = [1.0]
+    density: Positives | None = None
+    side: Positives | None = None
+    floor: Floors | None = None
+    body: Body = Body()
+
+
+class Schedule(_Table):
+    """How long: communication rounds (C), and observations in each (R); ticks of robots that move."""
+
+    rounds: Wholes = [1000]
+    observations_per_round: Wholes = [10]
+    ticks: Times = [10_000]
+
+
+class Case(_Table):
+    """Values in place of some of the tables above: a grid of its own, beside the full one."""
+
+    brain: Brains | None = None
+    robots: Wholes | None = None
+    accuracy: Accuracies | None = None
+    assumed_accuracy: Beliefs | None = None
+    topology: Topologies | None = None
+    fill_ratio: Shares | None = None
+    link_success: Shares | None = None
+    density: Positives | None = None
+    side: Positives | None = None
+    floor: Floors | None = None
+    rounds: Wholes | None = None
+    observations_per_round: Wholes | None = None
+    ticks: Times | None = None
+
+
+class Measure(_Table):
+    """What is kept: convergence within delta, decisions among bins at checkpoints; local estimates, all estimates."""
+
+    delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
+    bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
+    checkpoints: Times | None = None
+    local: Annotated[bool, Field(strict=True)] = False
+    estimates: Annotated[bool, Field(strict=True)] = False
+    truth: Literal["nominal", "floor"] = "nominal"
+
+
+class Tables(_Table):
+    """The study file as a whole."""
+
+    name: Name = "study"
+    seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
+    trials: Trials
+    swarm: Swarm
+    world: World
+    schedule: Schedule = Schedule()
+    measure: Measure = Measure()
+    faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
+    case: Annotated[tuple[Case, ...], SeveralTables] = ()
+
+    @model_validator(mode="after")
+    def _times_in_ticks(self) -> Self:
+        tick = self.world.body.tick
+        topologies = [*self.world.topology, *(t for case in self.case for t in case.topology or ())]
+        common = tick if all(t.name == MOVING for t in topologies) else None  # of what holds for all settings
+
+        def converted(table: Any, key: str, where: str, tick: float | None) -> Any:
+            values = getattr(table, key)
+            if values is None:
+                return table
+            ticks = [in_ticks(v, tick, f"{where}.{key}") for v in values]
+            return table if ticks == values else table.model_copy(update={key: ticks})
+
+        faults = (
+            f.model_copy(update={"at": in_ticks(f.at, common, f"faults[{n}].at")}) for n, f in enumerate(self.faults)
+        )
+        return self.model_copy(
+            update={
+                "schedule": converted(self.schedule, "ticks", "schedule", tick),
+                "case": tuple(converted(case, "ticks", f"case[{n}]", tick) for n, case in enumerate(self.case)),
+                "measure": converted(self.measure, "checkpoints", "measure", common),
+                "faults": tuple(faults),
+            }
+        )
+
+
+def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, given: Any = None) -> str:
+    """The first thing that is wrong, as a sentence: file, key, value, and what would be right.
+
+    `given` is what was checked: where it has one value for a list, the key has no index.
+    """
+    first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+    place = tuple(p for p in first["loc"] if p not in (NUMBER, RULE))
+    key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
+    more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
+    if first["type"] == "extra_forbidden":
+        known = list(Until.model_fields) if place[0] == "trials" else _known_keys(model, place[:-1])
+        hint = did_you_mean(str(first["loc"][-1]), known)
+        return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
+    if first["type"] == "missing":
+        return f"{name}: {key} is missing{more}"
+    message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
+    if not key:
+        return f"{name}: {message}{more}"
+    value = first["input"]
+    if first["type"] == "literal_error" and isinstance(value, str):
+        hint = did_you_mean(value, re.findall("'(.*?)'", first["ctx"]["expected"]))
+        message += f": {hint.rstrip()}" if hint else ""
+    shown = to_toml_value(value) if isinstance(value, str | int | float | list | dict) else repr(value)
+    if hasattr(value, "nodes"):  # of networkx
+        shown = f"graph {value.name!r}" if getattr(value, "name", "") else "a graph"
+    return f"{name}: {key} = {shown[:200]}: {message}{more}"
+
+
+def _as_given(place: tuple[int | str, ...], given: Any) -> Iterator[int | str]:
+    for part in place:
+        if isinstance(part, int) and given is not None and not isinstance(given, list | tuple):
+            continue
+        yield part
+        try:
+            given = given[part]
+        except (TypeError, KeyError, IndexError):
+            given = None
+
+
+def _known_keys(model: type[BaseModel], path: tuple[int | str, ...]) -> list[str]:
+    for part in (part for part in path if isinstance(part, str)):
+        kind = model.model_fields[part].annotation
+        model = next(k for k in (kind, *get_args(kind)) if isinstance(k, type) and issubclass(k, BaseModel))
+    return list(model.model_fields)

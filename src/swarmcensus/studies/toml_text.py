@@ -1,0 +1,88 @@
+"""Study files as text: TOML read, and written from whatever a study may be made of."""
+
+import json
+import re
+import tomllib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from pydantic import BaseModel
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.worlds.networks import Topology, parse_topology
+from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement, Spread
+
+MOST_BITS = 10_000  # of a number that is printed in decimals
+
+
+def read_toml(text: str, where: str) -> dict[str, Any]:
+    """Parse TOML; raises InputError."""
+    try:
+        return tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
+        raise InputError(f"{where}: not TOML: {error}") from None
+
+
+def to_toml(data: Mapping[str, Any]) -> str:
+    """A study's tables as TOML text."""
+    tables = {k: v for k, v in data.items() if isinstance(v, Mapping | BaseModel)}
+    lines = [f"{_key(k)} = {to_toml_value(v)}" for k, v in data.items() if k not in tables]
+    for key, table in tables.items():
+        lines += ["", f"[{_key(key)}]", *(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(table).items())]
+    return "\n".join(lines) + "\n"
+
+
+def plain(value: Any) -> Any:
+    """A study's tables with lists for ranges, tuples and arrays, and Python's own numbers for those of NumPy."""
+    if hasattr(value, "to_numpy"):  # of pandas and xarray
+        value = value.to_numpy()
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, Mapping):
+        return {k: _pairs(v) if k == "edges" else plain(v) for k, v in value.items()}
+    return [plain(v) for v in value] if isinstance(value, list | tuple | range) else value
+
+
+def _pairs(edges: Any) -> Any:
+    """Edges as a list, whatever gives them; their numbers are looked at where they are read."""
+    return list(edges) if isinstance(edges, Iterable) and not isinstance(edges, str | list | np.ndarray) else edges
+
+
+def _fields(table: Mapping[str, Any] | BaseModel) -> dict[str, Any]:
+    """A table's keys and values, but for those that were not given."""
+    pairs = ((k, v) for k, v in table if k in table.model_fields_set) if isinstance(table, BaseModel) else table.items()
+    return {k: v for k, v in pairs if v is not None}
+
+
+def _key(key: str) -> str:
+    return key if re.fullmatch(r"[A-Za-z0-9_-]+", key) else to_toml_value(key)
+
+
+def to_toml_value(value: Any) -> str:
+    """One value in TOML."""
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int):
+        return repr(value) if value.bit_length() < MOST_BITS else hex(value)
+    if isinstance(value, float):
+        return repr(value)
+    if isinstance(value, Mapping | BaseModel):
+        return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
+    if isinstance(value, list | tuple | np.ndarray):
+        return "[" + ", ".join(map(to_toml_value, value)) + "]"
+    if isinstance(value, brains.Brain):
+        return to_toml_value(value.name)
+    if isinstance(value, Floor | Accuracy | Misjudgement | Spread):
+        return to_toml_value(value.form)
+    if hasattr(value, "nodes") and hasattr(value, "is_directed"):
+        value = parse_topology(value, Path(), {})
+    if isinstance(value, Topology):
+        return to_toml_value(value.form)
+    # what JSON escapes TOML does too, but for the last control character
+    return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")

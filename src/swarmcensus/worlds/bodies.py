@@ -1,0 +1,99 @@
+"""A robot's body: by default the Khepera IV of the paper's Sec. IV-C, every part a parameter of a study."""
+
+import math
+from typing import Annotated
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+
+from swarmcensus.basics.times import parse_time
+
+
+def _plain_number(value: object) -> object:
+    if isinstance(value, bool):
+        raise ValueError("a number is wanted, not a truth value")
+    return value
+
+
+Number = Annotated[float, BeforeValidator(_plain_number)]
+# beyond these, squares and quotients of lengths and times would leave what floating point can hold
+Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]
+Least = Annotated[Number, Field(ge=0.0, le=1e9)]
+Place = Annotated[Number, Field(ge=-1e9, le=1e9)]
+
+
+def _delay(value: object, info: ValidationInfo) -> object:
+    if isinstance(value, str) and "tick" in info.data:  # else the tick is what is wrong
+        return parse_time(value).ticks(info.data["tick"], least=0)
+    return value
+
+
+class Body(BaseModel):
+    """Shape, motion, sensors and radio of a robot, in SI units; a disc with two wheels.
+
+    Sources: the paper, Sec. IV-C; docs/moving-robots.md for what it leaves open.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    speed: Least = 0.14  # m/s, straight
+    turn_speed: Least = 0.14  # m/s of each wheel, against each other, when turning on the spot
+    wheel_distance: Positive = 0.1054  # m
+    radius: Positive = 0.0704  # m
+    tick: Positive = 0.1  # s
+    wheel_lag: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1  # of a tick, until new wheel speeds take hold
+    straight_mean: Positive = 15.0  # ticks of a straight run: floor of an exponential
+    turn_most: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 10  # ticks of a turn: uniform from 0
+    proximity_range: Least = 0.12  # m from the body's edge, along 8 rays
+    proximity_near: Least = 0.04  # m, below which a ray reads 1
+    avoid_above: Positive = 0.01  # length of the mean reading from which there is an obstacle
+    avoid_within: Annotated[Number, Field(gt=0.0, le=180.0)] = 100.0  # degrees from straight ahead
+    sensor: tuple[Place, Place] = (0.0614, 0.010)  # m ahead and to the left: the ground sensor
+    tile: Positive = 0.01  # m, the side of a floor tile
+    radio_range: Positive = 0.7  # m between centres
+    line_of_sight: bool = True
+    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000)] = 1  # ticks
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """The body as the engine takes it: one record of float64."""
+        values = {
+            "radius": self.radius,
+            "tick": self.tick,
+            "step": self.speed * self.tick,
+            "turn": 2.0 * self.turn_speed * self.tick / self.wheel_distance,
+            "lag": self.wheel_lag,
+            "straight_mean": self.straight_mean,
+            "turn_most": float(self.turn_most),
+            "proximity_range": self.proximity_range,
+            "proximity_near": self.proximity_near,
+            "avoid_above": self.avoid_above,
+            "cos_within": math.cos(math.radians(self.avoid_within)),
+            "sensor_x": self.sensor[0],
+            "sensor_y": self.sensor[1],
+            "tile": self.tile,
+            "radio_range": self.radio_range,
+            "line_of_sight": float(self.line_of_sight),
+            "touched": self.touched,
+            "reach": self.reach,
+            "skin": self.skin,
+        }
+        record = np.zeros(1, np.dtype((np.record, [(name, np.float64) for name in values])))
+        record[0] = tuple(values.values())
+        return record
+
+    @property
+    def reach(self) -> float:
+        """How far a robot must look for others that it may hear, see, bump into, or that may stand between."""
+        seen = 2.0 * self.radius + self.proximity_range
+        return max(math.hypot(self.radio_range, self.radius), seen, self.touched)
+
+    @property
+    def touched(self) -> float:
+        """How far apart two robots may be that touch by the end of the next tick, if contact pushes neither too far."""
+        return 2.0 * self.radius + 4.0 * self.speed * self.tick + 0.25 * self.radius
+
+    @property
+    def skin(self) -> float:
+        """How much further lists of others reach, so that they hold for some ticks."""
+        return max(8.0 * self.speed * self.tick, 0.1 * self.reach)

@@ -1,0 +1,65 @@
+"""Robots that fail: from a given round or tick on, some of them stop moving, sensing or talking."""
+
+from typing import Annotated, Literal, Self
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+
+from swarmcensus.basics.times import OR_TIME
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.modes import MOVING, NEVER, SENSING, TALKING
+from swarmcensus.engine.random import address
+
+PARTS = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
+HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list | tuple) else (value,)
+
+
+def _number(value: object) -> object:
+    if isinstance(value, bool | str):  # pydantic would read a number from them
+        raise ValueError(HOW_MANY)
+    return value
+
+
+class Fault(BaseModel):
+    """From round (or tick) `at` on, `robots` of a swarm, a number or a fraction, stop what `stop` says.
+
+    A robot that stops talking still hears; one that stops moving is still heard, seen and bumped into.
+    """
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME]
+    robots: Annotated[int | float, BeforeValidator(_number)]
+    stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
+
+    @model_validator(mode="after")
+    def _right(self) -> Self:
+        if not (isinstance(self.robots, int) and self.robots >= 0) and not 0.0 <= self.robots <= 1.0:
+            raise ValueError(HOW_MANY)
+        return self
+
+    def count(self, robots: int) -> int:
+        """How many of a swarm fail."""
+        return min(robots, self.robots if isinstance(self.robots, int) else round(self.robots * robots))
+
+
+def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.ndarray:
+    """The first round or tick at which a part of a robot does not work, (part, robot); no robots where none fail.
+
+    Which robots fail is drawn afresh for each trial and each fault.
+    """
+    if not faults:
+        return np.zeros((3, 0), np.int64)
+    out = np.full((3, robots), NEVER, np.int64)
+    for number, fault in enumerate(faults):
+        key = address(seed, "faults", number=number, robots=robots)
+        lots = np.empty((1, robots))
+        compile_world().spread_uniform(key, trial, 0.0, 1.0, lots)
+        failing = np.argsort(lots[0], kind="stable")[: fault.count(robots)]
+        for part in fault.stop:
+            out[PARTS[part], failing] = np.minimum(out[PARTS[part], failing], fault.at)
+    return out

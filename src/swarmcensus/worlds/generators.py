@@ -1,0 +1,73 @@
+"""Graphs that networkx makes: one for each trial, with as many nodes as there are robots."""
+
+import inspect
+import json
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.hints import did_you_mean
+
+MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
+TRIED = 24  # sizes tried from 1 on, before a graph of the size that is wanted is made
+WEIGHTS = "links have no weights: a message is heard or not (see link_success), and nobody's counts for more"
+
+
+def check(name: str, arguments: str, robots: int) -> None:
+    """Raise ValueError where this function makes no graph of so many robots.
+
+    Some take `n` for something else, such as a hypercube's dimensions, and would not end: so small sizes are tried.
+    """
+    if robots > MOST_GENERATED:
+        raise ValueError(f"{name}: networkx makes graphs of {MOST_GENERATED:,} robots at the most")
+    given = json.loads(arguments).get("n")
+    largest = given if isinstance(given, int) else robots
+    sizes = list(range(1, min(TRIED, largest)))
+    while given is not None and sizes and 2 * sizes[-1] < largest:
+        sizes.append(2 * sizes[-1])
+    for n in sizes:
+        try:
+            nodes = _made(name, arguments, n, 0).number_of_nodes()
+        except ValueError:
+            continue  # too small for the other arguments
+        if nodes > (4 * n + 16 if given is None else robots):
+            raise ValueError(f"networkx.{name} gives {nodes} robots for n = {n} already: give an n for {robots} robots")
+    edges_of(name, arguments, robots, 0)
+
+
+def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndarray, bool]:
+    """A graph's edges (edge, 2), and whether they are directed. Raises ValueError where there is no such graph."""
+    graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
+    if graph.number_of_nodes() != robots:
+        raise ValueError(f"networkx.{name} gives {graph.number_of_nodes()} robots instead of {robots}")
+    edges = [(a, b) for a, b in numbered(graph) if a != b]  # nobody hears oneself
+    return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
+
+
+def numbered(graph: Any, own: bool = False) -> list[tuple[int, int]]:
+    """A graph's edges by the places of their nodes in it, or by their `own` numbers if all are whole and from 0.
+
+    Raises ValueError where edges have weights.
+    """
+    if any(weight != 1 for *_, weight in graph.edges(data="weight", default=1)):
+        raise ValueError(f"the graph's edges have weights: {WEIGHTS}")
+    number = {node: k for k, node in enumerate(graph.nodes)}
+    if own and all(isinstance(node, int | np.integer) and not isinstance(node, bool) and node >= 0 for node in number):
+        number = {node: int(node) for node in number}
+    return [(number[a], number[b]) for a, b, *_ in graph.edges]
+
+
+def _made(name: str, arguments: str, n: int, seed: int) -> Any:
+    import networkx
+
+    function = getattr(networkx, name, None)
+    if not name.endswith("_graph") or not callable(function):
+        meant = did_you_mean(name, (known for known in dir(networkx) if known.endswith("_graph")))
+        raise ValueError(f"networkx has no graph generator {name!r}{': ' * bool(meant)}{meant.rstrip()}")
+    keywords: dict[str, Any] = {**json.loads(arguments), "n": n}
+    try:
+        if "seed" in inspect.signature(function).parameters:
+            keywords["seed"] = seed
+        return function(**keywords)
+    except Exception as error:
+        raise ValueError(f"networkx.{name} with n = {n} and {arguments} fails: {error}") from error
