@@ -21,7 +21,6 @@ from swarmcensus.figures.films import film
 from swarmcensus.figures.kinds import save
 from swarmcensus.results.origins import studies_of
 from swarmcensus.results.recordings import write_trace
-from swarmcensus.simulation.floors import floor_of
 
 STUDY = """
 name = "pictures for $2 or $3"
@@ -78,7 +77,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
         if setting.body is None:
             continue
         trace = sc.replay(results, number, 1)
-        floor = floor_of(setting, study.seed, 1)
+        floor = setting.ground(study.seed, 1).all_tiles()
         x, y = trace.position.values[1:].transpose(2, 0, 1)
         c, s = np.cos(trace.heading.values[1:]), np.sin(trace.heading.values[1:])
         ahead, left = setting.body.sensor
@@ -93,7 +92,7 @@ def test_floors_have_the_colours_that_robots_saw(body):
 def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
     (study,) = studies_of(results)
     setting = study.settings()[moving(results, 9, 0.95)]
-    first, second = (floor_of(setting, study.seed, trial) for trial in (0, 1))
+    first, second = (setting.ground(study.seed, trial).all_tiles() for trial in (0, 1))
     assert (first != second).any()
     assert set(np.unique(first)) == {0, 1}
     sd = np.sqrt(0.95 * 0.05 / first.size)

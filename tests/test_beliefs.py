@@ -12,7 +12,7 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import beliefs
-from swarmcensus.figures.beliefs import asymptote, costs
+from swarmcensus.results.beliefs import EQ_4, asymptote, costs
 
 STUDY = """
 seed = 5
@@ -82,7 +82,7 @@ def test_the_asymptote_is_where_a_brain_goes_that_sees_just_what_is_expected():
     for b, w, assumed_b, assumed_w, f in cases:
         black = round(10_000 * (b * f + (1 - w) * (1 - f)))
         readings = (np.arange(10_000) < black).astype(float)[:, np.newaxis]
-        for brain in sorted(beliefs.EQ_4):
+        for brain in sorted(EQ_4):
             trace = sc.infer(readings, None, (assumed_b, assumed_w), brain=brain, observations_per_round=10_000)
             predicted = float(asymptote(b, w, assumed_b, assumed_w, f))
             assert trace["estimate"].values[-1, 0] == pytest.approx(predicted, abs=1e-12)

@@ -11,8 +11,8 @@ from swarmcensus import brains
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, black_tables
 from swarmcensus.engine.random import address, block, counter, words
-from swarmcensus.simulation import floors
 from swarmcensus.simulation.trials import record_trial
+from swarmcensus.worlds import floors
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed

@@ -16,9 +16,9 @@ from swarmcensus.engine.random import address, block, counter, unit
 from swarmcensus.figures import panels
 from swarmcensus.results import selecting
 from swarmcensus.results.replaying import recording
-from swarmcensus.simulation import floors, metrics
-from swarmcensus.simulation.floors import Ground, floor_of, side_of
+from swarmcensus.simulation import metrics
 from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.worlds import floors
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.patterns import MOST_PIXELS, Floor, parse_floor, read_image
 from tests.conftest import beliefs_of
@@ -53,8 +53,8 @@ def every_kind(gradient):
 
 
 def within_reach(setting):
-    """Which tiles of `floor_of` a ground sensor can stand over, by the distance of each one's centre."""
-    half, body = side_of(setting) / 2, setting.body
+    """Which tiles of the floor a ground sensor can stand over, by the distance of each one's centre."""
+    half, body = setting.arena_side / 2, setting.body
     across = 2 * math.ceil(half / body.tile)
     centre = (np.arange(across) - across // 2 + 0.5) * body.tile
     x, y = np.meshgrid(centre, centre)
@@ -77,10 +77,10 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
         if setting.floor.kind == "tiles":
             allowed = chance
         elif setting.floor.kind == "stripes":
-            width = side_of(setting) - 2 * setting.body.radius
+            width = setting.arena_side - 2 * setting.body.radius
             allowed = chance + fill_ratio * (1 - fill_ratio) * setting.floor.length / width
         for trial in range(3):
-            assert abs(Ground(setting, 1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
+            assert abs(setting.ground(1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
 @settings(max_examples=25, deadline=None)
@@ -91,8 +91,8 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
 def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(robots, density, ahead, left, tile, fill_ratio, floor):
     """Also with a sensor that reaches beyond the body, and so up to the walls."""
     setting = setting_of(floor, fill_ratio, robots, density, sensor=(ahead, left), tile=tile)
-    black = floor_of(setting, 2, 1)[within_reach(setting)]
-    assert Ground(setting, 2, 1).true_fill_ratio == black.mean()
+    black = setting.ground(2, 1).all_tiles()[within_reach(setting)]
+    assert setting.ground(2, 1).true_fill_ratio == black.mean()
 
 
 def test_of_very_many_tiles_a_regular_grid_is_counted():
@@ -135,13 +135,13 @@ def test_independent_tiles_have_the_colours_that_they_always_had():
         world = {"topology": "moving", "density": 3, "fill_ratio": 0.55} | ({"floor": floor} if floor else {})
         setting = sc.Study(trials=1, swarm={"robots": 2, "accuracy": 0.7}, world=world).settings()[0]
         key = address(7, "floor", robots=2, density=3.0, tile=0.01, fill_ratio=0.55)
-        black = floor_of(setting, 7, 4)
+        black = setting.ground(7, 4).all_tiles()
         zero = (1 << 30) - len(black) // 2
         for row, column in np.argwhere(black < 2)[::7]:
             place = np.uint64(counter(zero + column, zero + row))
             word, _ = block(key[0], key[1], np.uint64(counter(4, 0)), place)
             assert black[row, column] == (unit(np.uint64(word)) < 0.55)
-    assert (floor_of(replace(setting, floor=None), 7, 4) == black).all()
+    assert (replace(setting, floor=None).ground(7, 4).all_tiles() == black).all()
 
 
 # ---- clusters
@@ -164,10 +164,10 @@ def test_the_kernel_has_the_correlation_that_is_asked_for(length):
 
 
 def field_of(setting, seed, trial):
-    half = math.ceil(side_of(setting) / 2 / setting.body.tile)
+    half = math.ceil(setting.arena_side / 2 / setting.body.tile)
     place = np.arange(-half, half, dtype=np.int32)
     x, y = np.meshgrid(place, place)
-    return Ground(setting, seed, trial).score(np.stack([x, y], axis=-1))
+    return setting.ground(seed, trial).score(np.stack([x, y], axis=-1))
 
 
 def test_clusters_are_a_normal_field_of_that_correlation():
@@ -186,7 +186,7 @@ def test_clusters_are_a_normal_field_of_that_correlation():
             found[trial, k] = (a * b).mean(), (np.sign(a) * np.sign(b)).mean()
     d = 0.01 * np.hypot(*np.array(lags).T)
     rho = np.exp(-((d / length) ** 2))
-    blobs = trials * side_of(setting) ** 2 / (math.pi * length**2)
+    blobs = trials * setting.arena_side**2 / (math.pi * length**2)
     for k, right in enumerate((rho, 2 / math.pi * np.arcsin(rho))):
         # the variance of a mean of products is at most 2 over the number of independent patches
         assert (np.abs(found[..., k].mean(axis=0) - right) < SIGMAS * math.sqrt(2 / blobs) + 0.001).all()
@@ -201,7 +201,7 @@ def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     assert (field_of(setting, 1, 2) == kept).all()
     monkeypatch.undo()
     far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
-    assert np.isfinite(Ground(setting, 1, 2).score(far)).all()
+    assert np.isfinite(setting.ground(1, 2).score(far)).all()
 
 
 def test_noise_is_one_number_a_tile():
@@ -220,7 +220,7 @@ def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(per
     setting = setting_of({"stripes": period}, share)
     axes, phases = [], []
     for trial in range(40):
-        black = floor_of(setting, 1, trial).astype(float)
+        black = setting.ground(1, trial).all_tiles().astype(float)
         axis = int(black.mean(axis=0).std() < black.mean(axis=1).std())  # 0: stripes run along y
         axes.append(axis)
         line = black.mean(axis=axis)  # a tile that a stripe ends in is black with the share that is covered
@@ -245,7 +245,7 @@ def test_half_a_floor_is_black_on_a_side_of_each_trial():
     setting = setting_of("half", 0.3)
     sides = []
     for trial in range(40):
-        black = floor_of(setting, 1, trial)
+        black = setting.ground(1, trial).all_tiles()
         n = len(black)
         ways = [black, black[::-1], black.T, black.T[::-1]]  # seen from each side
         (side,) = (k for k, way in enumerate(ways) if way[: n // 5].all() and not way[n // 2 :].any())
@@ -260,7 +260,7 @@ def test_half_a_floor_is_black_on_a_side_of_each_trial():
 
 def test_a_picture_is_black_where_it_is_darkest(gradient):
     setting = setting_of({"image": str(gradient)}, 0.55)
-    black = floor_of(setting, 1, 0)
+    black = setting.ground(1, 0).all_tiles()
     n = len(black)
     assert black[-n // 11 :].all()  # the top of the picture is where y is largest
     below = black[: -n // 9]
@@ -273,7 +273,7 @@ def test_a_picture_is_black_where_it_is_darkest(gradient):
 
 def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
     setting = setting_of({"image": str(gradient), "mode": "dither"}, 0.55)
-    black = np.mean([floor_of(setting, 1, trial) for trial in range(4)], axis=0)
+    black = np.mean([setting.ground(1, trial).all_tiles() for trial in range(4)], axis=0)
     n = len(black)
     below = black[: -n // 9]
     bands = [below[:, int((k + 0.1) * n / 10) : int((k + 0.9) * n / 10)] for k in range(10)]
@@ -284,7 +284,7 @@ def test_a_dithered_picture_is_the_blacker_the_darker_it_is(gradient):
     odds = share / (1 - share) * (1 - darkness) / darkness  # all are changed by one factor
     spread = error / (share * (1 - share))
     assert (np.abs(np.log(odds / odds[4])) < SIGMAS * np.hypot(spread, spread[4])).all()
-    trials = [floor_of(setting, 1, t)[: n // 2, n // 2] for t in (0, 1)]
+    trials = [setting.ground(1, t).all_tiles()[: n // 2, n // 2] for t in (0, 1)]
     assert (trials[0] != trials[1]).any()
 
 
@@ -360,7 +360,7 @@ def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(flo
         tile, place = trace["tile"].values[1:], trace["position"].values[1:]
         heading = trace["heading"].values[1:]
         arm = np.stack([np.cos(heading) * 0.0614 - np.sin(heading) * 0.01, np.sin(heading) * 0.0614 + np.cos(heading) * 0.01], -1)  # fmt: skip # noqa: E501
-        black = floor_of(setting, study.seed, 1)
+        black = setting.ground(study.seed, 1).all_tiles()
         column, row = np.moveaxis(np.floor((place + arm) / 0.01).astype(int) + len(black) // 2, -1, 0)
         assert (black[row, column] != tile).mean() < 0.002  # arctan2 rounds at tile borders
         assert trace.attrs["true_fill_ratio"] == results["true_fill_ratio"].values[k, 1]
@@ -531,5 +531,5 @@ def test_the_default_body_sees_all_but_a_rim():
     setting = setting_of("tiles", density=1.0)
     assert Floor() == setting.floor
     assert Body().sensor == setting.body.sensor
-    reached = floors.reachable(side_of(setting) / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
+    reached = floors.reachable(setting.arena_side / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
     assert reached.shape[1] == within_reach(setting).sum()

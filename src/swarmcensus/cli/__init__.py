@@ -1,1 +1,6 @@
-"""cli."""
+"""The command line: options parsed, rooms called, tables printed. Imports wait until a command needs them.
+
+In: arguments.
+Out: an exit code, what is printed.
+Must not know: mathematics.
+"""

@@ -63,11 +63,10 @@ def _complain(what: object) -> None:
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run, draw and check the paper."""
-    from swarmcensus.paper import report
-    from swarmcensus.paper import reproducing as paper
+    from swarmcensus.paper import report, reproducing
     from swarmcensus.runs.progress import reporting
 
-    done = paper.reproduce(
+    done = reproducing.reproduce(
         options.out,
         trials=options.trials,
         seed=options.seed,
@@ -222,7 +221,7 @@ def verify(options: argparse.Namespace) -> int:
 def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.results import store as results
+    from swarmcensus.results import store
     from swarmcensus.results.early import opened, say_partial
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.selecting import where
@@ -235,7 +234,7 @@ def export(options: argparse.Namespace) -> int:
     check_writable(out, options.results)
     data = remeasure(opened(options.results), delta=options.delta)
     say_partial(data, options.results)
-    rows = results.export(where(data, options.where), out, kind)
+    rows = store.export(where(data, options.where), out, kind)
     print(f"{out}: {rows:,} rows")
     return 0
 
@@ -244,7 +243,7 @@ def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
-    from swarmcensus.figures import kinds as figures
+    from swarmcensus.figures import kinds
     from swarmcensus.results import recordings, replaying
     from swarmcensus.results.early import opened
     from swarmcensus.runs.progress import compiling
@@ -265,7 +264,7 @@ def replay(options: argparse.Namespace) -> int:
     if options.out:
         recordings.write_trace(trace, options.out)
     if options.plot:
-        save_figure(figures.curves(trace), options.plot, ("png",))
+        save_figure(kinds.curves(trace), options.plot, ("png",))
     if readings is not None and edges is not None:
         robots = [f"robot {i}" for i in range(readings.shape[1])]
         recordings.write_rows(options.recording / "observations.csv", robots, readings)
@@ -280,7 +279,7 @@ def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded data."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
-    from swarmcensus.figures import kinds as figures
+    from swarmcensus.figures import kinds
     from swarmcensus.results import recordings
     from swarmcensus.runs.progress import compiling
     from swarmcensus.simulation import inferring
@@ -303,7 +302,7 @@ def infer(options: argparse.Namespace) -> int:
     recordings.write_trace(trace, out)
     rounds(trace)
     print(out)
-    save_figure(figures.curves(trace), plotted, ("png",))
+    save_figure(kinds.curves(trace), plotted, ("png",))
     return 0
 
 

@@ -16,7 +16,7 @@ ONLY_OF = (
 
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
-    from swarmcensus.figures import kinds as figures
+    from swarmcensus.figures import kinds
     from swarmcensus.figures.beliefs import beliefs
     from swarmcensus.results import replaying
     from swarmcensus.results.cautions import warn_of_edges
@@ -25,10 +25,10 @@ def plot(options: argparse.Namespace) -> int:
     from swarmcensus.results.selecting import TooMuch, where
     from swarmcensus.runs.progress import compiling
 
-    for name, kinds in ONLY_OF.items():
+    for name, fitting in ONLY_OF.items():
         given = getattr(options, name)
-        if given is not None and given is not False and options.kind not in kinds:  # 0 is given too
-            raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+        if given is not None and given is not False and options.kind not in fitting:  # 0 is given too
+            raise InputError(f"--{name} goes with --kind {' or '.join(fitting)}, not with {options.kind}")
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
@@ -45,16 +45,16 @@ def plot(options: argparse.Namespace) -> int:
         if options.kind == "curves":
             setting = options.setting if options.setting is not None else int(data["setting"].values[0])
             with compiling(brain_of(data, setting)):
-                figure = figures.curves(replaying.replay(data, setting, options.trial or 0, options.brain))
+                figure = kinds.curves(replaying.replay(data, setting, options.trial or 0, options.brain))
         elif options.kind == "heatmap":
-            figure = figures.heatmap(data)
+            figure = kinds.heatmap(data)
         elif options.kind == "beliefs":
             figure = beliefs(data)
         elif options.kind == "decisions":
             warn_of_edges(data)
-            figure = figures.decisions_grid(figures.panels_of(data))
+            figure = kinds.decisions_grid(kinds.panels_of(data))
         else:
-            figure = figures.scatter_grid([p._replace(local=options.local) for p in figures.panels_of(data)])
+            figure = kinds.scatter_grid([p._replace(local=options.local) for p in kinds.panels_of(data)])
     except TooMuch as error:
         raise InputError(error.shell) from None
     save_figure(figure, out)
@@ -114,9 +114,9 @@ def _in_ticks(value: Any, tick: float, name: str) -> int | None:
 
 def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg")) -> None:
     """Write a figure in the format of its suffix, without one in all of `default`, and print the paths."""
-    from swarmcensus.figures import kinds as figures
+    from swarmcensus.figures import kinds
 
-    for path in figures.save(figure, *figure_files(out, default)):
+    for path in kinds.save(figure, *figure_files(out, default)):
         print(path)
 
 

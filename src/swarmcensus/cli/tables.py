@@ -11,13 +11,12 @@ import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
+from swarmcensus.basics.digits import places, rounded
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
-from swarmcensus.figures.panels import told
-from swarmcensus.paper.report import places, rounded
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
 
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
 DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval

@@ -1,1 +1,6 @@
-"""Compiles brains, addresses random numbers, runs worlds. Knows nothing of studies."""
+"""Compiled loops and addressed random numbers: what robots see, say and believe, round by round or tick by tick.
+
+In: a brain's source, arrays, keys.
+Out: arrays of minds, estimates and metrics.
+Must not know: worlds by name, studies, settings, files of results.
+"""

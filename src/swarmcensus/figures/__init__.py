@@ -1,1 +1,6 @@
-"""figures."""
+"""Pictures: one function a kind, from a dataset or a trace to a matplotlib Figure, and films.
+
+In: a dataset, a trace.
+Out: a Figure, files of pictures.
+Must not know: how trials are run, the paper's claims, the command line.
+"""

@@ -32,8 +32,9 @@ from swarmcensus.figures.arena_margins import (
     write_titles,
 )
 from swarmcensus.figures.looks import halo
-from swarmcensus.figures.panels import require, truth_of
+from swarmcensus.figures.panels import truth_of
 from swarmcensus.figures.scenes import check_robot, scene_of
+from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
 
 __all__ = ["Arena", "scene_of", "snapshot"]
@@ -48,7 +49,7 @@ def snapshot(
 ) -> Figure:
     """Draw the arena at the end of a tick: the paper's Fig. 1, with robots coloured by their estimate.
 
-    `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `floor_of` does:
+    `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `Ground.all_tiles` does:
     squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred upon the arena. Without it the
     floor is the even grey of the fill ratio. Dotted is the radio range of `robot`. Without a `title` it is
     `trace.attrs["title"]`. Robots that by then have failed have a stroke for each thing that they stopped to do.

@@ -1,10 +1,9 @@
-"""What a wrong belief about one's own sensor costs: the bias that it leaves, in closed form and as simulated."""
+"""What wrong beliefs cost: the final error against how far robots misjudge their sensors."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,126 +12,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
-from numpy.typing import ArrayLike
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.panels import check_few, panels_of, require
+from swarmcensus.figures.panels import check_few, panels_of
 from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, new_sheet, say_empty, say_lacking
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+from swarmcensus.results.beliefs import Cost, accuracy_of, costs, costs_of, goes_to
+from swarmcensus.worlds.sensors import Accuracy
 
-EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}
 ON_AXES = {"accuracy", "assumed_accuracy"}
 MARKERS = "osD^vPXp"
 TICKS = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
 FINE = 401  # points of a dashed line
 BESIDE = 0.3  # of the errors' range: how far from the last one a belief that is drawn for each robot stands
-
-
-def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
-    """Where the estimate goes that a robot makes with the accuracies that it assumes, as its readings go on.
-
-    A share p = b f + (1 - w)(1 - f) of them is black, whatever it assumes; Eq. 4 of the paper turns p into
-    (p + w' - 1) / (b' + w' - 1) with the assumed b' and w', cut to [0, 1]. Where b' + w' = 1 it stays at 0.5. Robots
-    that assume and see alike agree there, so communication takes nothing off the bias. Arrays of one shape, or numbers.
-    """
-    b, w, assumed_b, assumed_w, f = np.broadcast_arrays(b, w, assumed_b, assumed_w, fill_ratio)
-    black = b * f + (1.0 - w) * (1.0 - f)
-    slope = assumed_b + assumed_w - 1.0
-    blind = np.abs(slope) < 1e-12
-    return np.where(blind, 0.5, np.clip((black + assumed_w - 1.0) / np.where(blind, 1.0, slope), 0.0, 1.0))
-
-
-class Cost(NamedTuple):
-    """One setting: what its robots are and believe, and the error of their final estimates.
-
-    `error` is how much the belief lies above the truth, None where it is drawn for each robot. `median` is that of
-    |x - f| over robots and trials, `low` and `high` its 95 % interval by bootstrap over trials, all NaN without a
-    finished trial (the interval with fewer than 6). `predicted` is |asymptote - f|, NaN where robots differ or their
-    brain does not use Eq. 4.
-    """
-
-    accuracy: str
-    belief: str
-    error: float | None
-    fill_ratio: float
-    median: float
-    low: float
-    high: float
-    predicted: float
-
-
-def costs(results: xr.Dataset) -> list[Cost]:
-    """The cost of each setting's belief, in the order of the settings.
-
-    Raises InputError if a variable is missing, if all robots know their sensors, or if a belief is off by one error
-    for black and another for white, which no single axis shows.
-    """
-    require(results, "accuracy", "assumed_accuracy", "fill_ratio", "final_estimate", "robots", "brain")
-    if (results["assumed_accuracy"].values == results["accuracy"].values).all():
-        raise InputError(
-            "all robots of these results know their sensors: set assumed_accuracy under [swarm], "
-            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again"
-        )
-    return _costs(results)
-
-
-def _costs(results: xr.Dataset) -> list[Cost]:
-    return [_cost(results.isel(setting=k)) for k in range(results.sizes["setting"])]
-
-
-def _cost(one: xr.Dataset) -> Cost:
-    accuracy, belief, f = str(one["accuracy"].item()), str(one["assumed_accuracy"].item()), float(one["fill_ratio"])
-    true, assumed = _read(accuracy), _read(belief)
-    assert isinstance(true, Accuracy)
-    error = _error(true, assumed, accuracy, belief)
-    predicted = np.nan
-    if error is not None and _fixed(true) and one["brain"].item() in EQ_4:
-        predicted = float(np.abs(_goes_to(true, error, f) - f))
-    final = one["final_estimate"].transpose("trial", "robot").values[:, : int(one["robots"])]
-    off = np.abs(final[np.isfinite(final).all(axis=1)] - f)
-    median, low, high = np.nan, np.nan, np.nan
-    if len(off):
-        median, low, high = statistics.interval(statistics.medians(off, statistics.resample(len(off))))
-    if len(off) < statistics.FEWEST:
-        low = high = np.nan
-    return Cost(accuracy, belief, error, f, median, low, high, predicted)
-
-
-def _read(text: str) -> Accuracy | Misjudgement:
-    """An accuracy or belief from its canonical text, which is what a dataset holds."""
-    sides = dict(re.findall(r"(black|white|error)=(\S+)", text))
-    return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
-
-
-def _sides(accuracy: Accuracy) -> tuple[float, float]:
-    return accuracy.black.a, (accuracy.white or accuracy.black).a
-
-
-def _fixed(accuracy: Accuracy) -> bool:
-    return accuracy.black.kind == (accuracy.white or accuracy.black).kind == "fixed"
-
-
-def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, belief: str) -> float | None:
-    if isinstance(assumed, Misjudgement):
-        return assumed.error.a if assumed.error.kind == "fixed" else None
-    if not (_fixed(assumed) and _fixed(true)):
-        return None
-    black, white = (round(a - t, 9) for a, t in zip(_sides(assumed), _sides(true), strict=True))
-    if black != white:
-        raise InputError(
-            f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
-            "white: this figure shows one error for both, as {error = ...} gives; select others with --where"
-        )
-    return black
-
-
-def _goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
-    b, w = _sides(true)
-    return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)
 
 
 def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
@@ -148,7 +41,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
     costs(results)
     panels = panels_of(results, ON_AXES)
     check_few(panels, ON_AXES)
-    drawn = [[cost for cost in _costs(panel.results) if np.isfinite(cost.median)] for panel in panels]
+    drawn = [[cost for cost in costs_of(panel.results) if np.isfinite(cost.median)] for panel in panels]
     every = [cost for group in drawn for cost in group]
     if not every:
         raise InputError(NOTHING)
@@ -218,10 +111,10 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
     x, mine = [error for error, _ in points], [cost for _, cost in points]
     first = mine[0]
     if np.isfinite(first.predicted):
-        true = _read(first.accuracy)
+        true = accuracy_of(first.accuracy)
         assert isinstance(true, Accuracy)
         fine = np.linspace(x[0], x[-1], FINE)
-        off = np.abs(_goes_to(true, fine, first.fill_ratio) - first.fill_ratio)
+        off = np.abs(goes_to(true, fine, first.fill_ratio) - first.fill_ratio)
         dashes = DASHED
         if first.accuracy in alike:
             turn = (-6 * alike.index(first.accuracy), (4, 6 * len(alike) - 4))

@@ -12,8 +12,9 @@ from matplotlib.patches import Patch
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.looks import palette
-from swarmcensus.figures.panels import require, truth_of
+from swarmcensus.figures.panels import truth_of
 from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, new_sheet
+from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
 
 MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands

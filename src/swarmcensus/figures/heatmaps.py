@@ -12,12 +12,13 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
-from swarmcensus.figures.lettering import shortened, told_apart, width_of
+from swarmcensus.figures.lettering import shortened, width_of
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.panels import cloud_of, require, select_some, unit_of, varies
+from swarmcensus.figures.panels import cloud_of, select_some, unit_of, varies
 from swarmcensus.figures.sheets import NOTHING, SMALL, caption_panels, name_axes, new_sheet, say_lacking
-from swarmcensus.results.selecting import TooMuch
+from swarmcensus.results.selecting import TooMuch, require
 
 LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
 ABOVE = 0.3  # inches over a panel for the bar of its colours

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 from matplotlib.font_manager import FontProperties
 from matplotlib.textpath import text_to_path
@@ -11,27 +10,6 @@ from matplotlib.textpath import text_to_path
 SPACING = 1.2  # of a line, in its letters' size
 MOST_LINES = 2  # of one name that is too long for a line; of a longer one, the middle is left out
 SLACK = 1.03  # a renderer fits letters to its dots
-EXACT = 17  # digits that tell any two numbers apart
-DECIMAL = re.compile(r"\d*\.\d+(?:e[-+]?\d+)?")
-
-
-def told_apart(values: Iterable[float | str], digits: int = 4) -> list[str]:
-    """Numbers, or texts with numbers in them, in so many significant digits, or as few more as tell them apart.
-
-    In texts only decimals are touched, and only to become shorter: "U(0.5499999999999999,0.95)" is "U(0.55,0.95)".
-    """
-    exact = list(values)
-    for kept in range(digits, EXACT + 1):
-        short = [_rounded(value, kept) for value in exact]
-        if len(set(short)) == len(set(exact)):
-            break
-    return short
-
-
-def _rounded(value: float | str, digits: int) -> str:
-    if not isinstance(value, str):
-        return f"{value:.{digits}g}"
-    return DECIMAL.sub(lambda found: min(found[0], f"{float(found[0]):.{digits}g}", key=len), value)
 
 
 def width_of(text: str, size: float) -> float:

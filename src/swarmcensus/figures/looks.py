@@ -12,7 +12,7 @@ from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from swarmcensus.figures.lettering import told_apart
+from swarmcensus.basics.digits import told_apart
 
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
 MARKERS = "s^vPXph"  # of such swarms, after the first

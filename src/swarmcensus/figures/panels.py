@@ -9,11 +9,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.statistics import interval_of
-from swarmcensus.figures.lettering import told_apart
 from swarmcensus.results.checking import finished
-from swarmcensus.results.selecting import TooMuch
+from swarmcensus.results.selecting import TooMuch, require
+from swarmcensus.results.summaries import told
 from swarmcensus.worlds.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # accuracy -> convergence, error
@@ -108,14 +108,6 @@ def varies(results: xr.Dataset, apart_from: set[str]) -> dict[str, list[Any]]:
     return varying
 
 
-def told(results: xr.Dataset) -> str:
-    """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
-    if not {"density", "side"} <= results.coords.keys():
-        return ""
-    texts = {name: {f"{value:.12g}" for value in results[name].values.tolist()} for name in ("side", "density")}
-    return max(texts, key=lambda name: (len(texts[name]), len("".join(texts[name]))))
-
-
 def select_some(results: xr.Dataset, apart_from: Collection[str], most: int) -> dict[str, Any]:
     """Values of coordinates, by name, that leave at most so many panels: those first that leave the fewest."""
     chosen = {}
@@ -154,17 +146,6 @@ def truth_of(trace: xr.Dataset) -> float:
     """Return the fill ratio that a trace's estimates are held against: see `truth` in docs/study-file.md."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
     return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
-
-
-def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
-    """Raise InputError unless `data` has the variables `names`, and something along the dimensions."""
-    for dimension in dimensions:
-        if not data.sizes.get(dimension):
-            raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
-    for name in names:
-        if name not in data.variables:
-            hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
-            raise InputError(f"this dataset has no variable {name!r}{hint}")
 
 
 def unit_of(results: xr.Dataset, local: bool = False) -> str:

@@ -12,8 +12,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.replaying import replay
 from swarmcensus.results.store import load
-from swarmcensus.simulation.floors import floor_of, tiles_across
 from swarmcensus.studies.settings import Setting
+from swarmcensus.worlds.floors import tiles_across
 from swarmcensus.worlds.networks import MOVING
 
 MOST_TILES = 4000  # from wall to wall; beyond it a floor is even grey
@@ -33,7 +33,7 @@ def scene_of(
     trace = replay(data, setting, trial, brain, links=True)
     trace.attrs["tick_seconds"] = found.body.tick
     drawn = tiles_across(trace.attrs["side"], found.body.tile) <= MOST_TILES
-    return trace, floor_of(found, trace.attrs["seed"], trial) if drawn else None
+    return trace, found.ground(trace.attrs["seed"], trial).all_tiles() if drawn else None
 
 
 def check_tick(tick: int, known: tuple[int, int]) -> None:

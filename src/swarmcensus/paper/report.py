@@ -11,6 +11,7 @@ import xarray as xr
 
 from swarmcensus import __version__
 from swarmcensus.basics import statistics
+from swarmcensus.basics.digits import places, rounded
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
 
 if TYPE_CHECKING:
@@ -28,16 +29,6 @@ def measured(detail: Detail) -> tuple[str, str]:
         return f"{detail.value:.3g}", ""
     low, high = detail.interval
     return rounded(detail.value, low, high, places(high - low))
-
-
-def places(width: float, digits: int = 2) -> int:
-    """How many decimals show so many digits of an interval's width."""
-    return min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
-
-
-def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, str]:
-    """A number and its interval as text."""
-    return f"{value:.{decimals}f}", f"[{low:.{decimals}f}, {high:.{decimals}f}]"
 
 
 def kind(outcome: Outcome) -> str:

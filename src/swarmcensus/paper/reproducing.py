@@ -150,12 +150,12 @@ def _simulate(
 
 
 def _draw(figure: PaperFigure, datasets: Mapping[str, xr.Dataset], stem: Path) -> list[Path]:
-    from swarmcensus.figures import kinds as figures  # matplotlib: half a second, and not every part needs it
+    from swarmcensus.figures import kinds  # matplotlib: half a second, and not every part needs it
 
     panels = [view.panel(datasets) for view in figure.views]
     scatter = figure.kind == "scatter"
-    drawn = figures.scatter_grid(panels, scale=figure.scale) if scatter else figures.decisions_grid(panels)
-    return figures.save(drawn, stem, ("png", "svg"))
+    drawn = kinds.scatter_grid(panels, scale=figure.scale) if scatter else kinds.decisions_grid(panels)
+    return kinds.save(drawn, stem, ("png", "svg"))
 
 
 def _write(path: Path, text: str) -> None:

@@ -1,1 +1,6 @@
-"""results."""
+"""The dataset: its schema, stored and opened, checked, merged, selected, summed up, asked anew, replayed, exported.
+
+In: values piece by piece, or a file.
+Out: an xarray.Dataset, a file, rows of a table, a trace.
+Must not know: who ran the trials and how, what is drawn.
+"""

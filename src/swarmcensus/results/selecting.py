@@ -38,6 +38,17 @@ class TooMuch(InputError):
         self.shell = advice + (f", as --where '{' and '.join(terms)}'" if chosen else "")
 
 
+def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
+    """Raise InputError unless `data` has the variables `names`, and something along the dimensions."""
+    for dimension in dimensions:
+        if not data.sizes.get(dimension):
+            raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
+    for name in names:
+        if name not in data.variables:
+            hint = ": set local = true under [measure] and run again" if name.startswith("local_") else ""
+            raise InputError(f"this dataset has no variable {name!r}{hint}")
+
+
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     """The settings for which the expression over their coordinates holds; all of them for None.
 

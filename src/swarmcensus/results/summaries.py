@@ -192,3 +192,11 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
             _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
     most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
     return np.asarray(np.clip(ends, 0.0, most))
+
+
+def told(results: xr.Dataset) -> str:
+    """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
+    if not {"density", "side"} <= results.coords.keys():
+        return ""
+    texts = {name: {f"{value:.12g}" for value in results[name].values.tolist()} for name in ("side", "density")}
+    return max(texts, key=lambda name: (len(texts[name]), len("".join(texts[name]))))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus import __version__
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
-from swarmcensus.results import store as results
+from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.values import ESTIMATES, EVERY, MISSING, OPTIONAL, Columns, Values
 from swarmcensus.studies.settings import Setting
@@ -93,7 +93,7 @@ class Holding:
         if nothing and all(old.attrs.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
         self.parts.flush()
-        results.save(data, self.out)
+        store.save(data, self.out)
         self.parts.clear()
 
     def _place(self, fingerprint: str, path: Path) -> int:
@@ -211,7 +211,7 @@ def hold(
         old: xr.Dataset | None = None
         if out.exists() and not parts.replaces:
             try:
-                old = results.load(out)
+                old = store.load(out)
             except InputError as error:
                 raise InputError(f"{error}. {HINT}") from None
         try:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.engine import compiler
-from swarmcensus.results import store as results
+from swarmcensus.results import store
 from swarmcensus.results.values import Values
 from swarmcensus.runs.resuming import Holding, hold
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome, Task, bundled, metrics_of, plan, run_bundle
@@ -173,7 +173,7 @@ def run(
             interrupted = _run_stages(state, pool)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
-        data = results.dataset(study, settings, marks, state.values)
+        data = store.dataset(study, settings, marks, state.values)
         before = state.holding.seconds if state.holding else (0.0, 0.0)
         done = int(state.values.finished().sum())
         state.failures = list({(f.setting, f.trial): f for f in reversed(state.failures)}.values())
@@ -189,7 +189,7 @@ def run(
         if share is not None:
             data.attrs["share"] = "{}/{}".format(*share)
         if study.until is not None:
-            data["half_width"] = results.widths_of_rule(study, state.widths)
+            data["half_width"] = store.widths_of_rule(study, state.widths)
         if state.failures:
             _tell(state, data)
         if state.holding is not None:
@@ -202,15 +202,15 @@ def run(
 def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset as it is before any trial: with the shards an early picture of the run."""
     study, settings, measure = state.study, state.settings, state.study.measure
-    data = results.dataset(
+    data = store.dataset(
         study, settings, marks, Values(settings, 1, len(study.checkpoints), measure.local, measure.estimates)
     )
     data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
     if study.until is not None:
-        data["half_width"] = results.widths_of_rule(study, np.full(len(settings), np.nan))
-    results.save(data, path)
+        data["half_width"] = store.widths_of_rule(study, np.full(len(settings), np.nan))
+    store.save(data, path)
 
 
 def threads(jobs: int | None) -> int:

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from swarmcensus.engine import compiler
-from swarmcensus.simulation.floors import Ground, side_of, tiles_across
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.trials import Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.studies.settings import Setting
+from swarmcensus.worlds.floors import tiles_across
 
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
@@ -81,7 +81,7 @@ def run_ride(
         return None if batch is None else [batch]
     riders = [Rider(setting, seed, trial) for setting in settings]
     keys = [setting.floor_key(seed).tobytes() for setting in settings]
-    grounds = {key: Ground(setting, seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
+    grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
     wishes = wishes_of(settings[0])
     for chunk in walk_of(settings[0], seed, trial, stop, wishes):
         black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
@@ -99,20 +99,20 @@ def run_ride(
 def tiles_of(setting: Setting) -> int:
     """How many tiles the arena has from wall to wall."""
     assert setting.body is not None
-    return tiles_across(side_of(setting), setting.body.tile)
+    return tiles_across(setting.arena_side, setting.body.tile)
 
 
 def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
     """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
     assert setting.body is not None
-    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
+    rider, ground = Rider(setting, seed, trial), setting.ground(seed, trial)
     key = setting.walk_key(seed)
-    state, numbers, half, around, listed = set_out(setting.robots, side_of(setting), setting.body, key, trial)
+    state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, key, trial)
     nothing = np.empty((0, 0), rider.memory.dtype), np.zeros((0, 0))
     try:
         compiler.compile_brain(setting.brain, "steering").live(
             state, numbers, half, key, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
-            ground.all_tiles(tiles_of(setting)), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
+            ground.all_tiles(), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
             setting.loss_threshold, rider.delay, nothing, rider.stops, stop,
         )  # fmt: skip
     except Exception as error:
@@ -132,7 +132,7 @@ def walk_of(
     assert setting.body is not None
     return walk(
         setting.robots,
-        side_of(setting),
+        setting.arena_side,
         setting.body,
         setting.walk_key(seed),
         trial,
@@ -161,7 +161,7 @@ class Ride:
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
-    rider, ground = Rider(setting, seed, trial), Ground(setting, seed, trial)
+    rider, ground = Rider(setting, seed, trial), setting.ground(seed, trial)
     shape = (setting.rounds + 1, setting.robots)
     history = np.empty(shape, rider.memory.dtype)
     history[0] = rider.memory

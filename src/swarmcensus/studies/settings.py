@@ -14,6 +14,7 @@ from swarmcensus.engine.random import address
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault, stops
+from swarmcensus.worlds.floors import Ground
 from swarmcensus.worlds.networks import Links, Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
@@ -77,7 +78,14 @@ class Setting:
         """The inner side of the arena in metres, to as many digits as survive its density; NaN on fixed networks."""
         if self.body is None or self.density is None:
             return np.nan
-        return float(f"{arena.side(self.robots, self.density, self.body):.12g}")
+        return float(f"{self.arena_side:.12g}")
+
+    @property
+    def arena_side(self) -> float:
+        """The inner side of the arena of robots that move, in metres, to the last bit."""
+        assert self.body is not None
+        assert self.density is not None
+        return arena.side(self.robots, self.density, self.body)
 
     def fingerprint(self, seed: int) -> str:
         """The address of names and of all that a trial's numbers depend on: alike where settings are, in any study."""
@@ -166,6 +174,12 @@ class Setting:
         if isinstance(self.assumed_accuracy, Misjudgement):
             return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
         return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
+
+    def ground(self, seed: int, trial: int) -> Ground:
+        """The floor of a trial under robots that move."""
+        assert self.body is not None
+        floor = self.floor or Floor()
+        return Ground(floor, self.body, self.arena_side, self.fill_ratio, self.floor_key(seed), trial)
 
     def stops(self, seed: int, trial: int) -> np.ndarray:
         """When parts of robots fail: see `swarmcensus.worlds.faults`."""

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.studies.settings import Setting
-from swarmcensus.worlds import arena
+from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.patterns import Floor
 
 MOST_COUNTED = 10_000_000  # tiles; of more, a regular grid of as many stands for all
@@ -32,14 +31,14 @@ Score = Callable[[Tiles], Scores]
 class Ground:
     """One trial's floor. It paints tiles, and knows `true_fill_ratio`, the share of black ones among those in reach."""
 
-    def __init__(self, setting: Setting, seed: int, trial: int) -> None:
-        """Take a setting of robots that move; see where the floor's cut lies, and count."""
-        assert setting.body is not None
-        self.key, self.trial, self.fill_ratio = setting.floor_key(seed), trial, setting.fill_ratio
-        floor, side, tile = setting.floor or Floor(), side_of(setting), setting.body.tile
+    def __init__(self, floor: Floor, body: Body, side: float, fill_ratio: float, key: np.ndarray, trial: int) -> None:
+        """Take a kind of floor in an arena of such a side (metres); see where the floor's cut lies, and count."""
+        self.key, self.trial, self.fill_ratio = key, trial, fill_ratio
+        tile = body.tile
+        self.across = tiles_across(side, tile)
         costly = floor.kind == "clusters" and not lattice(floor.length, tile, side)[1]
         most = SOME_COUNTED if costly else MOST_COUNTED
-        reached = reachable(side / 2.0, setting.body.radius, math.hypot(*setting.body.sensor), tile, most)
+        reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), tile, most)
         self.score: Score | None = None
         if floor.kind != "tiles":
             self.score = SCORES[floor.kind](floor, tile, side, self.key, trial)
@@ -59,20 +58,18 @@ class Ground:
         compile_world().paint_tiles(tiles, self.key, self.trial, self.fill_ratio, black)
         return black
 
-    def all_tiles(self, across: int) -> NDArray[np.uint8]:
-        """Every tile of a square so many tiles across, as in `floor_of`."""
+    def all_tiles(self) -> NDArray[np.uint8]:
+        """Return the tiles of the arena, (row, column), 1 black; the first row is the lowest in y. A byte a tile.
+
+        The tile of a point (x, y), in metres from the arena's centre, is the one of row floor(y / tile) + rows / 2
+        and column floor(x / tile) + columns / 2. Walls cut through the outermost tiles.
+        """
+        across = self.across
         place = np.arange(-(across // 2), across // 2, dtype=np.int32)
         tiles = np.empty((across, across), np.bool_)
         for row, y in enumerate(place):  # a row at a time: the list of tiles takes eight bytes each
             tiles[row] = self.colours(np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis])[0]
         return tiles.view(np.uint8)
-
-
-def side_of(setting: Setting) -> float:
-    """Return the inner side of the arena of robots that move, in metres."""
-    assert setting.body is not None
-    assert setting.density is not None
-    return arena.side(setting.robots, setting.density, setting.body)
 
 
 @functools.lru_cache(maxsize=2)
@@ -209,15 +206,3 @@ SCORES: dict[str, Callable[[Floor, float, float, np.ndarray, int], Score]] = {
 def tiles_across(side: float, tile: float) -> int:
     """Return how many tiles of width `tile` (metres) cover `side` (metres) from wall to wall: an even number."""
     return 2 * math.ceil(side / 2.0 / tile)
-
-
-def floor_of(setting: Setting, seed: int, trial: int) -> NDArray[np.uint8]:
-    """Return the tiles of a trial's arena, (row, column), 1 black; the first row is the lowest in y.
-
-    The tile of a point (x, y), in metres from the arena's centre, is the one of row floor(y / tile) + rows / 2
-    and column floor(x / tile) + columns / 2. Walls cut through the outermost tiles. `setting` must be one of
-    robots that move; it takes a byte a tile.
-    """
-    assert setting.body is not None
-    ground = Ground(setting, seed, trial)
-    return ground.all_tiles(tiles_across(side_of(setting), setting.body.tile))

@@ -1,0 +1,121 @@
+"""What a wrong belief about one's own sensor costs: the bias that it leaves, in closed form and as simulated."""
+
+import re
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from swarmcensus.basics import statistics
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.statistics import Floats
+from swarmcensus.results.selecting import require
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+
+EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
+
+
+def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
+    """Where the estimate goes that a robot makes with the accuracies that it assumes, as its readings go on.
+
+    A share p = b f + (1 - w)(1 - f) of them is black, whatever it assumes; Eq. 4 of the paper turns p into
+    (p + w' - 1) / (b' + w' - 1) with the assumed b' and w', cut to [0, 1]. Where b' + w' = 1 it stays at 0.5. Robots
+    that assume and see alike agree there, so communication takes nothing off the bias. Arrays of one shape, or numbers.
+    """
+    b, w, assumed_b, assumed_w, f = np.broadcast_arrays(b, w, assumed_b, assumed_w, fill_ratio)
+    black = b * f + (1.0 - w) * (1.0 - f)
+    slope = assumed_b + assumed_w - 1.0
+    blind = np.abs(slope) < 1e-12
+    return np.where(blind, 0.5, np.clip((black + assumed_w - 1.0) / np.where(blind, 1.0, slope), 0.0, 1.0))
+
+
+class Cost(NamedTuple):
+    """One setting: what its robots are and believe, and the error of their final estimates.
+
+    `error` is how much the belief lies above the truth, None where it is drawn for each robot. `median` is that of
+    |x - f| over robots and trials, `low` and `high` its 95 % interval by bootstrap over trials, all NaN without a
+    finished trial (the interval with fewer than 6). `predicted` is |asymptote - f|, NaN where robots differ or their
+    brain does not use Eq. 4.
+    """
+
+    accuracy: str
+    belief: str
+    error: float | None
+    fill_ratio: float
+    median: float
+    low: float
+    high: float
+    predicted: float
+
+
+def costs(results: xr.Dataset) -> list[Cost]:
+    """The cost of each setting's belief, in the order of the settings.
+
+    Raises InputError if a variable is missing, if all robots know their sensors, or if a belief is off by one error
+    for black and another for white, which no single axis shows.
+    """
+    require(results, "accuracy", "assumed_accuracy", "fill_ratio", "final_estimate", "robots", "brain")
+    if (results["assumed_accuracy"].values == results["accuracy"].values).all():
+        raise InputError(
+            "all robots of these results know their sensors: set assumed_accuracy under [swarm], "
+            "such as [{error = -0.05}, {error = 0}, {error = 0.05}], and run again"
+        )
+    return costs_of(results)
+
+
+def costs_of(results: xr.Dataset) -> list[Cost]:
+    """The same of any settings."""
+    return [_cost(results.isel(setting=k)) for k in range(results.sizes["setting"])]
+
+
+def _cost(one: xr.Dataset) -> Cost:
+    accuracy, belief, f = str(one["accuracy"].item()), str(one["assumed_accuracy"].item()), float(one["fill_ratio"])
+    true, assumed = accuracy_of(accuracy), accuracy_of(belief)
+    assert isinstance(true, Accuracy)
+    error = _error(true, assumed, accuracy, belief)
+    predicted = np.nan
+    if error is not None and _fixed(true) and one["brain"].item() in EQ_4:
+        predicted = float(np.abs(goes_to(true, error, f) - f))
+    final = one["final_estimate"].transpose("trial", "robot").values[:, : int(one["robots"])]
+    off = np.abs(final[np.isfinite(final).all(axis=1)] - f)
+    median, low, high = np.nan, np.nan, np.nan
+    if len(off):
+        median, low, high = statistics.interval(statistics.medians(off, statistics.resample(len(off))))
+    if len(off) < statistics.FEWEST:
+        low = high = np.nan
+    return Cost(accuracy, belief, error, f, median, low, high, predicted)
+
+
+def accuracy_of(text: str) -> Accuracy | Misjudgement:
+    """An accuracy or belief from its canonical text, which is what a dataset holds."""
+    sides = dict(re.findall(r"(black|white|error)=(\S+)", text))
+    return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
+
+
+def _sides(accuracy: Accuracy) -> tuple[float, float]:
+    return accuracy.black.a, (accuracy.white or accuracy.black).a
+
+
+def _fixed(accuracy: Accuracy) -> bool:
+    return accuracy.black.kind == (accuracy.white or accuracy.black).kind == "fixed"
+
+
+def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, belief: str) -> float | None:
+    if isinstance(assumed, Misjudgement):
+        return assumed.error.a if assumed.error.kind == "fixed" else None
+    if not (_fixed(assumed) and _fixed(true)):
+        return None
+    black, white = (round(a - t, 9) for a, t in zip(_sides(assumed), _sides(true), strict=True))
+    if black != white:
+        raise InputError(
+            f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
+            "white: this figure shows one error for both, as {error = ...} gives; select others with --where"
+        )
+    return black
+
+
+def goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
+    """`asymptote` of robots whose belief lies so far above the truth, for black and for white."""
+    b, w = _sides(true)
+    return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)
