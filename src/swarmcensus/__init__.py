@@ -9,7 +9,7 @@ import importlib
 import sys
 from typing import TYPE_CHECKING, Any
 
-__version__ = "0.1.0"
+from swarmcensus.basics.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted

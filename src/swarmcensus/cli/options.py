@@ -6,8 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NoReturn
 
-from swarmcensus import __version__
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.version import __version__
 
 DIGITS = 18  # of a number, so that it fits into 64 bits
 MOST_ROWS = 40  # of a summary, unless one asks for more

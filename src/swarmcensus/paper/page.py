@@ -11,8 +11,8 @@ from urllib.parse import quote
 
 import xarray as xr
 
-from swarmcensus import __version__
 from swarmcensus.basics import statistics
+from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Outcome
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import PAPER, SIGNS, WORDS, kind, measured, tally

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus import __version__
 from swarmcensus.basics import statistics
 from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus import __version__
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, failures, finished, is_old
 from swarmcensus.results.store import dataset, widths_of_rule
 from swarmcensus.results.values import EVERY, MISSING, Values

@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus import __version__
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
+from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
 from swarmcensus.results.values import EVERY, MISSING, PER_ROBOT, Values
 from swarmcensus.studies.settings import Setting

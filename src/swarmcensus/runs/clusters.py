@@ -22,8 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus import __version__, brains
+from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.version import __version__
 from swarmcensus.runs.queues import NO_PAGE, Jobs, ended_politely, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting

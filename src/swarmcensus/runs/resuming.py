@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus import __version__
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
+from swarmcensus.basics.version import __version__
 from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.values import ESTIMATES, EVERY, MISSING, OPTIONAL, Columns, Values

@@ -11,8 +11,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus import __version__
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
 from swarmcensus.results.labels import settings_of, unlike
 from swarmcensus.results.origins import Brains, must_be_read, studies_of
