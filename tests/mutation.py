@@ -50,6 +50,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/minds": ("test_lives test_walks", "test_engine test_faults test_moving"),
     "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
     "engine/riding": ("test_walks", "test_moving test_faults test_steering"),
+    "simulation/inputs": ("test_lives test_walks", "test_engine test_moving"),
     "simulation/rides": ("test_walks", "test_moving test_floors test_steering"),
     "engine/walk": ("test_walks", "test_moving statistical/test_fidelity"),
     "simulation/walking": ("test_walks", "test_moving test_steering"),

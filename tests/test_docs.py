@@ -246,6 +246,18 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
         assert f"| {name} |" in page.read_text(encoding="utf-8")
 
 
+def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
+    rooms = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    assert re.findall(r"│ (\w+) ", page) == rooms
+    assert {path.parent.name for path in (ROOT / "src" / "swarmcensus").glob("*/__init__.py")} == set(rooms)
+    for room in rooms:
+        said = (ROOT / "src" / "swarmcensus" / room / "__init__.py").read_text().split('"""')[1].splitlines()
+        assert [line.partition(":")[0] for line in said[2:5]] == ["In", "Out", "Must not know"], room
+    for room, file in re.findall(r"`(\w+)/(\w+\.py)`", page):
+        assert (ROOT / "src" / "swarmcensus" / room / file).is_file(), file
+
+
 def test_the_example_brain_conforms(untraced):
     assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
 

@@ -1,4 +1,9 @@
-"""The brains that are shipped, and the contract that any brain file keeps."""
+"""The brains that are shipped, a file each, and the contract that any brain file keeps: loaded, checked, hashed.
+
+In: a brain file, or a shipped brain's name.
+Out: a Brain: its functions, memory, message and source.
+Must not know: how brains are compiled, worlds, studies.
+"""
 
 import ast
 import functools

@@ -10,6 +10,7 @@ import numpy as np
 from swarmcensus import brains
 from swarmcensus.engine.compiler import compile_brain
 from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.settings import Setting
@@ -39,11 +40,12 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
     """The trial's minds, step by step, as the engine runs them."""
     known = replace(setting, brain=brains.load("minimalistic"))
     heard_by = compile_brain(known.brain).heard_by
-    functions, stops = setting.brain.functions, setting.stops(seed, trial)
-    _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
+    given = inputs_of(setting, seed, trial)
+    functions, stops = setting.brain.functions, given.stops[0]
+    b, w = (belief[0] for belief in given.beliefs)
     minds = [setting.brain.robot(float(b[i % b.size]), float(w[i % w.size])) for i in range(setting.robots)]
     delay = setting.body.message_delay if setting.body else 0
-    looks, threshold, key = setting.observations_per_round, setting.loss_threshold, setting.losses_key(seed)
+    looks, threshold, key = setting.observations_per_round, given.loss_threshold, given.losses
 
     def works(part: int, robot: int, tick: int) -> bool:
         return stops.shape[1] == 0 or bool(tick < stops[part, robot])
@@ -77,7 +79,8 @@ def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray
             yield ride.readings[tick], both[first[tick] : first[tick + 1], 1:]
         return
     _, _, blacks = record_trial(setting, seed, trial)
-    links = setting.links(seed, trial, 1)
+    links = inputs_of(setting, seed, trial).links
+    assert links is not None
     if links.mode in (FULL, PAIRS):
         pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
     else:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from swarmcensus.engine import compiler
+from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.trials import Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
@@ -18,10 +19,10 @@ MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer:
 class Rider:
     """One setting's minds on a walk, and the curves of their estimates."""
 
-    def __init__(self, setting: Setting, seed: int, trial: int) -> None:
+    def __init__(self, setting: Setting, given: Inputs) -> None:
         """Wake the minds of one trial."""
         assert setting.body is not None
-        self.setting, self.trial = setting, trial
+        self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_brain(setting.brain, "riding")
         self.delay = setting.body.message_delay
         robots = setting.robots
@@ -30,11 +31,10 @@ class Rider:
         self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
-        self.stops = setting.stops(seed, trial)
-        self.keys = setting.readings_key(seed), setting.losses_key(seed)
-        b, w, *assumed = (a[0] for a in setting.accuracies(seed, trial, 1))
-        self.sensors = b, w
-        self.kernel.wake(self.memory, blank, *assumed, self.outbox, self.start)
+        self.stops = given.stops[0]
+        self.keys = given.readings, given.losses
+        self.sensors = [a[0] for a in given.sensors]
+        self.kernel.wake(self.memory, blank, *(a[0] for a in given.beliefs), self.outbox, self.start)
 
     def ride(
         self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
@@ -43,7 +43,7 @@ class Rider:
         kept = keep or (np.empty((0, 0), self.memory.dtype), np.zeros((0, 0)))
         self.kernel.ride(
             self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, *self.keys,
-            self.setting.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept,
+            self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept,
             self.stops, stop,
         )  # fmt: skip
 
@@ -79,11 +79,11 @@ def run_ride(
     if settings[0].brain.steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
         batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
         return None if batch is None else [batch]
-    riders = [Rider(setting, seed, trial) for setting in settings]
+    riders = [Rider(setting, inputs_of(setting, seed, trial)) for setting in settings]
     keys = [setting.floor_key(seed).tobytes() for setting in settings]
     grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
     wishes = wishes_of(settings[0])
-    for chunk in walk_of(settings[0], seed, trial, stop, wishes):
+    for chunk in walk_of(settings[0], riders[0].given, stop, wishes):
         black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
             try:
@@ -105,15 +105,15 @@ def tiles_of(setting: Setting) -> int:
 def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
     """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
     assert setting.body is not None
-    rider, ground = Rider(setting, seed, trial), setting.ground(seed, trial)
-    key = setting.walk_key(seed)
-    state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, key, trial)
+    given = inputs_of(setting, seed, trial)
+    rider, ground = Rider(setting, given), setting.ground(seed, trial)
+    state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, given.walk, trial)
     nothing = np.empty((0, 0), rider.memory.dtype), np.zeros((0, 0))
     try:
         compiler.compile_brain(setting.brain, "steering").live(
-            state, numbers, half, key, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
+            state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
             ground.all_tiles(), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
-            setting.loss_threshold, rider.delay, nothing, rider.stops, stop,
+            given.loss_threshold, rider.delay, nothing, rider.stops, stop,
         )  # fmt: skip
     except Exception as error:
         raise blame(setting, trial, 1, error) from error
@@ -126,7 +126,7 @@ def wishes_of(setting: Setting) -> np.ndarray:
 
 
 def walk_of(
-    setting: Setting, seed: int, trial: int, stop: np.ndarray, wishes: np.ndarray, poses: bool = False
+    setting: Setting, given: Inputs, stop: np.ndarray, wishes: np.ndarray, poses: bool = False
 ) -> Iterator[Chunk]:
     """The chunks of a setting's walk; `wishes` may change from chunk to chunk."""
     assert setting.body is not None
@@ -134,12 +134,12 @@ def walk_of(
         setting.robots,
         setting.arena_side,
         setting.body,
-        setting.walk_key(seed),
-        trial,
+        given.walk,
+        given.first,
         setting.rounds,
         stop,
         poses,
-        setting.stops(seed, trial),
+        given.stops[0],
         wishes,
     )
 
@@ -161,7 +161,7 @@ class Ride:
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     """Run one trial of moving robots again, and keep all of it."""
     stop = np.zeros(1, np.uint8)
-    rider, ground = Rider(setting, seed, trial), setting.ground(seed, trial)
+    rider, ground = Rider(setting, inputs_of(setting, seed, trial)), setting.ground(seed, trial)
     shape = (setting.rounds + 1, setting.robots)
     history = np.empty(shape, rider.memory.dtype)
     history[0] = rider.memory
@@ -170,7 +170,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
     links = []
     wishes = wishes_of(setting)
-    for chunk in walk_of(setting, seed, trial, stop, wishes, poses=True):
+    for chunk in walk_of(setting, rider.given, stop, wishes, poses=True):
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin

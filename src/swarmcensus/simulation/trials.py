@@ -8,13 +8,13 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.draws import PART
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.studies.settings import Setting
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000
-NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
 
 
 @dataclass(frozen=True)
@@ -70,10 +70,9 @@ def run_batch(
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
     kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
-    try:
-        links = setting.links(seed, first, trials)
-    except ValueError as error:
-        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
+    given = inputs_of(setting, seed, first, trials, order=local)
+    links = given.links
+    assert links is not None
     segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
     segments = -(-rounds // segment)
     kernel = compiler.compile_brain(setting.brain)
@@ -84,11 +83,9 @@ def run_batch(
         np.empty((segments, setting.robots if segments > 1 else 0), blank.dtype),
     )
     arguments = (
-        blank, *room, first, *setting.accuracies(seed, first, trials), setting.fill_ratio, local, looks, rounds,
-        setting.readings_key(seed), setting.readings_key(seed, "order") if local else NO_KEY,
-        setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
-        links.mode, links.starts, links.receivers, links.senders, setting.loss_threshold,
-        np.stack([setting.stops(seed, first + t) for t in range(trials)]),
+        blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
+        given.readings, given.order, given.losses,
+        links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
         where, value, final, correct, kept, stop,
     )  # fmt: skip
@@ -118,11 +115,13 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, n
     kernel = compiler.compile_brain(setting.brain)
     shape = (setting.rounds + 1, setting.robots)
     history, estimates, blacks = np.empty(shape, blank.dtype), np.empty(shape), np.zeros(shape, np.int64)
-    links = setting.links(seed, trial, 1)
+    given = inputs_of(setting, seed, trial)
+    links = given.links
+    assert links is not None
     kernel.record(
-        blank, trial, *(a[0] for a in setting.accuracies(seed, trial, 1)), setting.fill_ratio,
-        setting.observations_per_round, history, blacks, setting.readings_key(seed), setting.losses_key(seed),
-        links.mode, links.receivers, links.senders, setting.loss_threshold, setting.stops(seed, trial),
+        blank, trial, *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio,
+        setting.observations_per_round, history, blacks, given.readings, given.losses,
+        links.mode, links.receivers, links.senders, given.loss_threshold, given.stops[0],
     )  # fmt: skip
     kernel.believe(history, estimates)
     return history, estimates, blacks
@@ -131,10 +130,10 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, n
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
     """The single readings (observation, robot), 1 black, that the rounds of a trial are made of."""
     out = np.zeros((setting.rounds * setting.observations_per_round, setting.robots))
-    b, w, _, _ = setting.accuracies(seed, trial, 1)
+    given = inputs_of(setting, seed, trial, order=True)
     compiler.compile_world().single_readings(
-        b[0], w[0], setting.fill_ratio, setting.observations_per_round,
-        setting.readings_key(seed), setting.readings_key(seed, "order"), trial, out,
+        *(a[0] for a in given.sensors), setting.fill_ratio, setting.observations_per_round,
+        given.readings, given.order, trial, out,
     )  # fmt: skip
     return out
 

@@ -1,0 +1,49 @@
+"""What chance gives some trials of a setting, looked up once: from here on no setting is asked for random numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.studies.settings import Setting
+from swarmcensus.worlds.networks import Links
+
+NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """Of trials first to first + trials - 1; accuracies are (trial, robot), or (trial, 1) where robots are alike."""
+
+    first: int
+    sensors: tuple[np.ndarray, np.ndarray]  # true b and w
+    beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w
+    stops: np.ndarray  # (trial, part, robot): when parts of robots fail
+    readings: np.ndarray  # addresses of random numbers, each a key of two words
+    order: np.ndarray  # of single readings within a round
+    losses: np.ndarray
+    loss_threshold: np.uint64  # a message gets through where a uniform uint64 is below it; 0 stands for always
+    walk: np.ndarray  # of robots that move
+    links: Links | None  # who hears whom; None where robots move
+
+
+def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
+    """Prepare trials; `order` where single readings are asked for. Raises InputError where no graph can be made."""
+    moves = setting.body is not None
+    try:
+        links = None if moves else setting.links(seed, first, trials)
+    except ValueError as error:
+        raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
+    b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
+    return Inputs(
+        first=first,
+        sensors=(b, w),
+        beliefs=(assumed_b, assumed_w),
+        stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
+        readings=setting.readings_key(seed),
+        order=setting.readings_key(seed, "order") if order else NO_KEY,
+        losses=setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
+        loss_threshold=setting.loss_threshold,
+        walk=setting.walk_key(seed) if moves else NO_KEY,
+        links=links,
+    )
