@@ -197,7 +197,7 @@ def test_why_jobs_wait_is_said(slurm):
         if "Slurm" in progress.note:
             raise KeyboardInterrupt
 
-    with pytest.raises(sc.errors.Interrupted):
+    with pytest.raises(sc.Interrupted):
         run(study(LONG), cluster=changed("one.toml", "00:05:00", "10:00:00"), progress=show, out="s.nc")
     assert notes[-1] == "waiting for workers: Slurm says PENDING, PartitionTimeLimit"
 
