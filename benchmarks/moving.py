@@ -17,7 +17,7 @@ from swarmcensus import Study, run
 from swarmcensus.engine.random import address
 from swarmcensus.paper.reproducing import studies_folder
 from swarmcensus.runs.tasks import metrics_of
-from swarmcensus.simulation.floors import Ground
+from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, run_ride
 from swarmcensus.simulation.walking import walk
 from swarmcensus.worlds import arena
@@ -63,11 +63,11 @@ def mind_cost(density, ticks, repeats=5):
         schedule={"ticks": ticks},
     )
     (setting,) = study.settings()
-    ground = Ground(setting, 0, 0)
+    ground = setting.ground(0, 0)
     chunks = [(c, ground.colours(c.tiles)) for c in walked(25, density, ticks)]
 
     def ride():
-        rider = Rider(setting, 0, 0)
+        rider = Rider(setting, inputs_of(setting, 0, 0))
         for chunk, black in chunks:
             rider.ride(chunk, black, GO)
 

@@ -246,6 +246,12 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
         assert f"| {name} |" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize("script", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda script: script.stem)
+def test_benchmarks_find_what_they_measure(script, monkeypatch):
+    monkeypatch.syspath_prepend(script.parent)
+    runpy.run_path(str(script), run_name="measured elsewhere")
+
+
 def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
     rooms = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"][0]["layers"]
     page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")

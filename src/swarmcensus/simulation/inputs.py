@@ -1,6 +1,6 @@
 """What chance gives some trials of a setting, looked up once: from here on no setting is asked for random numbers."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,8 +11,7 @@ from swarmcensus.worlds.networks import Links
 NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
 
 
-@dataclass(frozen=True)
-class Inputs:
+class Inputs(NamedTuple):
     """Of trials first to first + trials - 1; accuracies are (trial, robot), or (trial, 1) where robots are alike."""
 
     first: int
