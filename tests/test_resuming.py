@@ -125,6 +125,25 @@ def test_a_run_that_was_cut_off_goes_on(here, whole):
     assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
 
 
+def test_ctrl_c_while_a_trial_is_stored_leaves_no_half_of_it(here, whole, monkeypatch):
+    put, calls = Values.put, []
+
+    def torn(self, setting, first, taken):
+        calls.append(setting)
+        if len(calls) == 30:
+            taken = {k: v for k, v in taken.items() if k not in ("convergence_round", "local_convergence_step")}
+        put(self, setting, first, taken)
+        if len(calls) == 30:
+            raise KeyboardInterrupt
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Values, "put", torn)
+        with pytest.raises(Interrupted) as stopped:
+            run(study(), 1, out="a.nc")
+    assert 0 < stopped.value.done == sc.load("a.nc").attrs["trials_done"]
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
 def test_nothing_is_run_twice(here, whole, monkeypatch):
     run(study(), 2, out="a.nc")
     before = Path("a.nc").read_bytes()

@@ -135,6 +135,12 @@ class Values:
                 trials, robots = values.shape
                 array[first : first + trials, :robots] = values
 
+    def forget_halves(self) -> None:
+        """Make missing again what Ctrl-C left of trials that were just being stored."""
+        for name, array in self.arrays.items():
+            by_trial = np.moveaxis(array, EVERY[name][0].index("trial"), 1)
+            by_trial[~self.done(name in LOCAL)] = MISSING if array.dtype.kind == "i" else np.nan
+
     def done(self, local: bool = False) -> NDArray[np.bool_]:
         """Which trials have run, (setting, trial)."""
         name = "local_convergence_step" if local else "convergence_round"

@@ -173,6 +173,8 @@ def run(
             interrupted = _run_stages(state, pool)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
+        if interrupted:
+            state.values.forget_halves()
         data = store.dataset(study, settings, marks, state.values)
         before = state.holding.seconds if state.holding else (0.0, 0.0)
         done = int(state.values.finished().sum())
