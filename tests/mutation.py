@@ -47,6 +47,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/world": ("test_draws test_lives test_walks", "test_floors"),
     "engine/scores": ("test_draws", "test_floors"),
     "engine/kernel": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
+    "engine/rounds": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
     "engine/minds": ("test_lives test_walks", "test_engine test_faults test_moving"),
     "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
     "engine/riding": ("test_walks", "test_moving test_faults test_steering"),

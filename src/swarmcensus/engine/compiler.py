@@ -9,6 +9,7 @@ import atexit
 import contextlib
 import functools
 import hashlib
+import importlib
 import importlib.util
 import os
 import shutil
@@ -180,7 +181,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
         "__init__.py": "",
         "brain.py": brain.source,
         "mind.py": _glue(brain),
-        **{part: _source(part) for part in ("minds.py", "kernel.py", "riding.py")},
+        **{part: _source(part) for part in ("minds.py", "rounds.py", "kernel.py", "riding.py")},
         **({part: _source(part) for part in STEERING} if brain.steers else {}),
     }
 
@@ -214,14 +215,22 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
         for known in [known for known in sys.modules if known.partition(".")[0] == name]:
             del sys.modules[known]
         shutil.rmtree(folder, ignore_errors=True)
+        importlib.invalidate_caches()
         return _imported(name, _folder(digest, files), main)
 
 
 def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
-    _execute(name, folder / "__init__.py", package=True)
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
-    home = HERE if numba.config.DISABLE_JIT else folder  # type: ignore[attr-defined]
-    return _execute(f"{name}.{main}", home / f"{main}.py", package=False)
+    homes = [HERE, folder] if numba.config.DISABLE_JIT else [folder]  # type: ignore[attr-defined]
+    spec = importlib.util.spec_from_file_location(
+        name, folder / "__init__.py", submodule_search_locations=list(map(str, homes))
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
+    spec.loader.exec_module(package)
+    return importlib.import_module(f"{name}.{main}")
 
 
 def _folder(digest: str, files: dict[str, str]) -> Path:
@@ -244,15 +253,3 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
 
 def _holds(path: Path, text: str) -> bool:
     return path.is_file() and path.read_bytes() == text.encode()
-
-
-def _execute(name: str, path: Path, package: bool) -> types.ModuleType:
-    spec = importlib.util.spec_from_file_location(
-        name, path, submodule_search_locations=[str(path.parent)] if package else None
-    )
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module
