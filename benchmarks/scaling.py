@@ -16,7 +16,7 @@ from rich.table import Table
 from swarmcensus import Study, run
 from swarmcensus.paper.reproducing import studies_folder
 from swarmcensus.runs.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
-from swarmcensus.runs.running import Threads
+from swarmcensus.runs.pools import Threads
 from swarmcensus.runs.tasks import bundled, plan
 
 SCALED = """

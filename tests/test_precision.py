@@ -69,7 +69,7 @@ def test_the_trials_are_those_of_a_plain_study():
 
 
 def test_it_does_not_depend_on_threads_or_on_being_cut_off(tmp_path, monkeypatch):
-    monkeypatch.setattr("swarmcensus.runs.running.BUNDLE_SECONDS", 0.001)
+    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
     asked = study("convergence_error median +- 0.003")
     one, two = sc.run(asked, jobs=1), sc.run(asked, jobs=2)
 

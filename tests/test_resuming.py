@@ -21,7 +21,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.results import shards
 from swarmcensus.results import store as results
 from swarmcensus.results.early import opened
-from swarmcensus.results.values import EVERY, LOCAL, Values, shapes
+from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
 from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.running import run
@@ -74,7 +74,7 @@ def whole():
 
 @pytest.fixture(autouse=True)
 def small_bundles(monkeypatch):
-    monkeypatch.setattr("swarmcensus.runs.running.BUNDLE_SECONDS", 0.001)
+    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
 
 
 @pytest.fixture
@@ -125,29 +125,33 @@ def test_a_run_that_was_cut_off_goes_on(here, whole):
     assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
 
 
-def test_ctrl_c_while_a_trial_is_stored_leaves_no_half_of_it(here, whole, monkeypatch):
-    put, calls = Values.put, []
+@pytest.mark.parametrize("times", [1, 2])
+def test_ctrl_c_while_a_trial_is_stored_leaves_no_half_of_it(times, here, whole, monkeypatch):
+    """What it broke is stored anew; where Ctrl-C comes again then, it is left out."""
+    put, pieces = Values.put, []
 
     def torn(self, setting, first, taken):
-        calls.append(setting)
-        if len(calls) == 30:
-            taken = {k: v for k, v in taken.items() if k not in ("convergence_round", "local_convergence_step")}
-        put(self, setting, first, taken)
-        if len(calls) == 30:
+        pieces.append((setting, first))
+        broken = 30 <= len(pieces) < 30 + times
+        put(self, setting, first, {k: v for k, v in taken.items() if not (broken and k in MARKS)})
+        if broken:
             raise KeyboardInterrupt
 
     with monkeypatch.context() as patch:
         patch.setattr(Values, "put", torn)
         with pytest.raises(Interrupted) as stopped:
             run(study(), 1, out="a.nc")
-    assert 0 < stopped.value.done == sc.load("a.nc").attrs["trials_done"]
+    data = sc.load("a.nc")
+    assert 0 < stopped.value.done == data.attrs["trials_done"]
+    setting, first = pieces[29]
+    assert (data["convergence_round"].values[setting, first, 0] >= 0) == (times == 1)
     assert same(run(study(), 2, out="a.nc"), whole)
 
 
 def test_nothing_is_run_twice(here, whole, monkeypatch):
     run(study(), 2, out="a.nc")
     before = Path("a.nc").read_bytes()
-    monkeypatch.setattr("swarmcensus.runs.running.run_bundle", lambda *_: pytest.fail("was run"))
+    monkeypatch.setattr("swarmcensus.runs.pools.run_bundle", lambda *_: pytest.fail("was run"))
     assert same(run(study(), 2, out="a.nc"), whole)
     assert Path("a.nc").read_bytes() == before
 

@@ -19,7 +19,8 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.figures import FIGURES, PaperFigure
 from swarmcensus.paper.page import Reproduction, data_path
-from swarmcensus.runs.running import Progress, run, work_of
+from swarmcensus.runs.running import run, work_of
+from swarmcensus.runs.working import Progress
 from swarmcensus.studies.study import Study
 
 Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from swarmcensus.runs.running import Progress
+from swarmcensus.runs.working import Progress
 
 LINE_SECONDS = 5.0  # between plain lines
 

@@ -2,120 +2,27 @@
 
 import contextlib
 import json
-import os
 import time
 import warnings
 from collections.abc import Callable, Iterator
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from dataclasses import dataclass, field, replace
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.engine import compiler
 from swarmcensus.results import store
 from swarmcensus.results.values import Values
-from swarmcensus.runs.resuming import Holding, hold
-from swarmcensus.runs.tasks import Bundle, Failure, Outcome, Task, bundled, metrics_of, plan, run_bundle
+from swarmcensus.runs import pools
+from swarmcensus.runs.resuming import hold
+from swarmcensus.runs.tasks import bundled, plan
+from swarmcensus.runs.working import Progress, State, work
 from swarmcensus.simulation.trials import seconds
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.worlds.networks import Topology
-
-BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
-WAIT_SECONDS = 0.1
-MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and none beyond the cores helps
-
-
-@dataclass(frozen=True)
-class Progress:
-    """How far a run is: trials, and predicted seconds of work."""
-
-    done: int
-    total: int
-    work_done: float
-    work_total: float
-    note: str = ""  # what is going on where it is not trials
-
-
-class Pool(Protocol):
-    """Where bundles are run: threads here, or the workers of a cluster."""
-
-    @property
-    def width(self) -> int:
-        """How many bundles it should have at hand."""
-
-    @property
-    def note(self) -> str:
-        """What to tell a person who waits, or nothing."""
-
-    def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should be, of so many seconds of work."""
-
-    def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Have a bundle run."""
-
-    def halt(self) -> None:
-        """Have what runs end soon, with what it has."""
-
-    def explain(self, error: BaseException) -> str | None:
-        """Why a bundle was lost though the study goes on; None where it cannot."""
-
-
-class Threads:
-    """Threads of this process: the engine holds no lock while it computes."""
-
-    note = ""
-
-    def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
-        """Take the executor's threads."""
-        self.executor, self.width = executor, 4 * jobs
-        self.stop = np.zeros(1, np.uint8)
-        self.common = settings, study.seed
-        self.metrics = metrics_of(study)
-
-    def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Have a bundle run by the next thread that is free."""
-        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop)
-
-    def halt(self) -> None:
-        """Tell the engine to stop within a round."""
-        self.stop[0] = 1
-
-    def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should be."""
-        return BUNDLE_SECONDS
-
-    def explain(self, error: BaseException) -> str | None:
-        """Nothing is lost here but by a fault of swarmcensus."""
-        return None
-
-
-@dataclass
-class State:
-    """What a run has so far."""
-
-    study: Study
-    settings: list[Setting]
-    values: Values
-    report: Callable[[Progress], None]
-    holding: Holding | None
-    widths: NDArray[np.float64]  # half the interval that a rule looks at, of each setting
-    share: slice  # which trials are to be run
-    failures: list[Failure] = field(default_factory=list)
-    done: int = 0
-    total: int = 0
-    work_done: float = 0.0
-    work_total: float = 0.0
-
-    def show(self, note: str = "") -> None:
-        """Report how far the run is."""
-        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note))
 
 
 def run(
@@ -140,7 +47,7 @@ def run(
     A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
     which carries the dataset of what was done. Raises InputError where nothing could be run.
     """
-    jobs = threads(jobs)
+    jobs = pools.threads(jobs)
     if share is not None and study.until:
         raise InputError(
             f"share {share[0]}/{share[1]}: a study whose trials follow a rule cannot be shared, for how many they are "
@@ -215,18 +122,6 @@ def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path:
     store.save(data, path)
 
 
-def threads(jobs: int | None) -> int:
-    """How many threads to compute with: by default one a core. Raises InputError for none, or too many."""
-    cores = os.cpu_count() or 1
-    most = max(MOST_JOBS, cores)
-    jobs = cores if jobs is None else jobs
-    if not 1 <= jobs <= most:
-        raise InputError(
-            f"jobs = {jobs}: should be 1 to {most} threads; more than this machine has cores ({cores}) gain nothing"
-        )
-    return jobs
-
-
 def recompute(
     study: Study,
     settings: list[Setting],
@@ -236,13 +131,13 @@ def recompute(
     progress: Callable[[Progress], None] | None = None,
 ) -> Values:
     """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
-    jobs = threads(jobs)
+    jobs = pools.threads(jobs)
     values = Values(settings, wanted.shape[1], len(study.checkpoints), local, study.measure.estimates)
     state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
-    tasks = plan(settings, wanted, wanted if local else None, BUNDLE_SECONDS)
+    tasks = plan(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     with _pool(state, jobs, None) as pool:
-        if _work(state, bundled(tasks, BUNDLE_SECONDS), pool):
+        if work(state, bundled(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
     return values
 
@@ -263,19 +158,19 @@ def _tell(state: State, data: xr.Dataset) -> None:
 
 
 @contextlib.contextmanager
-def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[Pool]:
+def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[pools.Pool]:
     if cluster is not None and not _everything_found(state):
         from swarmcensus.runs.clusters import workers
 
         if "://" not in cluster:  # those workers use the cache of this machine, or of a home that they share
-            _compile(state)
+            pools.compile_for(state.study, state.settings, state.show)
         with workers(cluster, state.study, state.show) as pool:
             yield pool
         return
     if not _everything_found(state):
-        _compile(state)
+        pools.compile_for(state.study, state.settings, state.show)
     with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
-        threads = Threads(executor, jobs, state.study, state.settings)
+        threads = pools.Threads(executor, jobs, state.study, state.settings)
         try:
             yield threads
         finally:
@@ -285,38 +180,15 @@ def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[Pool]:
 def work_of(study: Study, settings: list[Setting]) -> float:
     """The predicted seconds of a study on one core."""
     every = np.ones((len(settings), study.trials), np.bool_)
-    return sum(task.cost for task in plan(settings, every, every if study.measure.local else None, BUNDLE_SECONDS))
+    local = every if study.measure.local else None
+    return sum(task.cost for task in plan(settings, every, local, pools.BUNDLE_SECONDS))
 
 
 def _everything_found(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _compile(state: State) -> None:
-    """Compile what all need here, so that threads do not wait for one another."""
-    for setting in smallest(state.settings):
-        if not compiler.is_compiled(setting.brain, "riding.ride" if setting.body else "kernel.simulate"):
-            what = "robots that move" if setting.body else "fixed networks"
-            state.show(f"compiling {setting.brain.name} for {what}, once on this machine")
-        task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
-        # a brain that fails is named by the real run
-        run_bundle([setting], 0, (task,), metrics_of(state.study), np.zeros(1, np.uint8))
-
-
-def smallest(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
-    found = {}
-    for setting in settings:
-        key = setting.brain.name, setting.body is None, setting.floor and setting.floor.kind
-        if key not in found:
-            tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
-            if setting.body is not None:
-                tiny = replace(tiny, topology=setting.topology, density=1.0)
-            found[key] = tiny
-    return list(found.values())
-
-
-def _run_stages(state: State, pool: Pool) -> bool:
+def _run_stages(state: State, pool: pools.Pool) -> bool:
     """Run all trials, of a rule in stages; whether Ctrl-C ended it."""
     open_ = np.ones(len(state.settings), np.bool_)
     for trials in state.study.stages():
@@ -334,7 +206,7 @@ def _run_stages(state: State, pool: Pool) -> bool:
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
         if state.holding:
             state.holding.announce(state.done, state.total, state.work_total)
-        if tasks and _work(state, bundled(tasks, some), pool):
+        if tasks and work(state, bundled(tasks, some), pool):
             return True
         if state.study.until is not None:
             open_[[f.setting for f in state.failures]] = False
@@ -366,56 +238,3 @@ def half_width(study: Study, values: Values, number: int, trials: int) -> float:
     else:
         array = array[:, : values.robots[number]]
     return study.until.half_width(array[:trials].astype(np.float64))
-
-
-def _work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
-    """Run bundles to their end; whether Ctrl-C came before."""
-    waiting: dict[Future[Outcome], Bundle] = {}
-    try:
-        while True:
-            while len(waiting) < pool.width and (bundle := next(rest, None)) is not None:
-                waiting[pool.submit(bundle)] = bundle
-            if not waiting:
-                break
-            state.show(pool.note)
-            finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
-            for future in finished:
-                _keep(state, pool, future, waiting.pop(future))
-    except KeyboardInterrupt:
-        pool.halt()
-        for future in waiting:
-            future.cancel()
-        for future, bundle in waiting.items():
-            if not future.cancelled():
-                _keep(state, pool, future, bundle)
-        return True
-    finally:
-        for future in waiting:
-            future.cancel()
-    state.show()
-    return False
-
-
-def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
-    try:
-        outcome = future.result()
-    except Exception as error:
-        why = pool.explain(error)
-        if why is None:
-            raise
-        outcome = [
-            Failure(number, task.first + k, why)
-            for task in bundle
-            for number in task.settings
-            for k in range(task.trials)
-        ]
-    pieces = [one for one in outcome if not isinstance(one, Failure)]
-    failures = [one for one in outcome if isinstance(one, Failure)]
-    for piece in pieces:
-        state.values.put(piece.setting, piece.first, piece.columns)
-        state.done += 0 if piece.local else piece.shape[0]
-    state.failures += failures
-    cost = sum(task.cost for task in bundle)
-    state.work_done += cost
-    if state.holding:
-        state.holding.parts.add(pieces, cost)

@@ -18,7 +18,8 @@ from swarmcensus.results.labels import settings_of, unlike
 from swarmcensus.results.origins import Brains, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
 from swarmcensus.results.values import EVERY, MISSING, VARIABLES, Values
-from swarmcensus.runs.running import Progress, half_width, recompute
+from swarmcensus.runs.running import half_width, recompute
+from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
