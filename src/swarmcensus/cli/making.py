@@ -1,0 +1,103 @@
+"""Commands that run studies and brains: `run`, `reproduce`, `status`, `brains`. Imports wait until needed."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from swarmcensus.basics.errors import InputError, Interrupted
+
+
+def reproduce(options: argparse.Namespace) -> int:
+    """Run, draw and check the paper."""
+    from swarmcensus.paper import report, reproducing
+    from swarmcensus.runs.progress import reporting
+
+    done = reproducing.reproduce(
+        options.out,
+        trials=options.trials,
+        seed=options.seed,
+        jobs=options.jobs,
+        only=options.only,
+        fresh=options.fresh,
+        reporting=reporting,
+    )
+    if done.claims:
+        report.show(done.claims)
+    print(done.page)
+    return 0
+
+
+def run(options: argparse.Namespace) -> int:
+    """Run a study file."""
+    from swarmcensus.basics.files import check_writable
+    from swarmcensus.cli.tables import failures, settings
+    from swarmcensus.results.cautions import warn_of_edges, warn_of_start
+    from swarmcensus.runs.progress import reporting
+    from swarmcensus.runs.running import run as run_study
+    from swarmcensus.studies.study import Study
+
+    study = Study.load(options.study)
+    out = options.out or Path(options.study.stem + ".nc")
+    if out.suffix != ".nc":
+        raise InputError(f"--out {out}: results are written as .nc")
+    check_writable(out, options.study)
+    study = study.with_(trials=options.trials, seed=options.seed)
+    begun = time.monotonic()
+
+    def say(line: str) -> None:
+        print(line, file=sys.stderr)
+
+    try:
+        with reporting(study.name) as progress:
+            data = run_study(
+                study,
+                options.jobs,
+                progress,
+                out=out,
+                fresh=options.fresh,
+                cluster=_cluster(options),
+                share=options.share,
+                say=say,
+            )
+    except Interrupted as stopped:
+        print(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on", file=sys.stderr)
+        raise
+    settings(data, out)
+    warn_of_start(data)
+    warn_of_edges(data)
+    trials = f"up to {study.trials}" if study.until else str(study.trials)
+    part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
+    print(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
+    return failures(data)
+
+
+def _cluster(options: argparse.Namespace) -> str | None:
+    if options.scheduler and options.cluster:
+        raise InputError("--scheduler and --cluster: a study runs on one of them")
+    if options.jobs and (options.scheduler or options.cluster):
+        raise InputError(f"--jobs {options.jobs} is of threads: a cluster has as many workers as it has")
+    if options.scheduler and "://" not in options.scheduler:
+        raise InputError(f"--scheduler {options.scheduler}: should be an address, as tcp://host:8786")
+    return options.scheduler or options.cluster  # type: ignore[no-any-return]
+
+
+def brains(options: argparse.Namespace) -> int:
+    """List or check brains."""
+    from swarmcensus.cli.tables import checks, shipped
+
+    if options.check is None:
+        shipped()
+        return 0
+    from swarmcensus.conformance.suite import check
+
+    print(f"checking {options.check}: compiled too, which takes up to a minute", file=sys.stderr, flush=True)
+    return 0 if checks(options.check, check(options.check)) else 2
+
+
+def status(options: argparse.Namespace) -> int:
+    """Say how far a study is."""
+    from swarmcensus.runs.status import status as status_of
+
+    print("\n".join(status_of(options.results).lines))
+    return 0
