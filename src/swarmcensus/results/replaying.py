@@ -11,7 +11,6 @@ from swarmcensus.engine.modes import NEVER
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
-from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.studies.settings import Setting
@@ -84,7 +83,7 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     if links:
         trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
     if found.faults:
-        stops = inputs_of(found, seed, trial).stops[0]
+        stops = found.stops(seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
         trace["stops"] = (("part", "robot"), np.where(stops == NEVER, -1, stops), says)
         trace = trace.assign_coords(part=sorted(PARTS, key=PARTS.__getitem__))
@@ -117,8 +116,7 @@ def recording(
         tick, i, j = ride.links.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
-    links = inputs_of(found, study.seed, trial).links
-    assert links is not None
+    links = found.links(study.seed, trial, 1)
     if links.senders.size or found.robots == 1 or found.topology.name != "full":
         pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):

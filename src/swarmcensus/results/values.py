@@ -29,7 +29,7 @@ ESTIMATES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
 }  # fmt: skip
 OPTIONAL = LOCAL | ESTIMATES  # what a study need not ask for
 EVERY = VARIABLES | OPTIONAL
-MARKS = ("convergence_round", "local_convergence_step")  # by which one knows that a trial is done
+MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 ORDER = (*(name for name in EVERY if name not in MARKS), *MARKS)
 MISSING = -1  # for whole numbers; NaN for the others
 
@@ -143,9 +143,8 @@ class Values:
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:
         """Which trials have run, (setting, trial)."""
-        name = "local_convergence_step" if local else "convergence_round"
-        return np.asarray(self.arrays[name][:, :, 0] != MISSING)
+        return np.asarray(self.arrays[MARKS[local]][:, :, 0] != MISSING)
 
     def finished(self) -> NDArray[np.bool_]:
         """Of which trials there is all that was asked for, (setting, trial)."""
-        return self.done() & self.done(local=True) if "local_convergence_step" in self.arrays else self.done()
+        return self.done() & self.done(local=True) if MARKS[True] in self.arrays else self.done()

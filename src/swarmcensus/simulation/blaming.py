@@ -39,7 +39,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
 def _live(setting: Setting, seed: int, trial: int) -> None:
     """The trial's minds, step by step, as the engine runs them."""
     known = replace(setting, brain=brains.load("minimalistic"))
-    heard_by = compile_brain(known.brain).heard_by
+    heard_by = compile_brain(known.brain, "minds").heard_by
     given = inputs_of(setting, seed, trial)
     functions, stops = setting.brain.functions, given.stops[0]
     b, w = (belief[0] for belief in given.beliefs)
@@ -79,8 +79,7 @@ def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray
             yield ride.readings[tick], both[first[tick] : first[tick + 1], 1:]
         return
     _, _, blacks = record_trial(setting, seed, trial)
-    links = inputs_of(setting, seed, trial).links
-    assert links is not None
+    links = setting.links(seed, trial, 1)
     if links.mode in (FULL, PAIRS):
         pairs = np.argwhere(~np.eye(setting.robots, dtype=np.bool_))
     else:
