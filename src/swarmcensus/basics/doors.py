@@ -1,0 +1,121 @@
+"""Doors: how an addition is found by its name, as a file of ours or as another package's entry point."""
+
+import functools
+import importlib
+import importlib.util
+import inspect
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_type_hints
+
+from swarmcensus.basics.errors import InputError
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
+
+Keys = tuple[tuple[str, Any], ...]  # an addition's own keys and their values, in the order in which it names them
+
+
+@dataclass(frozen=True)
+class Door:
+    """A kind of addition: where ours lie, and the group of entry points through which others come in.
+
+    A file `scale_free.py` of ours has the name "scale-free". Another package names its own in its metadata:
+    `[project.entry-points."swarmcensus.topologies"]`, `torus = "its_package.torus"`.
+    """
+
+    what: str  # in messages: "topology"
+    group: str  # "swarmcensus.topologies"
+    package: str  # in whose folder ours lie: "swarmcensus.worlds.topologies"
+
+    @functools.cached_property
+    def shipped(self) -> tuple[str, ...]:
+        """The names of those that come with swarmcensus."""
+        spec = importlib.util.find_spec(self.package)
+        assert spec is not None
+        folders = map(Path, spec.submodule_search_locations or ())
+        stems = (path.stem for folder in folders for path in folder.glob("*.py") if path.stem[0] != "_")
+        return tuple(sorted(stem.replace("_", "-") for stem in stems))
+
+    @functools.cached_property
+    def outside(self) -> Mapping[str, EntryPoint]:
+        """Those of other installed packages by name; ours come first. Raises InputError where two have one name."""
+        found: dict[str, EntryPoint] = {}
+        for entry in entry_points(group=self.group):
+            if entry.name in self.shipped:
+                continue
+            known = found.setdefault(entry.name, entry)
+            if known.value != entry.value:
+                raise InputError(f"two packages give a {self.what} named {entry.name!r}: {known.value}, {entry.value}")
+        return found
+
+    @property
+    def names(self) -> list[str]:
+        """The names of all that there are, ours first."""
+        return [*self.shipped, *sorted(self.outside)]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether there is one of this name; other packages are looked through only where it is not ours."""
+        return name in self.shipped or name in self.outside
+
+    def module(self, name: str) -> Any:
+        """What the name stands for, imported. Raises InputError where it cannot be."""
+        if name in self.shipped:
+            return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
+        entry = self.outside[name]
+        try:
+            return entry.load()
+        except Exception as error:
+            raise InputError(f"{self.what} {name!r}, {entry.value} of {_package(entry)}: {error!r}") from error
+
+    def path(self, name: str) -> Path:
+        """Where its file lies, which is not run. Raises InputError where there is none."""
+        module = f"{self.package}.{name.replace('-', '_')}" if name in self.shipped else self.outside[name].module
+        try:
+            spec = importlib.util.find_spec(module)
+        except ImportError:
+            spec = None
+        if spec is None or spec.origin is None or not Path(spec.origin).is_file():
+            package = _package(self.outside[name])
+            raise InputError(f"{self.what} {name!r}: {package} names {module}: there is no such file")
+        return Path(spec.origin)
+
+
+def _package(entry: EntryPoint) -> str:
+    return entry.dist.name if entry.dist is not None else "an installed package"
+
+
+@functools.cache
+def keys_of(function: Callable[..., Any]) -> "type[BaseModel]":
+    """A model of a function's keyword-only parameters: what they may be, as their annotations say."""
+    from pydantic import ConfigDict, create_model
+
+    hints = get_type_hints(function, include_extras=True)
+    fields: dict[str, Any] = {
+        p.name: (hints.get(p.name, Any), ... if p.default is p.empty else p.default)
+        for p in inspect.signature(function).parameters.values()
+        if p.kind is p.KEYWORD_ONLY
+    }
+    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
+    return create_model("Keys", __config__=config, **fields)
+
+
+def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
+    """A function's keyword-only arguments, checked, with its defaults. Raises ValueError with what would be right."""
+    from pydantic import ValidationError
+
+    model = keys_of(function)
+    try:
+        checked = model.model_validate(dict(given), context=context)
+    except ValidationError as error:
+        first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+        key, known = ".".join(map(str, first["loc"])), ", ".join(model.model_fields)
+        if first["type"] == "extra_forbidden":
+            raise ValueError(f"{what} has no key {key}: {f'it has {known}' if known else 'it has none'}") from None
+        if first["type"] == "missing":
+            raise ValueError(f"{what} needs the key {key}") from None
+        message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}") from None
+    return tuple((name, getattr(checked, name)) for name in model.model_fields)
