@@ -489,8 +489,7 @@ def test_shards_with_local_estimates_that_are_no_longer_asked_for(here):
 
 
 def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
-    one = study().settings()[:1]
-    done = Values(one, 2, 2, False)
+    done = Values(study(), study().settings()[:1], 2)
 
     class Falls(dict):
         def __getitem__(self, name):
@@ -501,7 +500,9 @@ def test_ctrl_c_while_numbers_are_stored_leaves_no_trial_half_done():
         def shape(self):
             raise KeyboardInterrupt
 
-    numbers = {name: np.zeros(shape) for name, shape in shapes(2, 3, 2, local=False, estimates=False).items()}
+    robots, checkpoints = done.robots[0], len(study().checkpoints)
+    sizes = shapes(2, robots, checkpoints, local=False, names=done.arrays, of_swarm=())
+    numbers = {name: np.zeros(shape) for name, shape in sizes.items()}
     with pytest.raises(KeyboardInterrupt):
         done.put(0, 0, Falls(numbers))
     assert not done.done().any()

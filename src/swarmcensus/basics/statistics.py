@@ -192,9 +192,11 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
     half = ordered.size // 2
     low = ordered[_first(0, half, lambda k: not clearly_less(values <= ordered[k]))]
     high = ordered[_first(half, ordered.size, lambda k: clearly_less(values >= ordered[k])) - 1]
-    if _equal(np.array([low, high])):  # many values are equal: between them and the next ones nothing was seen
+    if math.isfinite(high) and _equal(
+        np.array([low, high])
+    ):  # many values are equal: between them and the next ones nothing was seen
         gaps = np.abs(ordered - low)
-        gaps = gaps[gaps > ROUNDING * abs(low)]
+        gaps = gaps[(gaps > ROUNDING * abs(low)) & np.isfinite(gaps)]
         room = gaps.min() / 2 if gaps.size else _unseen(len(values), level)
         low, high = low - room, high + room
     return float(low), float(high)

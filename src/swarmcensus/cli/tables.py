@@ -17,6 +17,7 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
+from swarmcensus.results.values import metrics_in
 
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
 DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
@@ -56,13 +57,13 @@ def settings(
     out = console()
     unfolded = out.options.update(max_width=UNFOLDED)
     coordinates = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
-    rows: Table | Text = _rows(coordinates, _numbers(frame, data.sizes["trial"]))
+    rows: Table | Text = _rows(coordinates, _numbers(data, frame))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
-        rows = _rows(coordinates, _numbers(frame, data.sizes["trial"], below=True))
+        rows = _rows(coordinates, _numbers(data, frame, below=True))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
         each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
         joined = [", ".join(f"{k} {value}" for k, value in zip(varied, values, strict=True)) for values in each]
-        numbers = _numbers(frame, data.sizes["trial"], below=True)
+        numbers = _numbers(data, frame, below=True)
         rows = _rows({"setting": coordinates["setting"], "with": joined}, numbers)
         bare = _rows({"setting": coordinates["setting"]}, numbers)
         if bare.__rich_measure__(out, unfolded).maximum + FOLDED > out.width:
@@ -92,9 +93,10 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     return columns
 
 
-def _numbers(frame: Any, trials: int, below: bool = False) -> dict[str, list[str]]:
+def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, list[str]]:
     """The columns of a summary's numbers, intervals beside their values or below them."""
-    numbers = dict(_values(frame, name, below) for name in SHORT)
+    trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
+    numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **watched}.items())
     if "half_width" in frame or (frame["trials"] < trials).any():
         numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
     if frame["failed"].any():
@@ -119,17 +121,19 @@ def _blocks(frame: Any, what: Sequence[str], numbers: dict[str, list[str]]) -> T
     return Text("\n".join(lines))
 
 
-def _values(frame: Any, name: str, below: bool) -> tuple[str, list[str]]:
+def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[str]]:
     """The head and the cells of a column of values with intervals."""
-    times, digits = TIMES[name], DIGITS[name]
-    widths = times * (frame[f"{SHORT[name]}_high"] - frame[f"{SHORT[name]}_low"])
+    times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
+    ends = [times * frame[column + end] for end in ("", "_low", "_high")]
+    widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
     usual = max(places(widths.median(), digits), int(name == "right"))  # a column's decimals, where they tell enough
     texts = []
-    for value, low, high in zip(*(times * frame[SHORT[name] + end] for end in ("", "_low", "_high")), strict=True):
+    for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
-            texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS[name]}f}", ""))
+            texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS.get(name, 4)}f}", ""))
         else:
-            texts.append(rounded(value, low, high, max(usual, places(high - low, digits) - 1)))
+            finest = places(high - low, digits) - 1 if np.isfinite(high - low) else 0
+            texts.append(rounded(value, low, high, max(usual, finest)))
     head = f"{name} %" if name == "right" else name
     if not any(interval for _, interval in texts):
         return head, [value for value, _ in texts]
@@ -148,6 +152,7 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
         f"K: round of convergence, error: |x - f| at K (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
         *(_anew(data, key) for key in asked_anew(data)),
         *(
             [

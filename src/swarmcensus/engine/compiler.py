@@ -24,51 +24,15 @@ from typing import Any
 import numba
 import numpy as np
 
-from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
+from swarmcensus.brains import BELIEFS, Brain
+from swarmcensus.engine import glue
 from swarmcensus.engine.keeping import sealed
+from swarmcensus.metrics import GIVEN, Metric
 
 HERE = Path(__file__).parent
 SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "compiler.py")  # what every kernel depends on
 PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own folder
 STEERING = ("steering.py", "walk.py", *PARTS["walk"])  # beside the kernel of a brain that steers
-
-GLUE = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
-
-from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
-
-from . import brain
-
-for name, value in list(vars(brain).items()):
-    if isinstance(value, type(lambda: None)):
-        setattr(brain, name, compiled(value))
-{functions}
-steer = {steer}
-outbox_width = {width}
-no_sums = {no_sums}
-additive = {additive}
-
-
-@compiled
-def pack(outbox, i, message):
-    {slots} = message
-
-
-@compiled
-def unpack(outbox, i):
-    return {slots}
-
-
-@compiled
-def add_sums(me, sums):
-    {additions}
-
-
-@compiled
-def sums_with(sums, message, scratch):
-    {clearing}
-    receive(scratch, message)
-    return {sums}
-'''
 
 
 def compiled(function: types.FunctionType) -> Any:
@@ -96,6 +60,14 @@ def blank(brain: Brain) -> np.ndarray:
     return mind
 
 
+def blank_record(metric: Metric, **given: float) -> np.ndarray:
+    """What a metric's record is before `begin`, shape (1,): what is GIVEN, and its fields."""
+    record = np.zeros(1, np.dtype((np.record, [(name, np.float64) for name in (*GIVEN, *metric.fields)])))
+    for name, value in given.items():
+        record[name] = value
+    return record
+
+
 def cache_root() -> Path:
     """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder. Raises OSError without a home."""
     if os.environ.get("SWARMCENSUS_CACHE"):
@@ -121,21 +93,6 @@ def _scratch() -> Path:
     return folder
 
 
-def _glue(brain: Brain) -> str:
-    slots = "".join(f"outbox[i, {j}], " for j in range(len(brain.message))).strip()
-    return GLUE.format(
-        functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
-        steer="brain.steer" if brain.steers else "compiled(lambda me: None)",
-        width=len(brain.message),
-        slots=slots,
-        additions="\n    ".join(f"me.{name} += sums[{j}]" for j, name in enumerate(brain.sums)) or "pass",
-        sums="".join(f"sums[{j}] + scratch.{name}, " for j, name in enumerate(brain.sums)).strip() or "sums",
-        clearing="\n    ".join(f"scratch.{name} = 0.0" for name in brain.sums) or "pass",
-        additive=bool(brain.sums),
-        no_sums=(0.0,) * max(1, len(brain.sums)),
-    )
-
-
 def _write_once(folder: Path, files: dict[str, str]) -> None:
     """Make the folder whole or not at all; a race is won by whoever renames first."""
     folder.parent.mkdir(parents=True, exist_ok=True)
@@ -155,6 +112,13 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
 def compile_brain(brain: Brain, name: str = "kernel") -> types.ModuleType:
     """The "kernel", "riding" or "steering" around a brain: a module whose functions are the engine's entry points."""
     return _module(_brain_files(brain), name)
+
+
+@functools.lru_cache(maxsize=64)
+def compile_metric(metric: Metric) -> types.ModuleType:
+    """The module `watching.py` around a metric."""
+    files = {"__init__.py": "", "metric.py": metric.source, "gauge.py": glue.of_metric(metric)}
+    return _module(files | {"watching.py": _source("watching.py")}, "watching")
 
 
 @functools.cache
@@ -180,7 +144,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
     return {
         "__init__.py": "",
         "brain.py": brain.source,
-        "mind.py": _glue(brain),
+        "mind.py": glue.of_brain(brain),
         **{part: _source(part) for part in ("minds.py", "rounds.py", "kernel.py", "riding.py")},
         **({part: _source(part) for part in STEERING} if brain.steers else {}),
     }

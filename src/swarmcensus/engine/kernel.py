@@ -16,7 +16,7 @@ from .rounds import advance, advance_alone, blocks
 def simulate(
     blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks, rounds,
     read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
-    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, stop,
+    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, extremes, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
@@ -26,7 +26,8 @@ def simulate(
     observations. `kept` (checkpoint or 0, trial, robot) is filled with estimates at the checkpoints, if it has room.
     Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
     convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
-    same bits.
+    same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
+    with the same room: `rows` then hold the step's.
     """
     robots = memory.size
     segment = rows.shape[0]
@@ -35,8 +36,8 @@ def simulate(
     blacks = np.zeros(robots if local else min(robots, 256), np.int64)
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots)
-    low = np.empty(robots)
-    high = np.empty(robots)
+    low = extremes[0]
+    high = extremes[1]
     for trial in range(where.shape[0]):
         number = first_trial + trial
         graph = trial if starts.size > 2 else 0
@@ -45,15 +46,16 @@ def simulate(
         stops = all_stops[trial]
         reach = blocks(receivers, robots)
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
-        begin(memory, blank, assumed_b[trial], assumed_w[trial])
-        start = np.empty((1, robots))
-        for i in range(robots):
-            start[0, i] = estimate(memory[i])
-        for i in range(robots):
-            low[i] = np.inf
-            high[i] = -np.inf
+        start = extremes[2:]
+        if first_step == 0:
+            begin(memory, blank, assumed_b[trial], assumed_w[trial])
+            for i in range(robots):
+                start[0, i] = estimate(memory[i])
+            for i in range(robots):
+                low[i] = np.inf
+                high[i] = -np.inf
         undecided = True
-        for step in range(2 * segments - 1):  # forward through all segments, then back where needed
+        for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < segments
             s = step if forward else 2 * segments - 2 - step
             if forward and segments > 1:
@@ -93,7 +95,7 @@ def simulate(
                         where[trial, i] = rounds
                 if not forward or s == segments - 1:
                     undecided = settle(rows[: last - first], first, delta, low, high, where[trial], value[trial])
-        if undecided:
+        if undecided and last_step == 2 * segments - 1:
             settle(start, 0, delta, low, high, where[trial], value[trial])
     return True
 

@@ -5,6 +5,7 @@ Whether its labels and numbers are those of its study is for `labels` and `verif
 
 import json
 import re
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,8 @@ from numpy.typing import NDArray
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results.values import EVERY, LOCAL, MISSING, VARIABLES
+from swarmcensus.metrics import parse, variable_of
+from swarmcensus.results.values import EVERY, LOCAL, MISSING, PER_ROBOT, PER_TRIAL, VARIABLES, kinds_in, metrics_in
 from swarmcensus.worlds.networks import MOVING
 
 FORMATS = ("swarmcensus results 1", "swarmcensus results 2")  # that can be read; the last one is written
@@ -60,9 +62,26 @@ def wrong(data: xr.Dataset) -> str | None:
     if data.attrs.get("format") not in FORMATS or lacking:
         return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
     try:
-        return _shape(data) or _attributes(data) or _missing(data) or (made_from(data) and None)
+        return _metrics(data) or _shape(data) or _attributes(data) or _missing(data) or (made_from(data) and None)
     except InputError as error:
         return str(error)
+
+
+def _metrics(data: xr.Dataset) -> str | None:
+    """What of the metrics that a dataset names is not so; their sources are read, and not run."""
+    try:
+        named = [(str(v), str(s["name"]), str(s["sha256"]), str(s["source"])) for v, s in metrics_in(data).items()]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
+        return "the attribute metrics does not name metrics and their sources"
+    for variable, name, sha256, source in named:
+        if brains.digest(source) != sha256:
+            return f"the source of the metric {name!r} is not the one that the hash beside it is of"
+        dims = PER_TRIAL if parse(source, name, Path(name)).of_swarm else PER_ROBOT
+        if variable != variable_of(name) or variable not in data or data[variable].dims != dims:
+            return f"{variable} should be what the metric {name!r} says, ({', '.join(dims)})"
+        if data[variable].dtype != np.float64:
+            return f"{variable} should be float64 ({', '.join(dims)})"
+    return None
 
 
 def _shape(data: xr.Dataset) -> str | None:
@@ -135,11 +154,11 @@ def _missing(data: xr.Dataset) -> str | None:
     exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < data["robots"].variable
     reached = xr.Variable("checkpoint", data["checkpoint"].values) <= data["rounds"].variable
     merged = "merged" in data.attrs
-    for name, (dims, *_) in EVERY.items():
-        if name not in data:
-            continue
+    for name, (dims, *_) in kinds_in(data).items():
         array = data[name].variable
+        # what never comes is infinite for a metric of a file; no other number is
         there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
+        there = there if name in EVERY else np.isfinite(array) | np.isinf(array)
         # of what is measured apart, or by some of merged studies: all or nothing of a trial
         apart = name in LOCAL or (merged and name not in VARIABLES)
         due = _any(there, set(dims) - {"setting", "trial"}) if apart else done

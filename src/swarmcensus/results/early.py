@@ -13,7 +13,7 @@ import xarray as xr
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import checking
 from swarmcensus.results.store import load
-from swarmcensus.results.values import EVERY, Values
+from swarmcensus.results.values import Values
 
 
 def opened(path: str | Path) -> xr.Dataset:
@@ -58,12 +58,12 @@ def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:
             columns = {name: taken for name, taken in one.columns.items() if name in values.arrays}
             fits = shard.about["checkpoints"] == checkpoints or one.local
             if one.setting in numbers and columns and fits:
-                trial = EVERY[next(iter(columns))][0].index("trial") - 1
+                trial = values.kinds[next(iter(columns))][0].index("trial") - 1
                 values.grow(one.first + next(iter(columns.values())).shape[trial])
                 values.put(numbers[one.setting], one.first, columns)
     data = blank.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
     for name, array in values.arrays.items():
-        data[name] = (EVERY[name][0], array, blank[name].attrs, blank[name].encoding)
+        data[name] = (values.kinds[name][0], array, blank[name].attrs, blank[name].encoding)
     data.attrs["trials_done"] = int(checking.finished(data).sum())
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
     wrong = checking.wrong(data)

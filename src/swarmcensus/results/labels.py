@@ -16,7 +16,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, failures, finished, is_old
 from swarmcensus.results.store import dataset, widths_of_rule
-from swarmcensus.results.values import EVERY, MISSING, Values
+from swarmcensus.results.values import MISSING, Values, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -27,14 +27,13 @@ def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
     """The dataset of studies before any trial is run: one study's, or that of several that are merged.
 
     Settings are in the order in which they first appear. Raises InputError where one name stands for two brains,
-    edge lists or images.
+    metrics, edge lists or images.
     """
     parts = []
     for study in studies:
         marked = settings_of(study)
         settings = list(marked.values())
-        asked = study.measure.local, study.measure.estimates
-        parts.append(dataset(study, settings, list(marked), Values(settings, 0, len(study.checkpoints), *asked)))
+        parts.append(dataset(study, settings, list(marked), Values(study, settings, 0)))
         if study.until and not merged:
             parts[-1]["half_width"] = widths_of_rule(study, np.full(len(settings), np.nan))
     first = parts[0]
@@ -64,7 +63,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     for name, one in ((name, one) for part in parts for name, one in part.variables.items()):
         if name in sizes:
             continue
-        if name in EVERY:
+        if "trial" in one.dims:
             shape = [sizes[str(d)] for d in one.dims]
             variables[name] = (one.dims, np.zeros(shape, one.dtype), one.attrs, one.encoding)
         elif one.dims == ("setting",):
@@ -74,11 +73,17 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             raise InputError(f"two of the studies have two different {name}")
         else:
             variables[name] = one
-    brains: dict[str, Any] = {}
-    for brain, source in (item for part in parts for item in json.loads(part.attrs["brains"]).items()):
-        if brains.setdefault(brain, source)["sha256"] != source["sha256"]:
-            raise InputError(f"two of the studies name two different brains {brain!r}")
-    return xr.Dataset(variables, coordinates, parts[0].attrs | {"brains": json.dumps(brains, sort_keys=True)})
+    sources = {key: text for key in ("brains", "metrics") if (text := _sources(parts, key)) is not None}
+    return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
+
+
+def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
+    """The brains, or metrics, of all parts."""
+    known: dict[str, Any] = {}
+    for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
+        if known.setdefault(name, source)["sha256"] != source["sha256"]:
+            raise InputError(f"two of the studies name two different {key} {name!r}")
+    return json.dumps(known, sort_keys=key == "brains") if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
@@ -132,14 +137,14 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         mine = data[name].variable
         if mine.dims != due.dims:
             yield f"{name} has the dimensions {', '.join(map(str, mine.dims))}, not {', '.join(map(str, due.dims))}"
-        elif name not in EVERY and name != "trial" and "setting" not in due.dims and not _alike(mine, due):
+        elif name != "trial" and "trial" not in due.dims and "setting" not in due.dims and not _alike(mine, due):
             yield f"{name} is not what its study says"
         for key in sorted({*mine.attrs, *due.attrs} if ours else {"units"} & {*mine.attrs, *due.attrs}):
             if str(mine.attrs.get(key)) != str(due.attrs.get(key)):
                 yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
     for key in sorted({*want.attrs} - {*MAKERS, "format"}):
         mine_said, due_said = data.attrs.get(key), want.attrs[key]
-        if key in ("brains", "merged"):
+        if key in ("brains", "metrics", "merged") and key in data.attrs:
             mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
         if mine_said != due_said and not (is_old(data) and key == "title" and "merged" in data.attrs):
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
@@ -153,7 +158,8 @@ def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterato
         looked = np.isin(checkpoints, study.checkpoints)
         for mark, setting in settings_of(study).items():
             ours = looked & (checkpoints <= setting.rounds)
-            needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local])
+            watched = np.isin(list(metrics_in(data)), [metric.variable for metric in study.measure.metrics])
+            needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local, *watched])
             asked.setdefault(mark, []).append((study.trials, needs))
     for k, mark in enumerate(data["fingerprint"].values.tolist()):
         if mark not in asked:
@@ -172,13 +178,15 @@ def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterato
 
 
 def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
-    """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones."""
+    """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones,
+    metrics of files."""
     nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
     decisions = np.isfinite(data["correct"].values[k].T)
     kept = np.isfinite(data["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
     name = "local_convergence_step"
     local = data[name].values[k, :, :1] != MISSING if name in data else nothing[:, :1]
-    return np.hstack([decisions, kept, local])
+    watched = [~np.isnan(data[name].values[k].reshape(nothing.shape[0], -1)[:, :1]) for name in metrics_in(data)]
+    return np.hstack([decisions, kept, local, *watched])
 
 
 def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:

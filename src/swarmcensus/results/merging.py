@@ -15,7 +15,7 @@ from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.origins import studies_of
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.store import load, save
-from swarmcensus.results.values import EVERY, MISSING
+from swarmcensus.results.values import EVERY, MISSING, kinds_in, metrics_in, told
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -58,7 +58,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     check_writable(out, *map(Path, results))
     data = merge(results)
     about = data.attrs
-    identity = Identity(*(about[k] for k in ("title", "seed", "swarmcensus_version", "delta", "bins", "truth")))
+    version, watched = about["swarmcensus_version"], told(metrics_in(data))
+    identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
         if not fresh and listed(parts.folder):
             raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or --fresh")
@@ -108,7 +109,8 @@ def _together(
     merged = want.isel(setting=np.flatnonzero([mark in present for mark in want["fingerprint"].values.tolist()]))
     sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
     arrays = {}
-    for name in (name for name in EVERY if any(name in data for data in datasets)):
+    names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
+    for name in (name for name in names_of_all if any(name in data for data in datasets)):
         one = next(data[name] for data in (want, *datasets) if name in data)
         blank = MISSING if one.dtype.kind == "i" else np.nan
         arrays[name] = (one.dims, np.full([sizes[str(d)] for d in one.dims], blank, one.dtype), one.attrs, one.encoding)
@@ -149,9 +151,7 @@ def _put(
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
     done = checking.finished(data)
     ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
-    for name, (dims, *_) in EVERY.items():
-        if name not in data:
-            continue
+    for name, (dims, *_) in kinds_in(data).items():
         where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])
         array, new = merged[name].values, data[name].values
         old = array[where]

@@ -12,10 +12,11 @@ from pathlib import Path
 
 import xarray as xr
 
-from swarmcensus import brains
+from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.results.checking import made_from
+from swarmcensus.results.values import metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import MOVING
@@ -51,17 +52,19 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     known: dict[str, brains.Brain] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
         place = brains.find(path)
-        given = brains.read(place)
+        given = brains.read_source("brain", place)
         names = [n for n, s in sources.items() if s["sha256"] == brains.digest(given)]
         if not names:
             raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
         known |= {n: brains.parse(given, n, place) for n in names}
     for name, source in sources.items():
-        if name not in known and not (run and name in brains.shipped()):
+        if name not in known and not (run and name in brains.DOOR):
             known[name] = (run and _found(name, source["source"])) or _unread(name, source["source"])
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    context = {"base": None, "edges": edges, "brains": known, "images": images, "kept": True}
+    watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
+    named = {metric.name: metric for metric in watched}  # read, and not run
+    context = {"base": None, "edges": edges, "brains": known, "images": images, "metrics": named, "kept": True}
     studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     for used in (brain for study in studies for brain in study.brains):
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
@@ -92,14 +95,36 @@ def must_be_read(brain: brains.Brain) -> None:
         )
 
 
+def metrics_may_run(study: Study) -> None:
+    """Raise InputError for a metric that is not here with the very source that results hold."""
+    for metric in study.measure.metrics:
+        name, here = metric.name, False
+        if name in metrics.DOOR:
+            here = brains.read_source("metric", metrics.DOOR.path(name)) == metric.source
+        elif not (here := _lies_here("metric", name, metric.source)):
+            raise InputError(
+                f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
+                "below the current folder as it was"
+            )
+        if not here:
+            raise InputError(f"metric {name!r}: its source has changed since these results were made")
+
+
 def _found(name: str, source: str) -> brains.Brain | None:
     """The brain file of this name, where it lies below the current folder and has this source: no other is run."""
+    with contextlib.suppress(InputError):
+        if _lies_here("brain", name, source):
+            return brains.parse(source, name, Path(name))
+    return None
+
+
+def _lies_here(kind: str, name: str, source: str) -> bool:
+    """Whether a file of this name and source lies below the current folder."""
     with contextlib.suppress(OSError, ValueError, InputError):
         place = Path(name).resolve()
         small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends and a byte mark
-        if small and place.is_relative_to(Path.cwd().resolve()) and brains.read(place) == source:
-            return brains.parse(source, name, Path(name))
-    return None
+        return small and place.is_relative_to(Path.cwd().resolve()) and brains.read_source(kind, place) == source
+    return False
 
 
 def _unread(name: str, source: str) -> brains.Brain:

@@ -1,10 +1,14 @@
 """Asks kept estimates anew: other bins, another delta, without running anything again."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results.values import LOCAL
+from swarmcensus.metrics import parse
+from swarmcensus.results.values import LOCAL, metrics_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.tables import Measure
 
@@ -18,8 +22,8 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     `correct` is what a run with these bins would have measured, to the bit; `convergence_round` is the first
     checkpoint (and `convergence_error` the error there) from which on an estimate is within delta of what it is at
     every later checkpoint: what a run would have measured if all rounds are checkpoints, and as near to it as they
-    lie together otherwise. The rest is as it was, but for what belongs to the old delta: half widths of rules, and
-    local estimates. Paper, Sec. IV-A.
+    lie together otherwise. The rest is as it was, but for what belongs to the old delta or bins: half widths of rules,
+    local estimates, and metrics of files that look at them. Paper, Sec. IV-A.
 
     The attribute `asked_anew` says which of the two were. To ask for those that the results have changes nothing.
 
@@ -36,10 +40,14 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
             "set estimates = true under [measure] and run again"
         )
     _check(asked)
-    new = results.drop_vars(DERIVED, errors="ignore")
+    sources = metrics_in(results)
+    looked = {"delta"} & {*asked} | ({"low", "high"} if "bins" in asked else set())
+    lost = [v for v, s in sources.items() if parse(s["source"], s["name"], Path(s["name"])).uses & looked]
+    new = results.drop_vars([*DERIVED, *lost], errors="ignore")
+    kept = {"metrics": json.dumps({v: s for v, s in sources.items() if v not in lost})} if lost else {}
     before = str(results.attrs.get("asked_anew", "")).split(", ")
     new.attrs = (
-        results.attrs | asked | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
+        results.attrs | asked | kept | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
     )
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
-from swarmcensus.results.values import Columns, Piece, shapes
+from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 
 FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without a trial: see `early`
@@ -45,11 +45,12 @@ class Identity:
     delta: float
     bins: int
     truth: str
+    metrics: str = ""  # metrics of files, and their sources
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
         """Raise InputError, saying how they differ, where `other` is of something else."""
         mine = asdict(self)
-        differ = [k for k, v in mine.items() if other.get(k) != v]
+        differ = [k for k, v in mine.items() if other.get(k, "") != v]
         if differ:
             said = "; ".join(f"{k} is {other.get(k)!r} there and {mine[k]!r} here" for k in differ)
             raise InputError(f"{where} is of another run: {said}. {hint}")
@@ -254,6 +255,8 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
     for piece in pieces:
         for name, values in piece.columns.items():
             flat.setdefault(name, []).append(values.ravel())
+    of_swarm = {n for p in pieces for n, values in p.columns.items() if n not in EVERY and values.ndim == 1}
+    about = about | {"of_swarm": sorted(of_swarm)}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
     out = io.BytesIO()
     np.savez(out, about=text, items=items, **{k: np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
@@ -267,7 +270,8 @@ def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> I
         if min(first, trials - 1, robots - 1) < 0:
             raise ValueError("no trials")
         taken = {}
-        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, "estimates" in flat).items():
+        of_swarm = about.get("of_swarm", ())
+        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, flat, of_swarm).items():
             size = int(np.prod(shape))
             taken[name] = flat[name][used[name] : used[name] + size].reshape(shape)
             used[name] += size

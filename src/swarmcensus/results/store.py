@@ -15,7 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
-from swarmcensus.results.values import EVERY, MISSING, PER_ROBOT, Values
+from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -35,7 +35,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
-        dims, _, units, meaning = EVERY[name]
+        dims, _, units, meaning = values.kinds[name]
         whole_numbers = array.dtype.kind == "i"
         comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
         fill = {"_FillValue": MISSING} if whole_numbers else {}  # so that other readers see what is missing
@@ -81,6 +81,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
+        **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),
@@ -164,10 +165,10 @@ def _absent(path: Path) -> str:
 def frame(data: xr.Dataset) -> Any:
     """Results in long form: a pandas table with one row a robot and trial, as `export` writes it.
 
-    Missing places are left out. Its columns are the setting's coordinates, `trial`, `robot`, `true_fill_ratio` and the
-    variables that have a robot.
+    Missing places are left out. Its columns are the setting's coordinates, `trial`, `robot`, and the variables that
+    each trial or each robot has, as `true_fill_ratio` and `final_estimate`.
     """
-    per_robot = [n for n in EVERY if n in data and data[n].dims == PER_ROBOT]
+    kinds = kinds_in(data)
     size = data["robots"].values
     mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
     mask = np.broadcast_to(mask[:, np.newaxis, :], data["final_estimate"].shape)
@@ -178,8 +179,8 @@ def frame(data: xr.Dataset) -> Any:
     columns: dict[str, Any] = {"setting": data["setting"].values[setting]}
     columns |= {str(k): c.values[setting] for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     columns |= {"trial": data["trial"].values[trial], "robot": data["robot"].values[robot]}
-    columns |= {"true_fill_ratio": data["true_fill_ratio"].values[setting, trial]}
-    columns |= {n: data[n].values[mask] for n in per_robot}
+    columns |= {n: data[n].values[setting, trial] for n, (dims, *_) in kinds.items() if dims == PER_TRIAL}
+    columns |= {n: data[n].values[mask] for n, (dims, *_) in kinds.items() if dims == PER_ROBOT}
     return pd.DataFrame(columns)
 
 

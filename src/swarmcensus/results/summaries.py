@@ -14,10 +14,12 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import selecting
 from swarmcensus.results.store import load
+from swarmcensus.results.values import metrics_in
 
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
 MEDIANS = ("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error")
+NEVER = "infinity"  # in JSON, which has no such number
 BLOCK = 2**22  # values that are sorted at once
 
 Columns = dict[str, NDArray[Any]]
@@ -27,11 +29,11 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
 
     Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
-    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed) and
-    `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches)
-    the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks settings, as in
-    `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that vary, and the
-    values. Raises InputError.
+    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed, and of
+    metrics of files) and `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that
+    the setting reaches) the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks
+    settings, as in `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that
+    vary, and the values. Raises InputError.
     """
     import pandas as pd
 
@@ -41,16 +43,22 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
         k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
     ]
     first = dict.fromkeys(["setting", *map(str, varied)])
-    last = [name for name in (*MEDIANS, "correct") if name in columns]
+    last = [name for name in (*medians_in(data), "correct") if name in columns]
     between = [name for name in columns if name not in first and name not in last]
     return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
 
 
+def medians_in(data: xr.Dataset) -> list[str]:
+    """The variables of which a summary holds the median: two of the paper's, and metrics of files."""
+    return [name for name in (*MEDIANS, *metrics_in(data)) if name in data]
+
+
 def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns: Columns = {}
+    looked = {*medians_in(data), "correct"}
     for name, values in points(data, checkpoint).items():
         columns[name] = values
-        if name in (*MEDIANS, "correct"):
+        if name in looked:
             ends = _intervals(data, name, checkpoint)
             columns |= {f"{name}_low": ends[:, 0], f"{name}_high": ends[:, 1]}
     return columns
@@ -64,9 +72,8 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     failed = Counter(one["setting"] for one in failed_trials(data))
     columns["trials"] = ran.sum(axis=1)
     columns["failed"] = np.array([failed[setting] for setting in columns["setting"].tolist()])
-    for name in MEDIANS:
-        if name in data:
-            columns[name] = _medians(data, name, ran)
+    for name in medians_in(data):
+        columns[name] = _medians(data, name, ran)
     place = _reached(data, checkpoint)
     columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])
     correct = np.where(ran, data["correct"].values[np.arange(len(ran)), place], 0.0)
@@ -138,8 +145,10 @@ def _nested(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A NumPy number as JSON takes it; None for one that is not finite."""
+    """A NumPy number as JSON takes it; None for one that is missing."""
     value = value.item() if isinstance(value, np.generic) else value
+    if value == np.inf:
+        return NEVER
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
@@ -163,13 +172,14 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
 
 def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The median over the trials that are done and their robots, a setting; NaN where there is none."""
-    array, robots = data[name].values, data["robots"].values
+    array, robots = _by_robot(data, name), data["robots"].values
     settings, trials, widest = array.shape
     out = np.full(settings, np.nan)
     step = max(1, BLOCK // (trials * widest))
     for first in range(0, settings, step):
         rows = slice(first, first + step)
         here = ran[rows, :, np.newaxis] & (np.arange(widest) < robots[rows, np.newaxis, np.newaxis])
+        here &= array[rows] == array[rows]  # a metric that some of merged studies did not ask for
         values = np.sort(np.where(here, array[rows], np.inf).reshape(len(here), -1), axis=1)
         count = here.sum(axis=(1, 2))[:, np.newaxis]
         middle = np.take_along_axis(values, np.concatenate([(count - 1) // 2, count // 2], axis=1), axis=1)
@@ -178,11 +188,11 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[np.float64]:
-    """The ends of a column's intervals over trials, (setting, 2); none of these columns is ever below 0.
+    """The ends of a column's intervals over trials, (setting, 2); none of the paper's columns is ever below 0.
 
     No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
     """
-    array, robots = data[name].values, data["robots"].values.tolist()
+    array, robots = data[name].values if name == "correct" else _by_robot(data, name), data["robots"].values.tolist()
     ran, place = done(data), _reached(data, checkpoint)
     ends = np.full((len(ran), 2), np.nan)
     for row, trials in enumerate(ran):
@@ -191,7 +201,13 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
         else:
             _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
     most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
-    return np.asarray(np.clip(ends, 0.0, most))
+    return np.asarray(ends if name in metrics_in(data) else np.clip(ends, 0.0, most))
+
+
+def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:
+    """A variable's numbers, (setting, trial, robot); of a swarm as of a single robot."""
+    array = data[name].values
+    return array if array.ndim == 3 else array[:, :, np.newaxis]
 
 
 def told(results: xr.Dataset) -> str:

@@ -1,39 +1,73 @@
 """A study's numbers as they come in: which variables there are, and arrays that fill up piece by piece."""
 
-from collections.abc import Mapping, Sequence
+import json
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.metrics import Metric
 from swarmcensus.simulation.trials import Batch
 from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
 
 PER_ROBOT = ("setting", "trial", "robot")
-VARIABLES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+PER_TRIAL = ("setting", "trial")
+Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
+VARIABLES: dict[str, Kind] = {
     "convergence_round": (PER_ROBOT, np.int32, "rounds", "K, the convergence of the informed estimate"),
     "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
     "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
-    "true_fill_ratio": (("setting", "trial"), np.float64, "1", "black share of the floor that robots can reach"),
+    "true_fill_ratio": (PER_TRIAL, np.float64, "1", "black share of the floor that robots can reach"),
 }
-LOCAL: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+LOCAL: dict[str, Kind] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
     "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
 }
-ESTIMATES: dict[str, tuple[tuple[str, ...], Any, str, str]] = {
+ESTIMATES: dict[str, Kind] = {
     "estimates": (
         ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
     ),
 }  # fmt: skip
-OPTIONAL = LOCAL | ESTIMATES  # what a study need not ask for
-EVERY = VARIABLES | OPTIONAL
+EVERY = VARIABLES | LOCAL | ESTIMATES  # but for metrics of files
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
-ORDER = (*(name for name in EVERY if name not in MARKS), *MARKS)
 MISSING = -1  # for whole numbers; NaN for the others
 
 Columns = dict[str, NDArray[Any]]
+
+
+def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
+    """The variables of metrics."""
+    return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
+
+
+def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
+    """The variables of a dataset that a run fills: those of old, and those of the metrics that it names."""
+    known = {name: kind for name, kind in EVERY.items() if name in data}
+    return known | {
+        name: (data[name].dims, np.float64, str(data[name].attrs.get("units")), str(data[name].attrs.get("long_name")))
+        for name in metrics_in(data)
+        if name in data
+    }
+
+
+def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
+    """The metrics that a dataset names, by their variables: `name`, `sha256` and `source`."""
+    found: dict[str, dict[str, Any]] = json.loads(data.attrs.get("metrics", "{}"))
+    return found
+
+
+def sources_of(metrics: Iterable[Metric]) -> dict[str, dict[str, Any]]:
+    """The same of metrics themselves, as a dataset is to name them."""
+    return {m.variable: {"name": m.name, "sha256": m.sha256, "source": m.source} for m in metrics}
+
+
+def told(sources: Mapping[str, Mapping[str, Any]]) -> str:
+    """The same in a line that tells two versions of a metric apart."""
+    return ", ".join(f"{variable} ({one['sha256'][:8]})" for variable, one in sorted(sources.items()))
 
 
 @dataclass(frozen=True)
@@ -62,34 +96,48 @@ def columns(batch: Batch, local: bool) -> Columns:
         }
     filled = batch.true_fill_ratio
     kept = {} if batch.kept is None else {"estimates": batch.kept}
-    return kept | {
-        "convergence_round": batch.convergence.astype(np.int32),
-        "convergence_error": batch.error,
-        "final_estimate": batch.final,
-        "correct": batch.correct,
-        "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
-    }
+    return (
+        batch.watched
+        | kept
+        | {
+            "convergence_round": batch.convergence.astype(np.int32),
+            "convergence_error": batch.error,
+            "final_estimate": batch.final,
+            "correct": batch.correct,
+            "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
+        }
+    )
 
 
-def shapes(trials: int, robots: int, checkpoints: int, local: bool, estimates: bool) -> dict[str, tuple[int, ...]]:
-    """The shapes of those."""
+def shapes(
+    trials: int, robots: int, checkpoints: int, local: bool, names: Iterable[str], of_swarm: Collection[str]
+) -> dict[str, tuple[int, ...]]:
+    """The shapes of those; `names` are all that there are, `of_swarm` those of metrics that have one number a trial."""
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
-    names = LOCAL if local else VARIABLES | (ESTIMATES if estimates else {})
-    return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in names.items()}
+    if local:
+        return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in LOCAL.items()}
+    found = {}
+    for name in names:
+        if name not in LOCAL:
+            dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
+            found[name] = tuple(sizes[d] for d in dims[1:])
+    return found
 
 
 class Values:
     """Arrays of the dataset's shapes, missing values where nothing has run yet."""
 
-    def __init__(
-        self, settings: Sequence[Setting], trials: int, checkpoints: int, local: bool, estimates: bool = False
-    ) -> None:
-        """Make room for so many trials."""
+    def __init__(self, study: Study, settings: Sequence[Setting], trials: int, local: bool | None = None) -> None:
+        """Make room for so many trials of settings of a study; `local` instead of what it says of local estimates."""
         self.robots = [s.robots for s in settings]
-        sizes = {"setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": checkpoints}
+        sizes = {
+            "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
+        }  # fmt: skip
+        local = study.measure.local if local is None else local
+        asked = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
+        self.kinds = VARIABLES | asked | kinds_of(study.measure.metrics)
         self.arrays: Columns = {}
-        names = VARIABLES | (LOCAL if local else {}) | (ESTIMATES if estimates else {})
-        for name, (dims, kind, *_) in names.items():
+        for name, (dims, kind, *_) in self.kinds.items():
             shape = [sizes[d] for d in dims]
             self.arrays[name] = np.full(shape, MISSING if np.issubdtype(kind, np.integer) else np.nan, kind)
 
@@ -98,7 +146,8 @@ class Values:
         """Those of a dataset, which are not copied."""
         values = cls.__new__(cls)
         values.robots = data["robots"].values.tolist()
-        values.arrays = {name: data[name].values for name in EVERY if name in data}
+        values.kinds = kinds_in(data)
+        values.arrays = {name: data[name].values for name in values.kinds}
         return values
 
     @property
@@ -112,7 +161,7 @@ class Values:
         if more <= 0:
             return
         for name, array in self.arrays.items():
-            axis = EVERY[name][0].index("trial")
+            axis = self.kinds[name][0].index("trial")
             blank = MISSING if array.dtype.kind == "i" else np.nan
             self.arrays[name] = np.pad(
                 array, [(0, more * (k == axis)) for k in range(array.ndim)], constant_values=blank
@@ -120,25 +169,16 @@ class Values:
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
-        for name in ORDER:
-            if name not in taken:
-                continue
-            values, array = taken[name], self.arrays[name][setting]
-            if name == "correct":
-                array[:, first : first + values.shape[1]] = values
-            elif name == "estimates":
-                _, trials, robots = values.shape
-                array[:, first : first + trials, :robots] = values
-            elif name == "true_fill_ratio":
-                array[first : first + len(values)] = values
-            else:
-                trials, robots = values.shape
-                array[first : first + trials, :robots] = values
+        for name in (*(name for name in taken if name not in MARKS), *(name for name in MARKS if name in taken)):
+            dims, array, values = self.kinds[name][0][1:], self.arrays[name][setting], taken[name]
+            trials = slice(first, first + values.shape[dims.index("trial")])
+            where = {"trial": trials, "robot": slice(values.shape[-1])}
+            array[tuple(where.get(d, slice(None)) for d in dims)] = values
 
     def forget_halves(self) -> None:
         """Make missing again what Ctrl-C left of trials that were just being stored."""
         for name, array in self.arrays.items():
-            by_trial = np.moveaxis(array, EVERY[name][0].index("trial"), 1)
+            by_trial = np.moveaxis(array, self.kinds[name][0].index("trial"), 1)
             by_trial[~self.done(name in LOCAL)] = MISSING if array.dtype.kind == "i" else np.nan
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:

@@ -16,7 +16,17 @@ from swarmcensus.basics.files import check_writable
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
-from swarmcensus.results.values import ESTIMATES, EVERY, MISSING, OPTIONAL, Columns, Values
+from swarmcensus.results.values import (
+    ESTIMATES,
+    LOCAL,
+    MISSING,
+    Columns,
+    Values,
+    kinds_in,
+    metrics_in,
+    sources_of,
+    told,
+)
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -26,7 +36,8 @@ HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
 def identity_of(study: Study) -> Identity:
     """What work of a study must have in common with its other work."""
     measure = study.measure
-    return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth)
+    watched = told(sources_of(measure.metrics))
+    return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth, watched)
 
 
 @dataclass
@@ -114,7 +125,7 @@ class Holding:
         about = {
             "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
             "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
-            "truth": old.attrs.get("truth"),
+            "truth": old.attrs.get("truth"), "metrics": told(metrics_in(old)),
         }  # fmt: skip
         about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
         self.parts.identity.check(about, str(self.out), HINT)
@@ -130,8 +141,8 @@ class Holding:
             raise InputError(f"{self.out} holds larger swarms than this study. {HINT}")
         self._check_names(list(old), values, self.out)
         done = old["convergence_round"].values[:, :, 0] != MISSING
-        for name in (name for name in EVERY if name in old):
-            taken, dims = old[name].values, EVERY[name][0]
+        for name, (dims, *_) in kinds_in(old).items():
+            taken = old[name].values
             if "checkpoint" in dims:
                 taken = self._at_our_checkpoints(taken, old["checkpoint"].values, old["rounds"].values, done, self.out)
             places = {"setting": rows, "trial": trials}
@@ -139,7 +150,7 @@ class Holding:
             values.arrays[name][np.ix_(*where)] = taken
 
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
-        for name in OPTIONAL:
+        for name in LOCAL | ESTIMATES:
             if name in names and name not in values.arrays:
                 raise InputError(f"{path} holds {name}, which this study does not ask for. {HINT}")
         for name in ESTIMATES:
@@ -150,7 +161,7 @@ class Holding:
         if "correct" not in taken or known == self.study.checkpoints:
             return taken
         rounds, done = np.array([self.settings[place].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
-        looked = [name for name in taken if "checkpoint" in EVERY[name][0]]
+        looked = [name for name in taken if name == "correct" or name in ESTIMATES]
         return taken | {
             name: self._at_our_checkpoints(taken[name][np.newaxis], np.array(known), rounds, done, path)[0]
             for name in looked

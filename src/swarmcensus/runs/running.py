@@ -62,7 +62,7 @@ def run(
     marks = [setting.fingerprint(study.seed) for setting in settings]
     first = next(study.stages())
     state = State(
-        study, settings, Values(settings, first, len(study.checkpoints), study.measure.local, study.measure.estimates),
+        study, settings, Values(study, settings, first),
         progress or (lambda _: None), None, np.full(len(settings), np.nan),
         slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
     )  # fmt: skip
@@ -110,10 +110,8 @@ def run(
 
 def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset as it is before any trial: with the shards an early picture of the run."""
-    study, settings, measure = state.study, state.settings, state.study.measure
-    data = store.dataset(
-        study, settings, marks, Values(settings, 1, len(study.checkpoints), measure.local, measure.estimates)
-    )
+    study, settings = state.study, state.settings
+    data = store.dataset(study, settings, marks, Values(study, settings, 1))
     data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
@@ -132,7 +130,7 @@ def recompute(
 ) -> Values:
     """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
     jobs = pools.threads(jobs)
-    values = Values(settings, wanted.shape[1], len(study.checkpoints), local, study.measure.estimates)
+    values = Values(study, settings, wanted.shape[1], local)
     state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
     tasks = plan(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)

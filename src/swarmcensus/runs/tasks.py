@@ -53,7 +53,14 @@ Wanted = NDArray[np.bool_]  # (setting, trial)
 def metrics_of(study: Study) -> Metrics:
     """What a study measures."""
     measure = study.measure
-    return Metrics(measure.delta, measure.bins, tuple(study.checkpoints), measure.truth == "floor", measure.estimates)
+    return Metrics(
+        measure.delta,
+        measure.bins,
+        tuple(study.checkpoints),
+        measure.truth == "floor",
+        measure.estimates,
+        tuple(measure.metrics),
+    )
 
 
 def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> list[Task]:

@@ -15,9 +15,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
 from swarmcensus.results.labels import settings_of, unlike
-from swarmcensus.results.origins import Brains, must_be_read, studies_of
+from swarmcensus.results.origins import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
-from swarmcensus.results.values import EVERY, MISSING, VARIABLES, Values
+from swarmcensus.results.values import MISSING, VARIABLES, Values, kinds_in
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
@@ -96,6 +96,7 @@ def verify(
     for study in (_looking(data, study) for study in studies):
         places, settings = _ours(data, study, left)
         if settings:
+            metrics_may_run(study)
             left[places] = False
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
     wanted[left] = False  # of no setting of these studies, as the labels say
@@ -174,7 +175,7 @@ def _looking(data: xr.Dataset, study: Study) -> Study:
     looked = [c for c in data["checkpoint"].values.tolist() if c <= longest] or [longest]
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of the same study once more
-        return study.with_(measure=study.measure.model_dump(exclude_none=True) | {"checkpoints": looked})
+        return study.with_(measure={k: v for k, v in study.measure if v is not None} | {"checkpoints": looked})
 
 
 def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[Setting]]:
@@ -202,8 +203,9 @@ def _compare(
     again = recompute(study, settings, columns, local, jobs, progress)
     known = [study.checkpoints.index(c) if c in study.checkpoints else -1 for c in data["checkpoint"].values.tolist()]
     out: dict[tuple[int, int], Difference] = {}
-    for name in (name for name in EVERY if name in data and name in again.arrays):
-        dims = EVERY[name][0]
+    for name, (dims, *_) in kinds_in(data).items():
+        if name not in again.arrays:
+            continue
         others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
         stored = data[name].values[places]
         found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])

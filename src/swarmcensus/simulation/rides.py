@@ -10,6 +10,7 @@ from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.trials import Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
+from swarmcensus.simulation.watching import Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.floors import tiles_across
 
@@ -69,7 +70,11 @@ class Rider:
                 right[c, 0] = np.mean((row >= low) & (row < high))
         filled = np.array([true_fill_ratio])
         estimates = kept if metrics.estimates else None
-        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates)
+        watches = [Watch(m, self.setting, self.trial, truth, metrics.delta, metrics.bins) for m in metrics.watched]
+        for watch in watches:
+            watch.see(self.rows, 1)
+        watched = results_of(watches)
+        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates, watched)
 
 
 def run_ride(

@@ -1,15 +1,20 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
+import itertools
 import math
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.draws import PART
+from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.watching import Watch, results_of
 from swarmcensus.studies.settings import Setting
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
@@ -26,13 +31,15 @@ class Metrics:
     checkpoints: tuple[int, ...]
     on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
     estimates: bool = False  # each robot's estimate is kept at the checkpoints
+    watched: tuple[Metric, ...] = ()  # metrics of files
 
 
 @dataclass(frozen=True)
 class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
     fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
-    where they are kept, estimates at the checkpoints (checkpoint, trial, robot)."""
+    where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
+    variables, (trial, robot) or (trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -40,6 +47,7 @@ class Batch:
     correct: np.ndarray
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
+    watched: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
@@ -62,6 +70,10 @@ def run_batch(
 
     With `local`, the metrics are of the local estimate by single observation.
     """
+    watched = () if local else metrics.watched
+    if watched and trials > 1:  # their estimates are seen one trial at a time
+        batches = [run_batch(setting, seed, first + k, 1, metrics, stop) for k in range(trials)]
+        return _joined([batch for batch in batches if batch is not None]) if None not in batches else None
     blank = compiler.blank(setting.brain)
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
@@ -76,10 +88,11 @@ def run_batch(
     segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
     segments = -(-rounds // segment)
     kernel = compiler.compile_brain(setting.brain)
+    rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
         np.empty(setting.robots, blank.dtype),
         np.empty((2 * setting.robots, len(setting.brain.message))),
-        np.empty((segment, setting.robots)),
+        rows,
         np.empty((segments, setting.robots if segments > 1 else 0), blank.dtype),
     )
     arguments = (
@@ -87,16 +100,40 @@ def run_batch(
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
-        where, value, final, correct, kept, stop,
+        where, value, final, correct, kept, np.empty((3, setting.robots)),
     )  # fmt: skip
-    try:
-        finished = kernel.simulate(*arguments)
-    except Exception as error:
-        raise blame(setting, first, trials, error) from error
-    if not finished:
-        return None
+    watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
+    steps = 2 * segments - 1
+    bounds = sorted({*range(segments + 1), steps}) if watches else [0, steps]
+    for begin, end in itertools.pairwise(bounds):
+        try:
+            finished = kernel.simulate(*arguments, begin, end, stop)
+        except Exception as error:
+            raise blame(setting, first, trials, error) from error
+        if not finished:
+            return None
+        if begin < segments:
+            for watch in watches:
+                watch.see(rows[: rounds - begin * segment], begin * segment + 1)
     estimates = kept if metrics.estimates else None
-    return Batch(where, np.abs(value - setting.fill_ratio), final, correct, kept=estimates)
+    errors = np.abs(value - setting.fill_ratio)
+    return Batch(where, errors, final, correct, kept=estimates, watched=results_of(watches))
+
+
+def _joined(batches: Sequence[Batch]) -> Batch:
+    """Several trials' batches as one."""
+
+    def along(axis: int, of: Callable[[Batch], Any]) -> np.ndarray:
+        return np.concatenate([of(batch) for batch in batches], axis)
+
+    return Batch(
+        along(0, lambda b: b.convergence),
+        along(0, lambda b: b.error),
+        along(0, lambda b: b.final),
+        along(1, lambda b: b.correct),
+        kept=None if batches[0].kept is None else along(1, lambda b: b.kept),
+        watched={name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched},
+    )
 
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:

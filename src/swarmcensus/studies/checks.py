@@ -98,6 +98,10 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
     late = [c for c in known or () if c > last]
     if late:
         raise ValueError(f"measure.checkpoints = {late[0]} comes after the last round, {last}")
+    variables = [metric.variable for metric in tables.measure.metrics]
+    for metric in tables.measure.metrics:
+        if variables.count(metric.variable) > 1:
+            raise ValueError(f"measure.metrics: two of them would be called {metric.variable!r} in the results")
     if tables.measure.local:
         if any(grid.moves for grid in grids):
             raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")

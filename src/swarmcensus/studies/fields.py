@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
 
-from swarmcensus import brains
+from swarmcensus import brains, metrics
 from swarmcensus.basics.times import OR_TIME
 from swarmcensus.studies.precision import Until
 from swarmcensus.worlds.bodies import Number, Positive
@@ -48,9 +48,23 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
     base = _context(info, "base", Path())
-    if base is None and str(value) not in brains.shipped():
+    if base is None and str(value) not in brains.DOOR:
         raise ValueError("this brain's source is not here, and no file is opened that is only named here")
     return brains.load(value, base)
+
+
+def _metric(value: object, info: ValidationInfo) -> metrics.Metric:
+    if isinstance(value, metrics.Metric):
+        return value
+    if not isinstance(value, str | Path):
+        raise ValueError("a metric is a shipped metric's name or the path of a metric file")
+    known = _context(info, "metrics", {})
+    if str(value) in known:
+        return known[str(value)]  # type: ignore[no-any-return]
+    base = _context(info, "base", Path())
+    if base is None and value not in metrics.DOOR:
+        raise ValueError("this metric's source is not here, and no file is opened that is only named here")
+    return metrics.load(value, base)
 
 
 def plain_text(value: str) -> str:
@@ -81,4 +95,5 @@ Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _L
 Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
 Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]
 Beliefs = Annotated[list[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]], _Listed, _Some]
+Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric)], ...], _Listed]
 SeveralTables = BeforeValidator(_tables)

@@ -68,7 +68,7 @@ class Study:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a study file. Brain files, edge lists and images are looked for beside it."""
+        """Read a study file. Brain and metric files, edge lists and images are looked for beside it."""
         try:
             text = Path(path).read_text(encoding="utf-8-sig")
         except OSError as error:
@@ -81,9 +81,11 @@ class Study:
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
         """Read a study from TOML text.
 
-        `context` may hold `base` (the folder of brain files, edge lists and images; None: no file is opened),
-        `brains`, `edges` and `images` (known by name, so that no file is read), and `kept` (the text is that of
-        results: keys that mean nothing there are let pass). Raises InputError, naming file, key and value.
+        `context` may hold `base` (the folder of brain and metric files, edge lists and images; None: no file is
+        opened), `brains`, `metrics`, `edges` and `images` (known by name, so that no file is read), and `kept` (the
+        text is that of results: keys that mean nothing there are let pass).
+
+        Raises InputError, naming file, key and value.
         """
         study = cls.__new__(cls)
         study._fill(read_toml(text, where), text, where, context)
@@ -105,6 +107,7 @@ class Study:
             "brains": {b.name: b for b in self.brains},
             "edges": {t.source: t.edges for t in self.topologies if t.source},
             "images": {p.source: p.grey for p in self.pictures},
+            "metrics": {m.name: m for m in self.measure.metrics},
             "kept": True,
         }
 

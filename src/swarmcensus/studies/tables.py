@@ -15,6 +15,7 @@ from swarmcensus.studies.fields import (
     Beliefs,
     Brains,
     Floors,
+    Metrics,
     Name,
     Positives,
     SeveralTables,
@@ -86,7 +87,7 @@ class Case(_Table):
 
 
 class Measure(_Table):
-    """What is kept: convergence within delta, decisions among bins at checkpoints; local estimates, all estimates."""
+    """What is kept: convergence within delta, decisions among bins at checkpoints; local and all estimates; metrics."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
@@ -94,6 +95,7 @@ class Measure(_Table):
     local: Annotated[bool, Field(strict=True)] = False
     estimates: Annotated[bool, Field(strict=True)] = False
     truth: Literal["nominal", "floor"] = "nominal"
+    metrics: Metrics = ()
 
 
 class Tables(_Table):

@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.metrics import Metric
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, Spread
@@ -76,7 +77,7 @@ def to_toml_value(value: Any) -> str:
         return "{" + ", ".join(f"{_key(k)} = {to_toml_value(v)}" for k, v in _fields(value).items()) + "}"
     if isinstance(value, list | tuple | np.ndarray):
         return "[" + ", ".join(map(to_toml_value, value)) + "]"
-    if isinstance(value, brains.Brain):
+    if isinstance(value, brains.Brain | Metric):
         return to_toml_value(value.name)
     if isinstance(value, Floor | Accuracy | Misjudgement | Spread):
         return to_toml_value(value.form)

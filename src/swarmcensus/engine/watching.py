@@ -1,0 +1,26 @@
+"""A metric on curves of estimates, round by round.
+
+This file is compiled anew for every metric (see `compiler.py`): `.gauge` is that metric. It knows no brain, so that
+another metric costs no brain's compilation.
+"""
+
+from .gauge import after, begin, entry, result, watch
+
+
+@entry
+def follow(blank, records, rows, first, truth, out):
+    """Show a metric the estimates `rows` (round, robot), from round `first` on; `out` holds what it then says.
+
+    `records` has one a robot, or one for all where the metric is of a swarm; `blank` is what each begins from.
+    """
+    last = records.size - 1
+    if first == 1:
+        for i in range(records.size):
+            records[i] = blank[0]
+            begin(records[i])
+    for k in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            watch(records[min(i, last)], first + k, rows[k, i], truth)
+        after(records[0], first + k)
+    for i in range(records.size):
+        out[i] = result(records[i])

@@ -1,0 +1,19 @@
+"""The round from which on a robot decides for the right bin and never leaves it again (bins: paper, Sec. IV-A)."""
+
+from math import inf
+
+UNIT = "rounds"
+MEANING = "first round in the correct bin for good; infinite where the last one is not in it"
+
+
+def begin(my):
+    my.since = 1.0
+
+
+def watch(my, k, estimate, truth):
+    if not my.low <= estimate < my.high:
+        my.since = k + 1.0
+
+
+def result(my):
+    return my.since if my.since <= my.rounds else inf

@@ -1,0 +1,16 @@
+"""How far a robot's estimate is from the truth, over the whole of a trial: the area under its curve of errors."""
+
+UNIT = "1"
+MEANING = "mean |x - f| over all rounds"
+
+
+def begin(my):
+    my.total = 0.0
+
+
+def watch(my, k, estimate, truth):
+    my.total += abs(estimate - truth)
+
+
+def result(my):
+    return my.total / my.rounds

@@ -1,0 +1,131 @@
+"""A metric file, read and held against the contract: see docs/metrics.md."""
+
+import ast
+import functools
+import types
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.basics.doors import Door
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import plain
+
+DOOR = Door("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
+FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
+MAY_HAVE = {"after": 2}  # of the metrics of a swarm
+GIVEN = ("low", "high", "delta", "rounds", "robots")  # what each record holds before `begin`
+RESERVED = (  # names of the dataset
+    "setting", "trial", "robot", "checkpoint", "brain", "topology", "robots", "density", "side", "accuracy",
+    "assumed_accuracy", "fill_ratio", "floor", "link_success", "rounds", "observations_per_round", "fingerprint",
+    "half_width", "convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio",
+    "local_convergence_step", "local_convergence_error", "estimates", "trials", "failed", "end",
+)  # fmt: skip
+PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other names of the dataset
+
+
+@dataclass(frozen=True)
+class Metric:
+    """One metric file, found to keep the contract; nothing of it has been run."""
+
+    name: str  # a shipped metric's name, or the file's path as the user gave it
+    path: Path
+    source: str
+    fields: tuple[str, ...]  # of its record, beside GIVEN
+    unit: str
+    meaning: str
+    of_swarm: bool  # one record a swarm, not one a robot
+    uses: frozenset[str]  # which of GIVEN it looks at
+
+    @property
+    def variable(self) -> str:
+        """What it is called in the dataset."""
+        return variable_of(self.name)
+
+    @functools.cached_property
+    def sha256(self) -> str:
+        """The hash of the source, as stored with results."""
+        return plain.digest(self.source)
+
+    @functools.cached_property
+    def functions(self) -> types.ModuleType:
+        """The file itself, run by CPython. Raises InputError."""
+        return plain.loaded(plain.checked(self.source, "metric", self.path)[0], "metric", self.path)
+
+    def record(self, **given: float) -> Any:
+        """A record for CPython, of what is GIVEN: it can hold the metric's fields and nothing else."""
+        one = type("Record", (), {"__slots__": (*GIVEN, *self.fields)})()
+        for name, value in given.items():
+            setattr(one, name, value)
+        return one
+
+
+def variable_of(name: str) -> str:
+    """The variable of a metric of this name."""
+    return Path(name).name.removesuffix(".py").replace("-", "_")
+
+
+def load(name: str | Path, base: Path | None = None) -> Metric:
+    """Read a metric by its name, shipped or of another package, or a metric file by its path, relative to `base`.
+
+    Raises InputError where the file is not there or breaks the contract.
+    """
+    path = find(name, base)
+    return parse(plain.read_source("metric", path), str(name), path)
+
+
+def find(name: str | Path, base: Path | None = None) -> Path:
+    """Where a metric's file is. Raises InputError where there is none."""
+    return plain.find(DOOR, str(name), base)
+
+
+@functools.lru_cache(maxsize=256)
+def parse(source: str, name: str, path: Path) -> Metric:
+    """Check a metric's source against the contract; it is not run. Raises InputError."""
+
+    def bad(what: str, node: ast.stmt | ast.expr | None = None) -> InputError:
+        return InputError(f"metric file {path}{f', line {node.lineno}' if node else ''}: {what}")
+
+    tree, constants = plain.checked(source, "metric", path)
+    functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+    for known, arity in (FUNCTIONS | MAY_HAVE).items():
+        if known not in functions:
+            if known in FUNCTIONS:
+                raise bad(f"the function {known} is missing")
+            continue
+        found = len(functions[known].args.args) + len(functions[known].args.posonlyargs)
+        if found != arity or functions[known].args.kwonlyargs:
+            raise bad(f"{known} takes {found} arguments: {arity} are right", functions[known])
+    says = {}
+    for key, example in (("UNIT", '"rounds"'), ("MEANING", '"first round in the correct bin for good"')):
+        value = constants.get(key)
+        if not isinstance(value, str) or not value.strip() or not value.isprintable():
+            raise bad(f"{key} is missing: a text such as {example}")
+        says[key] = value
+    variable = variable_of(name)
+    if not plain.is_name(variable):
+        raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can")
+    if variable in RESERVED or variable.startswith(PREFIXES):
+        raise bad(f"the name {variable!r} is taken in the results: call the file otherwise")
+    fields = dict.fromkeys(attribute.attr for attribute in _of_record(functions["begin"], ast.Store))
+    for known in (*FUNCTIONS, *MAY_HAVE):
+        for attribute in _of_record(functions[known]) if known in functions else ():
+            if isinstance(attribute.ctx, ast.Store) and attribute.attr in GIVEN:
+                raise bad(f"{known} sets {attribute.attr}, which is given", attribute)
+            if attribute.attr not in fields and attribute.attr not in GIVEN:
+                where = f"its record has {', '.join((*fields, *GIVEN))}"
+                raise bad(f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute)
+    uses = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & {*GIVEN}
+    of_swarm = "after" in functions
+    return Metric(name, path, source, tuple(fields), says["UNIT"], says["MEANING"], of_swarm, frozenset(uses))
+
+
+def _of_record(function: ast.FunctionDef, kind: type = ast.expr_context) -> Iterator[ast.Attribute]:
+    """Where a function names a field of its first argument."""
+    record = (function.args.posonlyargs + function.args.args)[0].arg
+    for node in ast.walk(function):
+        if not isinstance(node, ast.Attribute) or not isinstance(node.ctx, kind):
+            continue
+        if isinstance(node.value, ast.Name) and node.value.id == record:
+            yield node
