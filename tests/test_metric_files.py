@@ -318,6 +318,7 @@ BAD = {
     "no-meaning": (MINE.replace("MEANING", "SAYS"), "MEANING is missing"),
     "field": (MINE.replace("return my.last", "return my.lost"), "line 16: result uses lost, which begin does not set"),
     "given": (MINE.replace("my.last = 0.0", "my.rounds = 0.0"), "line 8: begin sets rounds, which is given"),
+    "nothing": (MINE.replace("return my.last", "return"), "line 15: result returns no number"),
     "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import math alone"),
     "calls": (MINE.replace("= estimate", "= open('x')"), "line 12: watch calls open: a metric may call its own"),
     "syntax": (MINE.replace("def begin(my):", "def begin(my)"), "line 7: not Python"),
@@ -365,11 +366,12 @@ def test_bad_names_are_told(names, message, tmp_path, monkeypatch, capsys):
     ("change", "message"),
     [
         (("= estimate", "= 1.0 / (k - 7)"), "fails in trial 0 of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: "
-         "ZeroDivisionError: division by zero"),
+         "ZeroDivisionError: division by zero, at mine.py, line 13: my.last = 1.0 / (k - 7)"),
         (("return my.last", "return math.nan"), "its result is no number (of what never comes, infinity is right)"),
-        (("= estimate", "= 'much'"), "it cannot be compiled: "),
+        (("= estimate", "= 'much'"), "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
+        (("= estimate", "= begun + k"), "it cannot be compiled: NameError: name 'begun' is not defined, at mine.py"),
     ],
-    ids=["division", "nan", "uncompilable"],
+    ids=["division", "nan", "uncompilable", "unknown"],
 )  # fmt: skip
 def test_a_metric_that_fails_is_named(change, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -3,8 +3,10 @@
 import ast
 import hashlib
 import keyword
+import linecache
 import math
 import operator
+import traceback
 import types
 from collections.abc import Callable
 from pathlib import Path
@@ -79,6 +81,15 @@ def loaded(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
     except Exception as error:
         raise InputError(f"{kind} file {path}: fails when it is loaded: {error!r}") from error
     return module
+
+
+def line_of(error: BaseException, path: Path) -> str:
+    """Where in this file an error came up, as ", at my_brain.py, line 12: x = 1 / me.n"; empty where it did not."""
+    for frame in reversed(traceback.extract_tb(error.__traceback__)):
+        if frame.filename == str(path):
+            line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
+            return f", at {frame.filename}, line {frame.lineno}: {line}"
+    return ""
 
 
 def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:

@@ -97,6 +97,9 @@ def parse(source: str, name: str, path: Path) -> Metric:
         found = len(functions[known].args.args) + len(functions[known].args.posonlyargs)
         if found != arity or functions[known].args.kwonlyargs:
             raise bad(f"{known} takes {found} arguments: {arity} are right", functions[known])
+    given_back = [node for node in ast.walk(functions["result"]) if isinstance(node, ast.Return)]
+    if not given_back or any(node.value is None for node in given_back):
+        raise bad("result returns no number", functions["result"])
     says = {}
     for key, example in (("UNIT", '"rounds"'), ("MEANING", '"first round in the correct bin for good"')):
         value = constants.get(key)

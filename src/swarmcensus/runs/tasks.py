@@ -13,6 +13,7 @@ from swarmcensus.results.values import Piece, columns
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, blame, run_batch, seconds, walk_seconds
+from swarmcensus.simulation.watching import MetricFails
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -157,8 +158,9 @@ def run_bundle(
             parts = _parts(task)
             if len(parts) == 1:
                 known = {one.setting for one in outcome if isinstance(one, Failure)}
-                first = task.settings[0]  # one line a setting: CPython is slow
-                where = "" if first in known else line_of_failure(settings[first], seed, task.first)
+                first = task.settings[0]
+                told = first in known or isinstance(error, MetricFails)  # one line a setting: CPython is slow
+                where = "" if told else line_of_failure(settings[first], seed, task.first)
                 outcome += [Failure(n, task.first, f"{error}{where}") for n in task.settings]
             else:
                 outcome += run_bundle(settings, seed, tuple(parts), metrics, stop)

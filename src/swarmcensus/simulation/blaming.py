@@ -1,13 +1,12 @@
 """Which line of a brain fails: its trial again in CPython, for machine code does not say."""
 
-import linecache
-import traceback
 from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from swarmcensus import brains
+from swarmcensus.brains.plain import line_of
 from swarmcensus.engine.compiler import compile_brain
 from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation.inputs import inputs_of
@@ -29,10 +28,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
     try:
         _live(setting, seed, trial)
     except Exception as error:
-        for frame in reversed(traceback.extract_tb(error.__traceback__)):
-            if frame.filename == str(setting.brain.path):
-                line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
-                return f", at {frame.filename}, line {frame.lineno}: {line}"
+        return line_of(error, setting.brain.path)
     return ""
 
 

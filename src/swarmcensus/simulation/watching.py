@@ -5,17 +5,24 @@ from collections.abc import Iterable
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.brains.plain import line_of
 from swarmcensus.engine.compiler import blank_record, compile_metric
-from swarmcensus.metrics import Metric
+from swarmcensus.metrics import GIVEN, Metric
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.studies.settings import Setting
+
+MOST_SHOWN = 1_000_000  # estimates, to CPython
+
+
+class MetricFails(InputError):
+    """A metric that fails, or that cannot be compiled."""
 
 
 class Watch:
     """One metric on one trial."""
 
     def __init__(self, metric: Metric, setting: Setting, trial: int, truth: float, delta: float, bins: int) -> None:
-        """Make room for its records. Raises InputError where it cannot be compiled."""
+        """Make room for its records."""
         self.metric, self.truth = metric, truth
         self.where = f"trial {trial} of {setting}"
         low, high = right_bin(truth, bins)
@@ -24,7 +31,7 @@ class Watch:
         self.out = np.empty(self.records.size)
 
     def see(self, rows: np.ndarray, first: int) -> None:
-        """Look at estimates (round, robot) from round `first` on. Raises InputError where the metric fails."""
+        """Look at estimates (round, robot) from round `first` on. Raises MetricFails."""
         try:
             module = compile_metric(self.metric)
             module.follow(self.blank, self.records, rows, first, self.truth, self.out)
@@ -33,13 +40,32 @@ class Watch:
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
                 what = f"it cannot be compiled: {_told(text)}"
-            raise InputError(f"metric {self.metric.name!r} fails in {self.where}: {what}") from error
+            where = f"{self.where}: {what}{self._line(rows) if first == 1 else ''}"
+            raise MetricFails(f"metric {self.metric.name!r} fails in {where}") from error
+
+    def _line(self, rows: np.ndarray) -> str:
+        """Where in its file the metric fails, by CPython, which is not asked for very much."""
+        functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
+        try:
+            records = [self.metric.record(**given) for _ in self.records]
+            for my in records:
+                functions.begin(my)
+            for k, row in enumerate(rows[: MOST_SHOWN // rows.shape[1] + 1].tolist(), start=1):
+                for i, x in enumerate(row):
+                    functions.watch(records[min(i, len(records) - 1)], k, x, self.truth)
+                if self.metric.of_swarm:
+                    functions.after(records[0], k)
+            for my in records:
+                functions.result(my)
+        except Exception as error:
+            return line_of(error, self.metric.path)
+        return ""
 
     @property
     def result(self) -> np.ndarray:
-        """What came of it: (1, robot), or (1,) of a swarm. Raises InputError where it is no number."""
+        """What came of it: (1, robot), or (1,) of a swarm. Raises MetricFails where it is no number."""
         if np.isnan(self.out).any():
-            raise InputError(
+            raise MetricFails(
                 f"metric {self.metric.name!r} fails in {self.where}: its result is no number (of what never comes, "
                 "infinity is right)"
             )
@@ -47,12 +73,13 @@ class Watch:
 
 
 def _told(text: str) -> str:
-    """What of Numba's message tells most: its last line that is not of a place."""
-    lines = [line.strip() for line in text.splitlines() if line.strip()]
-    said = [line for line in lines if not line.startswith(("File ", "During", "<source", "^", "-"))]
-    return next((line for line in said if "not" in line.lower() or "invalid" in line.lower()), said[0] if said else "")
+    """What of Numba's message tells most: its first line that is not of how it works or of a place."""
+    lines = [line.strip(" -\t") for line in text.splitlines()]
+    idle = ("Failed in nopython", "No implementation of function", "There are", "During:", "File ", "<source", "^")
+    said = [line for line in lines if line and not line.startswith(idle)]
+    return said[0] if said else text
 
 
 def results_of(watches: Iterable[Watch]) -> dict[str, np.ndarray]:
-    """What came of a trial, by the metrics' variables. Raises InputError where one is no number."""
+    """What came of a trial, by the metrics' variables. Raises MetricFails where one is no number."""
     return {watch.metric.variable: watch.result for watch in watches}
