@@ -12,8 +12,8 @@ from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, black_tables
 from swarmcensus.engine.random import address, block, counter, words
 from swarmcensus.simulation.trials import record_trial
-from swarmcensus.worlds import floors
 from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests import reference
@@ -301,7 +301,7 @@ def test_noise_is_of_trial_and_tile():
     tiles = np.array([[[0, 0], [-3, 5]], [[5, -3], [2, 2]]], np.int32)
     for trial in (0, 4):
         expected = [[reference.tile_unit(key, trial, 0, *tile)[0] for tile in row] for row in tiles.tolist()]
-        assert (floors.noise(tiles, key, trial) == np.array(expected)).all()
+        assert (Chance(key, trial).noise(tiles) == np.array(expected)).all()
 
 
 def test_fields_are_weighted_sums_of_nodes():

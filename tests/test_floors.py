@@ -18,9 +18,12 @@ from swarmcensus.results import selecting
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.worlds import floors
+from swarmcensus.worlds import ground
 from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.patterns import MOST_PIXELS, Floor, parse_floor, read_image
+from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.floors import clusters
+from swarmcensus.worlds.patterns import Floor, parse_floor
+from swarmcensus.worlds.pictures import MOST_PIXELS, read_image
 from tests.conftest import beliefs_of
 
 FILLS = (0.0, 0.05, 0.55, 0.95, 1.0)
@@ -78,7 +81,7 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             allowed = chance
         elif setting.floor.kind == "stripes":
             width = setting.arena_side - 2 * setting.body.radius
-            allowed = chance + fill_ratio * (1 - fill_ratio) * setting.floor.length / width
+            allowed = chance + fill_ratio * (1 - fill_ratio) * dict(setting.floor.keys)["length"] / width
         for trial in range(3):
             assert abs(setting.ground(1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
@@ -96,8 +99,8 @@ def test_the_true_fill_ratio_is_that_of_the_tiles_in_reach(robots, density, ahea
 
 
 def test_of_very_many_tiles_a_regular_grid_is_counted():
-    every = floors.reachable(3.0, 0.07, 0.06, 0.01)[0]
-    some = floors.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
+    every = ground.reachable(3.0, 0.07, 0.06, 0.01)[0]
+    some = ground.reachable(3.0, 0.07, 0.06, 0.01, most=1000)[0]
     assert len(some) <= 1000 < len(every)
     assert {tuple(t) for t in some} < {tuple(t) for t in every}
     steps = np.diff(np.unique(some[:, 0]))
@@ -109,7 +112,7 @@ def test_of_very_many_tiles_a_regular_grid_is_counted():
 @given(st.lists(st.floats(-10, 10), min_size=1, unique=True), st.floats(0, 1))
 def test_a_quantile_has_its_share_below(scores, share):
     scores = np.array(scores)
-    assert (scores < floors.quantile(scores, share)).sum() == round(share * len(scores))
+    assert (scores < ground.quantile(scores, share)).sum() == round(share * len(scores))
 
 
 def test_a_sensor_meets_the_share_that_is_there(untraced):
@@ -150,7 +153,7 @@ def test_independent_tiles_have_the_colours_that_they_always_had():
 @pytest.mark.parametrize("length", [0.02, 0.03, 0.05, 0.2, 0.21, 0.333, 1.5])
 def test_the_kernel_has_the_correlation_that_is_asked_for(length):
     """exp(-(d / length)^2), from every place between two nodes and at every distance, but for the kernel's cut-off."""
-    weights = floors.kernel(length, 0.01)
+    weights = clusters.kernel(length, 0.01)
     apart, taps = weights.shape
     np.testing.assert_allclose((weights**2).sum(axis=1), 1.0, rtol=1e-12)
     reach = math.ceil(2.5 * length / 0.01)
@@ -197,7 +200,7 @@ def test_clusters_are_a_normal_field_of_that_correlation():
 def test_nodes_that_are_not_kept_are_the_same_numbers(monkeypatch):
     setting = setting_of({"clusters": 0.07}, robots=1, density=1.0)
     kept = field_of(setting, 1, 2)
-    monkeypatch.setattr(floors, "MOST_NODES", 0)
+    monkeypatch.setattr(clusters, "MOST_NODES", 0)
     assert (field_of(setting, 1, 2) == kept).all()
     monkeypatch.undo()
     far = np.array([[[-4000, 70_000], [3, 4]]], np.int32)  # beyond the walls
@@ -229,7 +232,7 @@ def test_stripes_have_their_period_width_and_an_axis_and_phase_of_each_trial(per
         wave = np.exp(-2j * np.pi * x / period)
         whole = slice(0, int(int(n * 0.01 / period) * period / 0.01 + 0.5))
         phases.append(np.angle((line[whole] * wave[whole]).mean()) / (2 * np.pi) % 1)
-        phase = floors.lots(setting.floor_key(1), trial)[1]
+        phase = Chance(setting.floor_key(1), trial).uniform(2)[1]
         assert np.abs(line - covered(x, period, share, phase)).max() < SIGMAS * math.sqrt(0.25 / n)
     assert 8 < sum(axes) < 32  # of 40 coins, but once in 20,000
     assert stats.kstest(phases, "uniform").pvalue > 1e-4
@@ -480,18 +483,26 @@ floor = FLOOR
 @pytest.mark.parametrize(
     ("floor", "said"),
     [
-        ('"checks"', 'world.floor = "checks": a floor is one of "tiles", "half", {clusters = 0.2}'),
+        (
+            '"checks"',
+            'world.floor = "checks": a floor is one of {clusters = 0.2}, "half", {image = "leaves.png", '
+            'mode = "threshold"}, {stripes = 0.5}, "tiles"',
+        ),
         ("3", "world.floor = 3: a floor is one of"),
-        ("{clusters = 0.2, stripes = 1}", "a floor is one of"),
-        ("{clusters = 0}", "clusters have a length in metres, above 0 and at most 1000"),
-        ("{clusters = true}", "clusters have a length in metres"),
-        ("{stripes = nan}", "stripes have a length in metres"),
-        ('{stripes = "wide"}', "stripes have a length in metres"),
+        ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
+        ("{clusters = 0}", "world.floor = {clusters = 0}: floor clusters: length = 0: should be greater than 0"),
+        ("{clusters = 1001}", "length = 1001: should be less than or equal to 1000"),
+        ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
+        ("{half = 2}", 'floor half: it has no keys: write "half"'),
+        ("{clusters = 1, length = 2}", "floor clusters: clusters is its length"),
+        ("{clusters = true}", "length = True: should be a valid number"),
+        ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
+        ('{stripes = "wide"}', "length = 'wide': should be a valid number"),
         ("{clusters = 0.015}", "world.floor = {clusters = 0.015}: should be at least two tiles, 0.02 m"),
         ('["tiles", "tiles"]', "a value stands twice in a list"),
         ("[]", "world.floor = []: should be a list of at least one"),
-        ('{image = "a.png", mode = "blur"}', "the mode of an image is one of threshold, dither"),
-        ('{image = "a.png", moed = "dither"}', "a floor is one of"),
+        ('{image = "a.png", mode = "blur"}', "mode = 'blur': should be 'threshold' or 'dither'"),
+        ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'? it has image, mode"),
         ("{image = 3}", "an image is the path of a PNG file"),
         ('{image = "none.png"}', "none.png: there is no such file"),
         ('{image = "text.png"}', "text.png: not a PNG file"),
@@ -531,5 +542,5 @@ def test_the_default_body_sees_all_but_a_rim():
     setting = setting_of("tiles", density=1.0)
     assert Floor() == setting.floor
     assert Body().sensor == setting.body.sensor
-    reached = floors.reachable(setting.arena_side / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
+    reached = ground.reachable(setting.arena_side / 2, Body().radius, math.hypot(*Body().sensor), Body().tile)
     assert reached.shape[1] == within_reach(setting).sum()

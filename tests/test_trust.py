@@ -15,7 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.results.values import EVERY
 from swarmcensus.runs import verifying
-from swarmcensus.worlds import networks, patterns
+from swarmcensus.worlds import networks, pictures
 
 DATA = Path(__file__).parent / "data"
 PLAIN = """
@@ -355,7 +355,7 @@ class TestNothingElseIsOpened:
         monkeypatch.chdir(tmp_path)
         for file in ("office.csv", "leaf.png"):
             shutil.copy(DATA / file, tmp_path / f"other-{file}")
-        for module, name in ((networks, "read_edges"), (patterns, "read_image")):
+        for module, name in ((networks, "read_edges"), (pictures, "read_image")):
             monkeypatch.setattr(module, name, lambda path: pytest.fail(f"{path} was opened"))
         return tmp_path
 

@@ -1,6 +1,7 @@
 """Doors: how an addition is found by its name, as a file of ours or as another package's entry point."""
 
 import functools
+import hashlib
 import importlib
 import importlib.util
 import inspect
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 Keys = tuple[tuple[str, Any], ...]  # an addition's own keys and their values, in the order in which it names them
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Door:
     """A kind of addition: where ours lie, and the group of entry points through which others come in.
 
@@ -60,6 +62,7 @@ class Door:
         """Whether there is one of this name; other packages are looked through only where it is not ours."""
         return name in self.shipped or name in self.outside
 
+    @functools.cache  # noqa: B019 (doors are few, and live as long as the program)
     def module(self, name: str) -> Any:
         """What the name stands for, imported. Raises InputError where it cannot be."""
         if name in self.shipped:
@@ -69,6 +72,11 @@ class Door:
             return entry.load()
         except Exception as error:
             raise InputError(f"{self.what} {name!r}, {entry.value} of {_package(entry)}: {error!r}") from error
+
+    @functools.cache  # noqa: B019
+    def digest(self, name: str) -> str:
+        """A hash of another package's file, so that results of two editions of it are told apart; of ours nothing."""
+        return "" if name in self.shipped else hashlib.sha256(self.path(name).read_bytes()).hexdigest()
 
     def path(self, name: str) -> Path:
         """Where its file lies, which is not run. Raises InputError where there is none."""
@@ -106,16 +114,39 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
     """A function's keyword-only arguments, checked, with its defaults. Raises ValueError with what would be right."""
     from pydantic import ValidationError
 
-    model = keys_of(function)
+    try:
+        model = keys_of(function)
+    except Exception as error:
+        raise InputError(f"{what}: its keys cannot be told: {error!r}") from error
     try:
         checked = model.model_validate(dict(given), context=context)
     except ValidationError as error:
         first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
         key, known = ".".join(map(str, first["loc"])), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
-            raise ValueError(f"{what} has no key {key}: {f'it has {known}' if known else 'it has none'}") from None
+            has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
+            raise ValueError(f"{what} has no key {key}: {has}") from None
         if first["type"] == "missing":
             raise ValueError(f"{what} needs the key {key}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
         raise ValueError(f"{what}: {key} = {first['input']!r}: {message}") from None
-    return tuple((name, getattr(checked, name)) for name in model.model_fields)
+    return tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
+
+
+def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
+    """The keys of a function that need not be given, and what they then are."""
+    fields = keys_of(function).model_fields.items()
+    return {name: _frozen(field.default) for name, field in fields if not field.is_required()}
+
+
+def text_of(value: Any) -> str:
+    """A key's value as datasets show it: of numbers twelve digits, of pictures their name."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, tuple):
+        return f"[{','.join(map(text_of, value))}]"
+    return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(map(_frozen, value)) if isinstance(value, list | tuple) else value

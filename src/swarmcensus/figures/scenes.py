@@ -13,7 +13,7 @@ from swarmcensus.results.origins import setting_of
 from swarmcensus.results.replaying import replay
 from swarmcensus.results.store import load
 from swarmcensus.studies.settings import Setting
-from swarmcensus.worlds.floors import tiles_across
+from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.networks import MOVING
 
 MOST_TILES = 4000  # from wall to wall; beyond it a floor is even grey

@@ -24,8 +24,8 @@ def mixed(fill: float) -> Explanation:
 
     def explain(_: Evidence, details: Sequence[Detail]) -> str:
         ahead, behind = _sides(details)
-        spread = parse_accuracy(MIXED).black
-        drawn = spread.a + (spread.b - spread.a) * (np.arange(10_000) + 0.5) / 10_000
+        low, high = parse_accuracy(MIXED).black.numbers
+        drawn = low + (high - low) * (np.arange(10_000) + 0.5) / 10_000
         said = [f"Beyond the margin, the heterogeneous swarm is {_parts(('ahead', ahead), ('behind', behind))}."]
         said.append(
             f"The mean of {MIXED} is {drawn.mean():.2f}, but robots are weighted by the Fisher information of their "

@@ -94,16 +94,16 @@ def accuracy_of(text: str) -> Accuracy | Misjudgement:
 
 
 def _sides(accuracy: Accuracy) -> tuple[float, float]:
-    return accuracy.black.a, (accuracy.white or accuracy.black).a
+    return accuracy.black.numbers[0], (accuracy.white or accuracy.black).numbers[0]
 
 
 def _fixed(accuracy: Accuracy) -> bool:
-    return accuracy.black.kind == (accuracy.white or accuracy.black).kind == "fixed"
+    return accuracy.black.is_number and (accuracy.white or accuracy.black).is_number
 
 
 def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, belief: str) -> float | None:
     if isinstance(assumed, Misjudgement):
-        return assumed.error.a if assumed.error.kind == "fixed" else None
+        return assumed.error.numbers[0] if assumed.error.is_number else None
     if not (_fixed(assumed) and _fixed(true)):
         return None
     black, white = (round(a - t, 9) for a, t in zip(_sides(assumed), _sides(true), strict=True))

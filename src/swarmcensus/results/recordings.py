@@ -9,7 +9,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
-from swarmcensus.worlds.networks import is_header, read_edges
+from swarmcensus.worlds.edge_lists import is_header, read_edges
 
 ACCURACY_HEADERS = ("b,w", "b", "accuracy")
 CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}

@@ -12,7 +12,7 @@ from swarmcensus.simulation.trials import Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watching import Watch, results_of
 from swarmcensus.studies.settings import Setting
-from swarmcensus.worlds.floors import tiles_across
+from swarmcensus.worlds.arena import tiles_across
 
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 

@@ -9,6 +9,7 @@ from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables
+from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.faults import Fault
 
@@ -37,7 +38,7 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if grid.moves:
             _check_moving(grid)
     _check_faults(tables, grids, all_used)
-    pictures = [f.picture for grid in grids if grid.moves for f in grid.world.floor or () if f.picture]
+    pictures = [p for grid in grids if grid.moves for floor in grid.world.floor or () for p in floor.pictures]
     sources: dict[str, str] = {}
     for picture in pictures:
         if sources.setdefault(picture.name, picture.source) != picture.source:
@@ -126,8 +127,7 @@ def _check_moving(grid: Grid) -> None:
             f"{grid.key('density')} is missing: robots that move need a swarm density, such as 1, or the side of "
             "their arena in metres (side)"
         )
-    for floor in world.floor or ():
-        floor.check(world.body.tile)
+    arenas = []
     for robots, (key, value, density) in _sizes(grid):
         if density > arena.largest_density(robots, world.body):
             if key == "side":
@@ -141,6 +141,13 @@ def _check_moving(grid: Grid) -> None:
             raise ValueError(
                 f"{grid.key(key)} = {value}: the arena is {across:.2g} tiles wide; {MOST_TILES:,} is the most"
             )
+        arenas.append(arena.Arena(arena.side(robots, density, world.body), world.body.tile))
+    for floor in world.floor or ():
+        try:
+            for one in dict.fromkeys(arenas):
+                floor.check(one)
+        except ValueError as error:
+            raise ValueError(f"{grid.key('floor')} = {to_toml_value(floor.form)}: {error}") from None
 
 
 def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:

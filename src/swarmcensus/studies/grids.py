@@ -10,7 +10,6 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Case, Schedule, Swarm, World
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.faults import Fault
-from swarmcensus.worlds.networks import MOVING
 from swarmcensus.worlds.patterns import Floor
 
 SIZES = {"density", "side"}  # of an arena: a case that gives one takes it in place of the other
@@ -36,12 +35,12 @@ class Grid:
     @property
     def moves(self) -> bool:
         """Whether some of its robots move."""
-        return any(t.name == MOVING for t in self.world.topology)
+        return any(t.moves for t in self.world.topology)
 
     @property
     def stands(self) -> bool:
         """Whether some of its networks are fixed."""
-        return any(t.name != MOVING for t in self.world.topology)
+        return any(not t.moves for t in self.world.topology)
 
     @property
     def lengths(self) -> set[int]:
@@ -65,7 +64,7 @@ class Grid:
     def count(self) -> int:
         """How many settings there are."""
         world, schedule = self.world, self.schedule
-        moving = sum(t.name == MOVING for t in world.topology)
+        moving = sum(t.moves for t in world.topology)
         fixed = len(world.topology) - moving
         return math.prod(len(values) for values in self._lists if values is not world.topology) * (
             fixed * len(schedule.rounds) * len(schedule.observations_per_round)
@@ -86,7 +85,7 @@ class Grid:
             for robots in self.swarm.robots
         }
         for brain, topology, robots, *others in itertools.product(*self._lists):
-            for length in moving[robots] if topology.name == MOVING else fixed:
+            for length in moving[robots] if topology.moves else fixed:
                 yield Setting(brain, topology, robots, *others, *length)
 
 

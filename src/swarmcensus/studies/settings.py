@@ -14,7 +14,7 @@ from swarmcensus.engine.random import address
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault, stops
-from swarmcensus.worlds.floors import Ground
+from swarmcensus.worlds.ground import Ground
 from swarmcensus.worlds.networks import Links, Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
@@ -89,7 +89,7 @@ class Setting:
 
     def fingerprint(self, seed: int) -> str:
         """The address of names and of all that a trial's numbers depend on: alike where settings are, in any study."""
-        content = (
+        content: tuple[object, ...] = (
             self.brain.name,
             self.brain.sha256,
             self.topology.content,
@@ -105,7 +105,15 @@ class Setting:
             [fault.model_dump() for fault in self.faults],
             self.floor and [str(self.floor), self.floor.content],
         )
+        if self.editions:
+            content = (*content, self.editions)
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
+
+    @property
+    def editions(self) -> list[str]:
+        """Hashes of other packages' files that it uses."""
+        parts = (self.topology, self.accuracy, self.assumed_accuracy, self.floor)
+        return [part.edition for part in parts if part is not None and part.edition]
 
     def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
         """The address of what the robots' sensors say."""

@@ -17,7 +17,7 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables, explain
 from swarmcensus.studies.toml_text import plain, read_toml, to_toml
 from swarmcensus.worlds.networks import Topology
-from swarmcensus.worlds.patterns import Picture
+from swarmcensus.worlds.pictures import Picture
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 1_000_000
@@ -129,7 +129,7 @@ class Study:
     def pictures(self) -> list[Picture]:
         """The images of all settings' floors, each file once."""
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
-        return list({f.picture.source: f.picture for f in floors if f.picture}.values())
+        return list({p.source: p for floor in floors for p in floor.pictures}.values())
 
     @property
     def checkpoints(self) -> list[int]:

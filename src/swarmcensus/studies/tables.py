@@ -29,7 +29,6 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds.bodies import Body, Number
 from swarmcensus.worlds.faults import Fault
-from swarmcensus.worlds.networks import MOVING
 
 
 class _Table(BaseModel):
@@ -115,7 +114,7 @@ class Tables(_Table):
     def _times_in_ticks(self) -> Self:
         tick = self.world.body.tick
         topologies = [*self.world.topology, *(t for case in self.case for t in case.topology or ())]
-        common = tick if all(t.name == MOVING for t in topologies) else None  # of what holds for all settings
+        common = tick if all(t.moves for t in topologies) else None  # of what holds for all settings
 
         def converted(table: Any, key: str, where: str, tick: float | None) -> Any:
             values = getattr(table, key)

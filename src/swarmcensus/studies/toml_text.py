@@ -15,7 +15,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import Metric
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.patterns import Floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement, Spread
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+from swarmcensus.worlds.spreading import Spread
 
 MOST_BITS = 10_000  # of a number that is printed in decimals
 

@@ -4,10 +4,42 @@ Swarm density is D = N pi r^2 / L^2, with r the radio range and L the side (pape
 """
 
 import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field
 
 from swarmcensus.worlds.bodies import Body
 
+Length = Annotated[float, Field(gt=0.0, le=1000.0, description="metres")]
+Tiles = NDArray[np.int32]  # (tick, robot, 2): column and row, counted from the arena's centre
+Scores = NDArray[np.floating[Any]]  # (tick, robot)
+Score = Callable[[Tiles], Scores]
+Paint = Callable[[Tiles], NDArray[np.bool_]]
+
+MOST_COUNTED = 10_000_000  # tiles; of more, a regular grid of as many stands for all
 COVERED = 0.45  # of the floor by bodies: beyond it, robots placed at random soon find no room
+
+
+@dataclass(frozen=True)
+class Arena:
+    """A square of this inner side on tiles of this width, in metres; its centre is a corner of four tiles."""
+
+    side: float
+    tile: float
+
+    @property
+    def across(self) -> int:
+        """How many tiles lie in a row, from wall to wall."""
+        return tiles_across(self.side, self.tile)
+
+
+def tiles_across(side: float, tile: float) -> int:
+    """Return how many tiles of width `tile` (metres) cover `side` (metres) from wall to wall: an even number."""
+    return 2 * math.ceil(side / 2.0 / tile)
 
 
 def side(robots: int, density: float, body: Body) -> float:

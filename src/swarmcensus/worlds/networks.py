@@ -1,36 +1,28 @@
 """Static communication topologies: who hears whom, for the whole of a trial.
 
-Full, ring, line and scale-free are the paper's (Sec. IV-B); any edge list and any networkx graph or
-generator will do as well.
+A topology has a name (see `worlds.topologies`), or is any edge list, or any networkx graph or generator.
 """
 
-import csv
 import functools
 import hashlib
 import json
-import operator
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.doors import Keys
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 from swarmcensus.engine.random import address
-from swarmcensus.worlds import generators
-from swarmcensus.worlds.generators import WEIGHTS
+from swarmcensus.worlds import generators, wiring
+from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.edge_lists import edges_of, read_edges
+from swarmcensus.worlds.wiring import DOOR, Heard, heard
 
-MOVING = "moving"  # robots that move hear whom they meet: see arena.py
-NAMED = ("full", "ring", "line", "scale-free", MOVING)
-DIGITS = 18  # of a number in an edge list: more would not fit 64 bits
-FORMS = (
-    f'one of {", ".join(NAMED)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
-    'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
-)
+MOVING = "moving"  # robots that move hear whom they meet: datasets know them by this name
 
 
 @dataclass(frozen=True)
@@ -45,16 +37,18 @@ class Links:
 
 @dataclass(frozen=True)
 class Topology:
-    """A communication topology: a name of the paper's, a list of edges, or a networkx generator.
+    """A communication topology: one of a name, a list of edges, or a networkx generator.
 
     Of a directed edge (u, v), v hears u. A generator's graphs say themselves whether they are directed.
     """
 
-    name: str
+    name: str  # as in the dataset
     edges: tuple[tuple[int, int], ...] | None = None
     generator: tuple[str, str] | None = None  # the function's name, its arguments as JSON
     source: str = ""  # the edge list's file, for messages
     directed: bool = False  # the edges
+    keys: Keys = ()  # of a named one
+    kind: str = ""  # a named one's name, where keys are told beside it
 
     def __str__(self) -> str:
         """The name, as in the dataset."""
@@ -64,19 +58,43 @@ class Topology:
         """Quick for lists of millions of edges."""
         return hash((self.name, self._digest, self.generator))
 
+    @functools.cached_property
+    def named(self) -> str:
+        """The name of its file; empty for edges and generators."""
+        return (self.kind or self.name) if self.edges is None and self.generator is None else ""
+
+    @functools.cached_property
+    def moves(self) -> bool:
+        """Whether robots move instead."""
+        return bool(self.named) and getattr(DOOR.module(self.named), "MOVES", False)
+
+    @functools.cached_property
+    def _everyone(self) -> bool:
+        return bool(self.named) and getattr(DOOR.module(self.named), "EVERYONE", False)
+
+    @functools.cached_property
+    def _varies(self) -> bool:
+        return wiring.varies(self.named) if self.named else self.generator is not None
+
     @property
     def form(self) -> object:
         """As in a study file."""
         if self.generator is not None:
             return {"networkx": self.generator[0], **json.loads(self.generator[1])}
         if self.edges is None:
-            return self.name
+            return {"name": self.named, **dict(self.keys)} if self.keys else self.name
         return {"name": self.name, "edges": self.edges} | ({"directed": True} if self.directed else {})
 
     @property
     def content(self) -> object:
         """What the random numbers of this topology depend on."""
-        return [self.name, self._digest, self.generator, *(["directed"] if self.directed else [])]
+        others = [*(["directed"] if self.directed else []), *([dict(self.keys)] if self.keys else [])]
+        return [self.name, self._digest, self.generator, *others]
+
+    @functools.cached_property
+    def edition(self) -> str:
+        """What else its results depend on: a hash of another package's file."""
+        return DOOR.digest(self.named) if self.named else ""
 
     @functools.cached_property
     def _digest(self) -> str | None:
@@ -94,48 +112,35 @@ class Topology:
                 )
         if self.generator:
             generators.check(*self.generator, robots)
+        if self.named:
+            wiring.check(self.named, self.keys, robots)
+            if self.edition:  # tried once, so that what is wrong is told before anything runs
+                self.links(robots, 0, 0, 1, True, True)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
-        built_in = self.edges is None and self.generator is None
-        if self.name == "full" and built_in:
+        if self._everyone:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
-        if (self.name == "scale-free" and built_in) or self.generator:
+        if self._varies:
             key = address(seed, "topology", topology=self.content, robots=robots)
-            graphs = [self._random(robots, key, first_trial + k) for k in range(trials)]
+            graphs = [self._drawn(robots, Chance(key, first_trial + k)) for k in range(trials)]
         else:
-            graphs = [self._links(robots)]
+            graphs = [self._fixed(robots)]
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
         return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
 
     @functools.lru_cache(maxsize=8)  # noqa: B019 (topologies are few, and live as long as their study)
-    def _links(self, robots: int) -> tuple[np.ndarray, np.ndarray]:
-        return _heard(self._fixed(robots), self.directed)
-
-    def _fixed(self, robots: int) -> np.ndarray:
+    def _fixed(self, robots: int) -> Heard:
         if self.edges is not None:
-            return np.array(self.edges, np.int64).reshape(-1, 2)
-        line = np.stack([np.arange(robots - 1), np.arange(1, robots)], axis=1)
-        return np.concatenate([line, [[0, robots - 1]]]) if self.name == "ring" and robots > 2 else line
+            return heard(np.array(self.edges, np.int64).reshape(-1, 2), self.directed)
+        return wiring.links(self.named, self.keys, robots, None)
 
-    def _random(self, robots: int, key: np.ndarray, trial: int) -> tuple[np.ndarray, np.ndarray]:
+    def _drawn(self, robots: int, chance: Chance) -> Heard:
         if self.generator:
-            number = int(np.random.SeedSequence([*map(int, key), trial]).generate_state(1)[0])
-            edges, directed = generators.edges_of(*self.generator, robots, number)
-            return _heard(edges, directed)
-        return compile_world().random_tree(key, trial, robots)  # type: ignore[no-any-return]
-
-
-def _heard(edges: np.ndarray, directed: bool) -> tuple[np.ndarray, np.ndarray]:
-    """Edges as links (receivers, senders), each once, sorted by receiver and sender."""
-    if not edges.size:
-        return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
-    n = np.int64(edges.max()) + 1
-    heard = edges @ [1, n]  # receiver n + sender, of (sender, receiver)
-    links = np.sort(heard if directed else np.concatenate([edges @ [n, 1], heard]))
-    links = links[np.append(True, links[1:] != links[:-1])]
-    return (links // n).astype(np.uint32), (links % n).astype(np.uint32)
+            number = int(np.random.SeedSequence([*map(int, chance.key), chance.trial]).generate_state(1)[0])
+            return heard(*generators.edges_of(*self.generator, robots, number))
+        return wiring.links(self.named, self.keys, robots, chance)
 
 
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
@@ -146,9 +151,11 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     if isinstance(value, Topology):
         return value
     if isinstance(value, str):
-        if value in NAMED:
-            return Topology(value)
-        return _of_file(value, False, base, known)
+        if value in DOOR.shipped:
+            return _named(value, {})
+        if value in known or (base is not None and (base / value).is_file()) or value not in DOOR:
+            return _of_file(value, False, base, known)
+        return _named(value, {})
     if isinstance(value, Mapping):
         if "networkx" in value:
             arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
@@ -162,81 +169,49 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         if not isinstance(directed, bool):
             raise ValueError("directed is true or false")
         if set(value) - {"directed"} == {"name", "edges"}:
-            if value["name"] in NAMED:
+            if value["name"] in DOOR.shipped:
                 raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")
-            return Topology(str(value["name"]), _edges(value["edges"], directed), directed=directed)
+            return Topology(str(value["name"]), edges_of(value["edges"], directed), directed=directed)
         if set(value) - {"directed"} == {"file"} and isinstance(value["file"], str):
             return _of_file(value["file"], directed, base, known)
+        if isinstance(value.get("name"), str) and "edges" not in value:
+            return _named(value["name"], {k: v for k, v in value.items() if k != "name"})
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
-        name = f"{name} graph" if name in NAMED else name
-        return Topology(name, _edges(generators.numbered(value, own=True), directed), directed=directed)
-    raise ValueError(f"a topology is {FORMS}")
+        name = f"{name} graph" if name in DOOR.shipped else name
+        return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
+    raise ValueError(f"a topology is {_forms()}")
+
+
+def _named(name: str, given: dict[str, Any]) -> Topology:
+    if name not in DOOR:
+        raise ValueError(f"{did_you_mean(name, DOOR.names)}a topology is {_forms()}")
+    text, keys = wiring.read(name, given)
+    return Topology(text, keys=keys, kind="" if text == name else name)
+
+
+def _forms() -> str:
+    return (
+        f'one of {", ".join(DOOR.names)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
+        'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
+    )
 
 
 def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, Any]) -> Topology:
     if path in known:
         pairs = known[path]
     elif base is None:
-        raise ValueError("these edges are not here, and no file is opened that is only named here")
+        raise ValueError(
+            "these edges are not here, and no file is opened that is only named here; nor is a topology of this name"
+        )
     elif not (base / path).is_file():
-        raise ValueError(f"{did_you_mean(path, NAMED)}a topology is {FORMS}; there is no file {base / path}")
+        raise ValueError(f"{did_you_mean(path, DOOR.names)}a topology is {_forms()}; there is no file {base / path}")
     else:
         pairs = read_edges(base / path, weights=False)
         if not pairs:
             raise ValueError(f"{base / path} holds no edge: write edges = [] for robots without links")
-    return Topology(_file_name(path), _edges(pairs, directed), source=path, directed=directed)
+    return Topology(_file_name(path), edges_of(pairs, directed), source=path, directed=directed)
 
 
 def _file_name(path: str) -> str:
-    return Path(path).name if Path(path).stem in NAMED else Path(path).stem
-
-
-def _edges(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
-    try:
-        rows = [_pair(row) for row in pairs]
-    except TypeError:
-        raise ValueError("edges are pairs of robot numbers, from 0: [[0, 1], [1, 2]]") from None
-    loops = [i for i, j in rows if i == j]
-    if loops:
-        raise ValueError(f"edge ({loops[0]}, {loops[0]}) joins a robot to itself")
-    return tuple(sorted(set(rows if directed else [(min(row), max(row)) for row in rows])))
-
-
-def _pair(row: Any) -> tuple[int, int]:
-    if len(row) == 3:
-        raise ValueError(f"edge {list(row)} has three numbers: {WEIGHTS}")
-    i, j = row if len(row) == 2 else (-1, -1)
-    if isinstance(i, bool) or isinstance(j, bool) or min(i, j) < 0:
-        raise TypeError
-    return operator.index(i), operator.index(j)
-
-
-def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:
-    """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError.
-
-    Without `weights`, a third column is refused.
-    """
-    rows: list[tuple[int, ...]] = []
-    try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            for number, row in enumerate(csv.reader(file), start=1):
-                if not row or (number == 1 and is_header(row)):
-                    continue
-                if len(row) == 3 and not weights:
-                    raise InputError(f"{path}, line {number}: {','.join(row)!r} has a third column: {WEIGHTS}")
-                if not all(_is_whole(cell) for cell in row) or (rows and len(row) != len(rows[0])):
-                    raise InputError(f"{path}, line {number}: {','.join(row)!r}: not a row of whole numbers >= 0")
-                rows.append(tuple(int(cell) for cell in row))
-    except (OSError, UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: cannot be read as CSV: {error}") from error
-    return rows
-
-
-def is_header(row: list[str]) -> bool:
-    """Whether a first row names its columns: each begins with a letter."""
-    return all(cell.strip()[:1].isalpha() for cell in row)
-
-
-def _is_whole(cell: str) -> bool:
-    return cell.strip().isascii() and cell.strip().isdigit() and len(cell.strip()) <= DIGITS
+    return Path(path).name if Path(path).stem in DOOR.shipped else Path(path).stem

@@ -1,73 +1,133 @@
-"""What a floor looks like: independent tiles, clusters, stripes, one half, or a picture."""
+"""What a floor looks like, as a study says it: a kind of floor with its keys (see `worlds.floors`)."""
 
-import hashlib
-import math
-import warnings
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+import functools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from PIL import Image, UnidentifiedImageError
 
+from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
+from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.pictures import Picture
 
-LENGTHS = ("clusters", "stripes")  # kinds of floor that have a length
-MODES = ("threshold", "dither")
-LONGEST = 1000.0  # metres
-MOST_PIXELS = 1 << 24
-FORMS = (
-    'one of "tiles", "half", {clusters = 0.2}, {stripes = 0.5} (metres) and '
-    '{image = "leaves.png", mode = "threshold"} (or "dither")'
-)
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
 
-
-@dataclass(frozen=True)
-class Picture:
-    """The grey levels of an image file: (row, column), the top row first, 0 black to 65535 white."""
-
-    name: str
-    digest: str  # of the grey levels: what random numbers depend on, wherever the file lies
-    source: str = field(compare=False)  # the path, as in the study file
-    grey: np.ndarray = field(compare=False, repr=False)
+DOOR = Door("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
 
 
 @dataclass(frozen=True)
 class Floor:
-    """A kind of floor; `length` in metres is the clusters' correlation length or the stripes' period."""
+    """A kind of floor, with its own keys."""
 
     kind: str = "tiles"
-    length: float = 0.0
-    picture: Picture | None = None
-    mode: str = ""
+    keys: Keys = ()
+
+    @functools.cached_property
+    def _text(self) -> str:
+        usual = defaults_of(_function(self.kind))
+        shown = list(self.keys)
+        while shown and shown[-1][0] in usual and usual[shown[-1][0]] == shown[-1][1]:
+            shown.pop()
+        return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else self.kind
 
     def __str__(self) -> str:
-        """As in the dataset: "tiles", "clusters(0.2)", "stripes(0.5)", "half", "image(leaves)"."""
-        if self.picture is not None:
-            return f"image({self.picture.name}{'' if self.mode == MODES[0] else ',' + self.mode})"
-        return f"{self.kind}({self.length:.12g})" if self.kind in LENGTHS else self.kind
+        """As in the dataset: "tiles", "clusters(0.2)", "image(leaves)"; without the last keys that are as usual."""
+        return self._text
 
-    @property
+    @functools.cached_property
     def content(self) -> object:
-        """What the random numbers of this floor depend on."""
-        return [self.kind, self.length, self.picture and self.picture.digest, self.mode]
+        """What the random numbers of this floor depend on: its kind, and keys in the order in which they came to be."""
+        keys = {key: value.digest if isinstance(value, Picture) else value for key, value in self.keys}
+        first = [self.kind, keys.pop("length", 0.0), keys.pop("image", None), keys.pop("mode", "")]
+        return [*first, keys] if keys else first
+
+    @functools.cached_property
+    def edition(self) -> str:
+        """What else its results depend on: a hash of another package's file."""
+        return DOOR.digest(self.kind)
 
     @property
     def form(self) -> object:
         """As in a study file."""
-        if self.picture is not None:
-            return {"image": self.picture.source, "mode": self.mode}
-        return {self.kind: self.length} if self.kind in LENGTHS else self.kind
+        keys = {key: value.source if isinstance(value, Picture) else value for key, value in self.keys}
+        return {self.kind: keys.pop(self.keys[0][0]), **keys} if self.keys else self.kind
 
-    def check(self, tile: float) -> None:
-        """Raise ValueError where tiles of this side cannot show the floor."""
-        if self.kind == "clusters" and self.length < 2.0 * tile:
-            raise ValueError(
-                f"world.floor = {{clusters = {self.length:g}}}: should be at least two tiles, {2.0 * tile:g} m; "
-                'without clusters the floor is "tiles"'
-            )
+    @property
+    def pictures(self) -> list[Picture]:
+        """The images that it is made from."""
+        return [value for _, value in self.keys if isinstance(value, Picture)]
+
+    def check(self, arena: Arena) -> None:
+        """Raise ValueError where the arena cannot show the floor."""
+        refuse = self._given("check")
+        if refuse is not None:
+            self._asked(lambda: refuse(arena))
+        if self.edition:  # tried once, so that what is wrong is told before anything runs
+            chance = Chance(np.zeros(2, np.uint64), 0)
+            colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
+            half = arena.across // 2
+            some = np.array([[[-half, -half], [0, 0], [half - 1, 1 - half]]], np.int32)
+            if (colours(some) != colours(some[:, ::-1])[:, ::-1]).any():
+                raise self._wrong("what it says of a tile should not depend on when it is asked")
+
+    def most_counted(self, arena: Arena) -> int:
+        """Of how many tiles at the most the black ones are counted."""
+        most = self._given("most_counted")
+        return MOST_COUNTED if most is None else int(self._asked(lambda: most(arena)))
+
+    def paint(self, arena: Arena, chance: Chance, share: float) -> Paint | None:
+        """What tells the tiles that are black, where the kind says it itself. Raises InputError."""
+        make = self._given("paint")
+        return None if make is None else self._sure(self._asked(lambda: make(arena, chance, share)), "b")
+
+    def score(self, arena: Arena, chance: Chance) -> Score:
+        """What gives tiles their scores. Raises InputError."""
+        make = self._given("score")
+        assert make is not None
+        return self._sure(self._asked(lambda: make(arena, chance)), "iuf")
+
+    def _given(self, name: str) -> Callable[..., Any] | None:
+        found = getattr(DOOR.module(self.kind), name, None)
+        return found and functools.partial(found, **dict(self.keys))
+
+    def _asked(self, ask: Callable[[], Any]) -> Any:
+        if not self.edition:
+            return ask()
+        try:
+            return ask()
+        except Exception as error:
+            raise self._wrong(error if isinstance(error, ValueError) else repr(error)) from error
+
+    def _wrong(self, said: object) -> InputError:
+        return InputError(f"floor {self}: {said}")
+
+    def _sure(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
+        """The same, held to what it should give, where it is another package's."""
+        if not self.edition:
+            return function
+
+        def sure(tiles: Tiles) -> np.ndarray:
+            found = np.asarray(self._asked(lambda: function(tiles)))
+            if found.shape != tiles.shape[:2] or found.dtype.kind not in kinds or not np.isfinite(found).all():
+                what = "a truth value" if kinds == "b" else "a finite number"
+                raise self._wrong(f"of tiles {tiles.shape} it should give {what} each, {tiles.shape[:2]}")
+            return found
+
+        return sure
+
+
+def _function(kind: str) -> Callable[..., Any]:
+    module = DOOR.module(kind)
+    found = getattr(module, "score", None) or getattr(module, "paint", None)
+    if not callable(found):
+        raise InputError(f"floor {kind!r}, {DOOR.outside[kind].value}: it has no function score")
+    return cast(Callable[..., Any], found)
 
 
 def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray]) -> Floor:
@@ -77,61 +137,36 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
     """
     if isinstance(value, Floor):
         return value
-    if value in ("tiles", "half"):
-        return Floor(str(value))
-    if isinstance(value, Mapping) and len(value) == 1 and next(iter(value)) in LENGTHS:
-        ((kind, length),) = value.items()
-        number = isinstance(length, int | float) and not isinstance(length, bool)
-        if not number or not 0.0 < length <= LONGEST:
-            raise ValueError(f"{kind} have a length in metres, above 0 and at most {LONGEST:g}")
-        return Floor(kind, float(length))
-    if isinstance(value, Mapping) and "image" in value and set(value) <= {"image", "mode"}:
-        mode, source = value.get("mode", MODES[0]), value["image"]
-        if mode not in MODES:
-            raise ValueError(f"{did_you_mean(str(mode), MODES)}the mode of an image is one of {', '.join(MODES)}")
-        if not isinstance(source, str):
-            raise ValueError("an image is the path of a PNG file")
-        if source not in known and base is None:
-            raise ValueError("this image is not here, and no file is opened that is only named here")
-        grey = known[source] if source in known else read_image(base / source)  # type: ignore[operator]
-        grey = np.ascontiguousarray(grey, "<u2")
-        digest = hashlib.blake2b(repr(grey.shape).encode() + grey.tobytes(), digest_size=16).hexdigest()
-        return Floor("image", picture=Picture(Path(source).stem, digest, source, grey), mode=mode)
-    meant = value if isinstance(value, str) else " ".join(map(str, value)) if isinstance(value, Mapping) else ""
-    raise ValueError(f"{did_you_mean(meant, ('tiles', 'half', *LENGTHS, 'image'))}a floor is {FORMS}")
-
-
-def read_image(path: Path) -> np.ndarray:
-    """The grey levels (row, column) of a PNG file, 0 black to 65535 white. Raises InputError.
-
-    Colours become luma (ITU-R BT.601), what is transparent is seen over white.
-    """
+    table = value if isinstance(value, Mapping) else {}
+    names = [value] if isinstance(value, str) else list(table)
+    kind = next((name for name in names if name in DOOR), None)
+    if kind is None:
+        raise ValueError(f"{did_you_mean(' '.join(map(str, names)), DOOR.names)}a floor is {_forms()}")
+    function, given = _function(kind), {key: one for key, one in table.items() if key != kind}
+    first = next(iter(keys_of(function).model_fields), None)
+    if table and (first is None or first in given):
+        raise ValueError(f"floor {kind}: " + (f"{kind} is its {first}" if first else f'it has no keys: write "{kind}"'))
+    if table:
+        given[str(first)] = table[kind]
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is looked at below
-            with Image.open(path, formats=["PNG"]) as image:
-                if math.prod(image.size) > MOST_PIXELS:
-                    size = f"{image.width:,} x {image.height:,} pixels"
-                    raise InputError(f"image {path}: {size}: should be {MOST_PIXELS:,} at the most")
-                return _grey(image)
-    except FileNotFoundError:
-        raise InputError(f"image {path}: there is no such file") from None
-    except UnidentifiedImageError:
-        raise InputError(f"image {path}: not a PNG file") from None
-    except Image.DecompressionBombError:
-        raise InputError(f"image {path}: too many pixels: should be {MOST_PIXELS:,} at the most") from None
-    except (OSError, SyntaxError, ValueError, EOFError) as error:  # what Pillow makes of damaged files
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"image {path}: cannot be read as PNG: {error}") from error
+        return Floor(kind, read_keys(f"floor {kind}", function, given, {"base": base, "images": known}))
+    except ValueError as error:
+        raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
 
 
-def _grey(image: Any) -> np.ndarray:
-    if image.mode.startswith("I"):  # 16 bits
-        grey = np.asarray(image).astype(np.uint16)
-        clear = image.info.get("transparency")
-        return grey if clear is None else np.where(grey == clear, np.uint16(65535), grey)
-    if image.has_transparency_data:
-        image = image.convert("RGBA")
-        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
-    return np.asarray(image.convert("L")).astype(np.uint16) * np.uint16(257)
+def _form(kind: str) -> str:
+    """How a kind is written, with values such as its keys may have."""
+    fields = keys_of(_function(kind)).model_fields
+    first = next(iter(fields), None)
+    shown = (f"{kind if key == first else key} = {_example(field)}" for key, field in fields.items())
+    return f"{{{', '.join(shown)}}}" if fields else f'"{kind}"'
+
+
+def _example(field: "FieldInfo") -> str:
+    value = field.default if not field.is_required() else field.examples[0] if field.examples else None
+    return "..." if value is None else f'"{value}"' if isinstance(value, str) else text_of(value)
+
+
+def _forms() -> str:
+    outside = (f'"{kind}"' for kind in DOOR.names if kind not in DOOR.shipped)  # not imported for a message
+    return f"one of {', '.join([*map(_form, DOOR.shipped), *outside])}"

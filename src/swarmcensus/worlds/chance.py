@@ -1,0 +1,32 @@
+"""Chance: what a trial's world is drawn from, number by number at its address, whoever asks for it and when."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.engine.compiler import compile_world
+
+
+@dataclass(frozen=True, eq=False)
+class Chance:
+    """The random numbers of one purpose in one trial. `key` is its address, two uint64."""
+
+    key: np.ndarray
+    trial: int
+
+    def generator(self) -> np.random.Generator:
+        """Return a generator of NumPy that begins anew at each call; Philox is addressed too, by key and counter."""
+        return np.random.Generator(np.random.Philox(key=self.key, counter=[0, 0, 0, self.trial]))
+
+    def uniform(self, count: int) -> NDArray[np.float64]:
+        """Return so many uniform numbers in [0, 1)."""
+        out = np.empty((1, count))
+        compile_world().spread_uniform(self.key, self.trial, 0.0, 1.0, out)
+        return np.asarray(out[0])
+
+    def noise(self, tiles: NDArray[np.int32]) -> NDArray[np.float64]:
+        """Return a uniform number in [0, 1) for each of tiles (tick, robot, 2), the same whenever a tile is met."""
+        out = np.empty(tiles.shape[:2])
+        compile_world("scores").noise(tiles, self.key, self.trial, out)
+        return out

@@ -1,0 +1,18 @@
+"""Independent tiles: each is black with the same probability, as in the paper (Sec. IV-C)."""
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.worlds.arena import Arena, Paint, Tiles
+from swarmcensus.worlds.chance import Chance
+
+
+def paint(arena: Arena, chance: Chance, share: float) -> Paint:
+    """Black where a tile's own uniform number is below the share."""
+
+    def colours(tiles: Tiles) -> np.ndarray:
+        black = np.empty(tiles.shape[:2], np.bool_)
+        compile_world().paint_tiles(tiles, chance.key, chance.trial, share, black)
+        return black
+
+    return colours

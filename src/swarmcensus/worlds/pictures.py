@@ -1,0 +1,87 @@
+"""Pictures: the grey levels of PNG files, as keys of floors."""
+
+import hashlib
+import math
+import warnings
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BeforeValidator, ValidationInfo
+
+from swarmcensus.basics.errors import InputError
+
+MOST_PIXELS = 1 << 24
+
+
+@dataclass(frozen=True)
+class Picture:
+    """The grey levels of an image file: (row, column), the top row first, 0 black to 65535 white."""
+
+    name: str
+    digest: str  # of the grey levels: what random numbers depend on, wherever the file lies
+    source: str = field(compare=False)  # the path, as in the study file
+    grey: np.ndarray = field(compare=False, repr=False)
+
+    def __str__(self) -> str:
+        """As in the dataset."""
+        return self.name
+
+
+def _picture(value: object, info: ValidationInfo) -> Picture:
+    if isinstance(value, Picture):
+        return value
+    if not isinstance(value, str):
+        raise ValueError("an image is the path of a PNG file")
+    context = info.context or {}
+    known, base = context.get("images", {}), context.get("base", Path())
+    if value not in known and base is None:
+        raise ValueError("this image is not here, and no file is opened that is only named here")
+    grey = np.ascontiguousarray(known[value] if value in known else read_image(base / value), "<u2")
+    digest = hashlib.blake2b(repr(grey.shape).encode() + grey.tobytes(), digest_size=16).hexdigest()
+    return Picture(Path(value).stem, digest, value, grey)
+
+
+# a key that names a PNG file, looked for among those that the study's results hold, then below the study's folder
+PictureFile = Annotated[Picture, BeforeValidator(_picture)]
+
+
+def read_image(path: Path) -> np.ndarray:
+    """The grey levels (row, column) of a PNG file, 0 black to 65535 white. Raises InputError.
+
+    Colours become luma (ITU-R BT.601), what is transparent is seen over white.
+    """
+    from PIL import Image, UnidentifiedImageError  # only where there is a picture
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is looked at below
+            with Image.open(path, formats=["PNG"]) as image:
+                if math.prod(image.size) > MOST_PIXELS:
+                    size = f"{image.width:,} x {image.height:,} pixels"
+                    raise InputError(f"image {path}: {size}: should be {MOST_PIXELS:,} at the most")
+                return _grey(image)
+    except FileNotFoundError:
+        raise InputError(f"image {path}: there is no such file") from None
+    except UnidentifiedImageError:
+        raise InputError(f"image {path}: not a PNG file") from None
+    except Image.DecompressionBombError:
+        raise InputError(f"image {path}: too many pixels: should be {MOST_PIXELS:,} at the most") from None
+    except (OSError, SyntaxError, ValueError, EOFError) as error:  # what Pillow makes of damaged files
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"image {path}: cannot be read as PNG: {error}") from error
+
+
+def _grey(image: Any) -> np.ndarray:
+    if image.mode.startswith("I"):  # 16 bits
+        grey = np.asarray(image).astype(np.uint16)
+        clear = image.info.get("transparency")
+        return grey if clear is None else np.where(grey == clear, np.uint16(65535), grey)
+    if image.has_transparency_data:
+        from PIL import Image
+
+        image = image.convert("RGBA")
+        image = Image.alpha_composite(Image.new("RGBA", image.size, "white"), image)
+    return np.asarray(image.convert("L")).astype(np.uint16) * np.uint16(257)

@@ -1,0 +1,174 @@
+"""One accuracy's distribution over a swarm: a number for all, or a spread of a name and its numbers."""
+
+import functools
+import inspect
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.doors import Door
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.engine.compiler import compile_world
+
+DOOR = Door("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
+FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
+ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # the least number that a quantile gets, the middle, the largest
+
+
+@dataclass(frozen=True)
+class Spread:
+    """A distribution of accuracies, or of errors: its kind, empty for one number, and its numbers."""
+
+    kind: str
+    numbers: tuple[float, ...]
+
+    @functools.cached_property
+    def _text(self) -> str:
+        numbers = ",".join(map(repr, self.numbers))
+        return f"{_letter(self.kind)}({numbers})" if self.kind else numbers
+
+    def __str__(self) -> str:
+        """The canonical text, as in the dataset: 0.675, U(0.525,0.975), N(0.75,0.1)."""
+        return self._text
+
+    @property
+    def form(self) -> object:
+        """As in a study file."""
+        return self.numbers[0] if self.is_number else str(self)
+
+    @property
+    def is_number(self) -> bool:
+        """Whether all robots have the same."""
+        return not self.kind
+
+    @functools.cached_property
+    def edition(self) -> str:
+        """What its results depend on beside its text: a hash of another package's file."""
+        return DOOR.digest(self.kind) if self.kind else ""
+
+    def draw(self, key: np.ndarray, first_trial: int, trials: int, robots: int) -> np.ndarray:
+        """Accuracies (trial, robot), or (trial, 1) where all robots are alike; afresh for each trial."""
+        if self.is_number:
+            return np.full((trials, 1), self.numbers[0])
+        out = np.empty((trials, robots))
+        module = DOOR.module(self.kind)
+        if hasattr(module, "draw"):
+            module.draw(key, first_trial, out, *self.numbers)
+            return out
+        compile_world().spread_uniform(key, first_trial, 0.0, 1.0, out)
+        return self._quantile(out, 0.0)
+
+    def errors(self, key: Callable[[int], np.ndarray], first_trial: int, trials: int, robots: int) -> np.ndarray:
+        """The same of errors, which have two addresses: `key(0)` and `key(1)`."""
+        if self.is_number:
+            return np.full((trials, 1), self.numbers[0])
+        module, uniform = DOOR.module(self.kind), np.empty((2, trials, robots))
+        for part in (0, 1) if hasattr(module, "error") else (0,):
+            compile_world().spread_uniform(key(part), first_trial, 0.0, 1.0, uniform[part])
+        if hasattr(module, "error"):
+            return module.error(uniform, *self.numbers)  # type: ignore[no-any-return]
+        return self._quantile(uniform[0], -1.0)
+
+    def check(self, least: float) -> None:
+        """Raise ValueError where its numbers mean nothing, or where values are below `least` or above 1."""
+        module = DOOR.module(self.kind)
+        if hasattr(module, "check"):
+            self._asked(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
+        if hasattr(module, "centre"):
+            self._bounded(np.array([module.centre(*self.numbers)]), least)
+        else:
+            self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
+
+    def _quantile(self, uniform: np.ndarray, least: float) -> np.ndarray:
+        quantile = DOOR.module(self.kind).quantile
+        if not self.edition:
+            return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
+        above = np.maximum(uniform, ENDS[0])
+        values: np.ndarray = self._asked(f"{self}: ", lambda: np.array(quantile(above, *self.numbers), np.float64))
+        if values.shape != uniform.shape:
+            raise InputError(f"{self}: of {uniform.shape} numbers it gives {values.shape}")
+        self._bounded(values, least)
+        return values
+
+    def _bounded(self, values: np.ndarray, least: float) -> None:
+        outside = values[~((values >= least) & (values <= 1.0))]
+        if outside.size:
+            raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}")
+
+    def _asked(self, head: str, ask: Callable[[], Any]) -> Any:
+        try:
+            return ask()
+        except Exception as error:
+            raise InputError(f"{head}{error if isinstance(error, ValueError) else repr(error)}") from error
+
+
+def bounds(least: float) -> str:
+    """What is said of a value out of bounds."""
+    return "an error lies in [-1, 1]" if least else "a sensor accuracy lies in [0, 1]"
+
+
+def forms() -> str:
+    """What an accuracy may be, for messages."""
+    heads = ", ".join(f'"{_head(name) if name in DOOR.shipped else f"{name}(...)"}"' for name in DOOR.names)
+    return f"a sensor accuracy is a number in [0, 1], {heads} or {{black = ..., white = ...}}"
+
+
+def parse_spread(value: object, accuracy: bool = True) -> Spread:
+    """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError."""
+    least = 0.0 if accuracy else -1.0
+    match = FORM.fullmatch(value) if isinstance(value, str) else None
+    if match is not None:
+        spread = _named(match[1], match[2])
+        spread.check(least)
+        return spread
+    try:
+        if isinstance(value, bool) or not isinstance(value, str | int | float):
+            raise ValueError
+        number = float(value if isinstance(value, str) else min(max(value, -2), 2))  # some would not fit a float
+    except ValueError:
+        raise ValueError(forms()) from None
+    if not least <= number <= 1.0:
+        raise ValueError(bounds(least))
+    return Spread("", (number,))
+
+
+def _named(name: str, inside: str) -> Spread:
+    letters = {_letter(kind): kind for kind in DOOR.shipped}
+    kind = letters.get(name, name)
+    if kind not in DOOR:
+        raise ValueError(f"{did_you_mean(name, [*letters, *DOOR.names])}{forms()}")
+    try:
+        numbers = tuple(map(float, inside.split(","))) if inside.strip() else ()
+    except ValueError:
+        numbers = (math.nan,)
+    if not all(map(math.isfinite, numbers)):
+        raise ValueError(forms())
+    wanted = _parameters(kind)
+    least = sum(one.default is one.empty for one in wanted)
+    if not least <= len(numbers) <= len(wanted):
+        raise ValueError(f"{_head(kind)} needs {least} numbers, not {len(numbers)}")
+    return Spread(kind, numbers)
+
+
+@functools.cache
+def _letter(kind: str) -> str:
+    return str(getattr(DOOR.module(kind), "LETTER", kind))
+
+
+def _head(kind: str) -> str:
+    return f"{_letter(kind)}({', '.join(one.name for one in _parameters(kind))})"
+
+
+@functools.cache
+def _parameters(kind: str) -> list[inspect.Parameter]:
+    module = DOOR.module(kind)
+    if hasattr(module, "quantile"):
+        return list(inspect.signature(module.quantile).parameters.values())[1:]
+    if not hasattr(module, "centre"):
+        raise InputError(f"spread {kind!r}, {DOOR.outside[kind].value}: it has no function quantile")
+    return list(inspect.signature(module.centre).parameters.values())

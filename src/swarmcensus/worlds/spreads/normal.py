@@ -1,0 +1,28 @@
+"""Normal: accuracies truncated to [0, 1], errors as they come."""
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compile_world
+
+LETTER = "N"
+
+
+def check(mean: float, sd: float) -> None:
+    """Refuse deviations that are none."""
+    if sd <= 0.0:
+        raise ValueError("it needs sd > 0")
+
+
+def centre(mean: float, sd: float) -> float:
+    """What lies in bounds."""
+    return mean
+
+
+def draw(key: np.ndarray, first_trial: int, out: np.ndarray, mean: float, sd: float) -> None:
+    """Accuracies, by rejection."""
+    compile_world().spread_normal(key, first_trial, mean, sd, out)
+
+
+def error(u: np.ndarray, mean: float, sd: float) -> np.ndarray:
+    """Errors, by Box and Muller's transform."""
+    return np.asarray(mean + sd * (np.sqrt(-2.0 * np.log1p(-u[0])) * np.cos(2.0 * np.pi * u[1])))

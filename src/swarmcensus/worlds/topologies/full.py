@@ -1,0 +1,3 @@
+"""Everyone hears everyone (paper, Sec. IV-B)."""
+
+EVERYONE = True

@@ -1,0 +1,11 @@
+"""A tree in which whom many hear is joined by more: Barabasi and Albert's, m = 1 (paper, Sec. IV-B)."""
+
+import numpy as np
+
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.worlds.chance import Chance
+
+
+def links(robots: int, chance: Chance) -> tuple[np.ndarray, np.ndarray]:
+    """Receivers and senders of one trial's tree, both ways, in their order."""
+    return compile_world().random_tree(chance.key, chance.trial, robots)  # type: ignore[no-any-return]

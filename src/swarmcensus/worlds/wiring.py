@@ -1,0 +1,98 @@
+"""The links of a topology that has a name: its file is asked for edges, and what it gives is made sure of."""
+
+import functools
+import inspect
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.doors import Door, Keys, defaults_of, read_keys, text_of
+from swarmcensus.basics.errors import InputError
+from swarmcensus.worlds.chance import Chance
+
+DOOR = Door("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")
+Heard = tuple[np.ndarray, np.ndarray]  # receivers and senders, sorted by them
+
+
+def _no_edges() -> None:
+    """What full networks and robots that move have instead: no keys."""
+
+
+def _function(name: str) -> Callable[..., Any]:
+    module = DOOR.module(name)
+    found = getattr(module, "edges", None) or getattr(module, "links", None)
+    if found is None and name not in DOOR.shipped:
+        raise InputError(f"topology {name!r}, {DOOR.outside[name].value}: it has no function edges")
+    return found or _no_edges
+
+
+def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
+    """A named topology's text, such as torus(columns=5), and its keys. Raises ValueError."""
+    function = _function(name)
+    keys = read_keys(f"topology {name}", function, given)
+    usual = defaults_of(function)
+    shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in usual or usual[key] != value)
+    return f"{name}({shown})" if shown else name, keys
+
+
+@functools.cache
+def varies(name: str) -> bool:
+    """Whether each trial has another graph."""
+    taken = inspect.signature(_function(name)).parameters.values()
+    return sum(one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD) for one in taken) > 1
+
+
+def check(name: str, keys: Keys, robots: int) -> None:
+    """Raise ValueError where the topology's own file refuses a swarm of this size."""
+    refuse = getattr(DOOR.module(name), "check", None)
+    if refuse is not None:
+        _asked(name, keys, robots, lambda: refuse(robots, **dict(keys)))
+
+
+def links(name: str, keys: Keys, robots: int, chance: Chance | None) -> Heard:
+    """Who hears whom; `chance` where each trial has another graph. Raises InputError where the file gives no edges."""
+    module, given = DOOR.module(name), (robots,) if chance is None else (robots, chance)
+    if hasattr(module, "links"):
+        return module.links(*given, **dict(keys))  # type: ignore[no-any-return]
+    edges = _asked(name, keys, robots, lambda: _pairs(module.edges(*given, **dict(keys)), robots))
+    return heard(edges, getattr(module, "DIRECTED", False))
+
+
+def _asked(name: str, keys: Keys, robots: int, ask: Callable[[], Any]) -> Any:
+    try:
+        return ask()
+    except Exception as error:
+        said = error if isinstance(error, ValueError) else repr(error)
+        own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
+        raise InputError(f"topology {name!r} of {robots} robots{own}: {said}") from error
+
+
+def _pairs(given: Any, robots: int) -> np.ndarray:
+    """Edges as an array (edge, 2). Raises ValueError where they are no pairs of robots that there are."""
+    pairs = given if isinstance(given, np.ndarray) else list(given)
+    try:
+        edges = np.asarray(pairs) if len(pairs) else np.zeros((0, 2), np.int64)
+    except (ValueError, OverflowError):  # rows of several lengths
+        edges = np.zeros(0)
+    if edges.ndim != 2 or edges.shape[1] != 2 or edges.dtype.kind not in "iu":
+        raise ValueError("its edges should be pairs of robot numbers, from 0")
+    for wrong, said in (
+        ((edges < 0) | (edges >= robots), f"leads to a robot that is not there: they are numbered 0 to {robots - 1}"),
+        (edges[:, :1] == edges[:, 1:], "joins a robot to itself"),
+    ):
+        if wrong.any():
+            u, v = edges[wrong.any(axis=1)][0].tolist()
+            raise ValueError(f"its edge ({u}, {v}) {said}")
+    return edges.astype(np.int64)
+
+
+def heard(edges: np.ndarray, directed: bool) -> Heard:
+    """Edges (edge, 2) as links, each once; of a directed one, the second hears the first."""
+    if not edges.size:
+        return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
+    n = np.int64(edges.max()) + 1
+    found = edges @ [1, n]  # receiver n + sender, of (sender, receiver)
+    ordered = np.sort(found if directed else np.concatenate([edges @ [n, 1], found]))
+    once = ordered[np.append(True, ordered[1:] != ordered[:-1])]
+    return (once // n).astype(np.uint32), (once % n).astype(np.uint32)
