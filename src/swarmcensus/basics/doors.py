@@ -139,6 +139,11 @@ def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
     return {name: _frozen(field.default) for name, field in fields if not field.is_required()}
 
 
+def told(error: Exception) -> str:
+    """In a line what an addition raised: a ValueError is its own words, anything else a fault of its code."""
+    return " ".join((str(error) if isinstance(error, ValueError) else repr(error)).split())
+
+
 def text_of(value: Any) -> str:
     """A key's value as datasets show it: of numbers twelve digits, of pictures their name."""
     if isinstance(value, bool):

@@ -38,7 +38,9 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study
             if setting.fingerprint(study.seed) == mark:
                 must_be_read(setting.brain)
                 return study, setting
-    raise InputError(f"setting {number}: it is not of the study that these results name")
+    outside = any(setting.editions for study in studies_of(data, brain) for setting in study.settings())
+    why = ": has a file of another package that it uses been changed?" if outside else ""
+    raise InputError(f"setting {number}: it is not of the study that these results name{why}")
 
 
 def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> list[Study]:

@@ -111,7 +111,7 @@ class Holding:
         if fingerprint not in self._numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list or image been changed? {HINT}"
+                f"a brain, body, fault, edge list, image or file of another package been changed? {HINT}"
             )
         return self._numbers[fingerprint]
 

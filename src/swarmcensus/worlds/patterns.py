@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of
+from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
@@ -102,7 +102,7 @@ class Floor:
         try:
             return ask()
         except Exception as error:
-            raise self._wrong(error if isinstance(error, ValueError) else repr(error)) from error
+            raise self._wrong(told(error)) from error
 
     def _wrong(self, said: object) -> InputError:
         return InputError(f"floor {self}: {said}")
@@ -116,7 +116,7 @@ class Floor:
             found = np.asarray(self._asked(lambda: function(tiles)))
             if found.shape != tiles.shape[:2] or found.dtype.kind not in kinds or not np.isfinite(found).all():
                 what = "a truth value" if kinds == "b" else "a finite number"
-                raise self._wrong(f"of tiles {tiles.shape} it should give {what} each, {tiles.shape[:2]}")
+                raise self._wrong(f"of each of the tiles {tiles.shape} it should give {what}, {tiles.shape[:2]}")
             return found
 
         return sure

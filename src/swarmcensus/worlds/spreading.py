@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.doors import Door
+from swarmcensus.basics.doors import Door, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.compiler import compile_world
@@ -104,7 +104,7 @@ class Spread:
         try:
             return ask()
         except Exception as error:
-            raise InputError(f"{head}{error if isinstance(error, ValueError) else repr(error)}") from error
+            raise InputError(f"{head}{told(error)}") from error
 
 
 def bounds(least: float) -> str:

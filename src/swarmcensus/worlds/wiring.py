@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.doors import Door, Keys, defaults_of, read_keys, text_of
+from swarmcensus.basics.doors import Door, Keys, defaults_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.worlds.chance import Chance
 
@@ -63,9 +63,8 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[[], Any]) -> Any:
     try:
         return ask()
     except Exception as error:
-        said = error if isinstance(error, ValueError) else repr(error)
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise InputError(f"topology {name!r} of {robots} robots{own}: {said}") from error
+        raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error)}") from error
 
 
 def _pairs(given: Any, robots: int) -> np.ndarray:
