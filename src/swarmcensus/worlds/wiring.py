@@ -40,7 +40,7 @@ def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
 def varies(name: str) -> bool:
     """Whether each trial has another graph."""
     taken = inspect.signature(_function(name)).parameters.values()
-    return sum(one.kind in (one.POSITIONAL_ONLY, one.POSITIONAL_OR_KEYWORD) for one in taken) > 1
+    return sum(one.kind is not one.KEYWORD_ONLY and one.default is one.empty for one in taken) > 1
 
 
 def check(name: str, keys: Keys, robots: int) -> None:
