@@ -56,7 +56,7 @@ def test_a_case_in_toml_is_the_same_as_in_python():
     made = sc.Study.parse(text)
     assert len(made.settings()) == 32 + 2 * 2
     assert made.settings()[:32] == sc.Study.parse(SMALL).settings()
-    assert made.settings()[32].accuracy.black.a == 0.9
+    assert made.settings()[32].accuracy.black.numbers == (0.9,)
 
 
 def test_a_setting_that_is_there_already_is_kept_once():

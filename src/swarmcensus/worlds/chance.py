@@ -1,6 +1,6 @@
 """Chance: what a trial's world is drawn from, number by number at its address, whoever asks for it and when."""
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from swarmcensus.engine.compiler import compile_world
 
 
-@dataclass(frozen=True, eq=False)
-class Chance:
+class Chance(NamedTuple):
     """The random numbers of one purpose in one trial. `key` is its address, two uint64."""
 
     key: np.ndarray

@@ -124,7 +124,7 @@ class Topology:
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
         if self._varies:
             key = address(seed, "topology", topology=self.content, robots=robots)
-            graphs = [self._drawn(robots, Chance(key, first_trial + k)) for k in range(trials)]
+            graphs = self._drawn(robots, [Chance(key, first_trial + k) for k in range(trials)])
         else:
             graphs = [self._fixed(robots)]
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
@@ -134,13 +134,13 @@ class Topology:
     def _fixed(self, robots: int) -> Heard:
         if self.edges is not None:
             return heard(np.array(self.edges, np.int64).reshape(-1, 2), self.directed)
-        return wiring.links(self.named, self.keys, robots, None)
+        return wiring.graphs(self.named, self.keys, robots, [None])[0]
 
-    def _drawn(self, robots: int, chance: Chance) -> Heard:
-        if self.generator:
-            number = int(np.random.SeedSequence([*map(int, chance.key), chance.trial]).generate_state(1)[0])
-            return heard(*generators.edges_of(*self.generator, robots, number))
-        return wiring.links(self.named, self.keys, robots, chance)
+    def _drawn(self, robots: int, chances: list[Chance]) -> list[Heard]:
+        if self.generator is None:
+            return wiring.graphs(self.named, self.keys, robots, chances)
+        words = (np.random.SeedSequence([*map(int, key), trial]).generate_state(1) for key, trial in chances)
+        return [heard(*generators.edges_of(*self.generator, robots, int(word[0]))) for word in words]
 
 
 def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:

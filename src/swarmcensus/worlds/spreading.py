@@ -57,7 +57,7 @@ class Spread:
             return np.full((trials, 1), self.numbers[0])
         out = np.empty((trials, robots))
         module = DOOR.module(self.kind)
-        if hasattr(module, "draw"):
+        if hasattr(module, "draw") and not self.edition:
             module.draw(key, first_trial, out, *self.numbers)
             return out
         compile_world().spread_uniform(key, first_trial, 0.0, 1.0, out)
@@ -67,19 +67,18 @@ class Spread:
         """The same of errors, which have two addresses: `key(0)` and `key(1)`."""
         if self.is_number:
             return np.full((trials, 1), self.numbers[0])
-        module, uniform = DOOR.module(self.kind), np.empty((2, trials, robots))
-        for part in (0, 1) if hasattr(module, "error") else (0,):
+        uniform = np.empty((2, trials, robots))
+        error = None if self.edition else getattr(DOOR.module(self.kind), "error", None)
+        for part in (0,) if error is None else (0, 1):
             compile_world().spread_uniform(key(part), first_trial, 0.0, 1.0, uniform[part])
-        if hasattr(module, "error"):
-            return module.error(uniform, *self.numbers)  # type: ignore[no-any-return]
-        return self._quantile(uniform[0], -1.0)
+        return self._quantile(uniform[0], -1.0) if error is None else error(uniform, *self.numbers)
 
     def check(self, least: float) -> None:
         """Raise ValueError where its numbers mean nothing, or where values are below `least` or above 1."""
         module = DOOR.module(self.kind)
         if hasattr(module, "check"):
             self._asked(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
-        if hasattr(module, "centre"):
+        if hasattr(module, "centre") and not self.edition:
             self._bounded(np.array([module.centre(*self.numbers)]), least)
         else:
             self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
@@ -114,8 +113,9 @@ def bounds(least: float) -> str:
 
 def forms() -> str:
     """What an accuracy may be, for messages."""
-    heads = ", ".join(f'"{_head(name) if name in DOOR.shipped else f"{name}(...)"}"' for name in DOOR.names)
-    return f"a sensor accuracy is a number in [0, 1], {heads} or {{black = ..., white = ...}}"
+    heads = [*map(_head, DOOR.shipped), *(f"{name}(...)" for name in DOOR.outside)]  # not imported for a message
+    spreads = ", ".join(f'"{head}"' for head in heads)
+    return f"a sensor accuracy is a number in [0, 1], {spreads} or {{black = ..., white = ...}}"
 
 
 def parse_spread(value: object, accuracy: bool = True) -> Spread:
@@ -157,7 +157,7 @@ def _named(name: str, inside: str) -> Spread:
 
 @functools.cache
 def _letter(kind: str) -> str:
-    return str(getattr(DOOR.module(kind), "LETTER", kind))
+    return DOOR.module(kind).LETTER if kind in DOOR.shipped else kind
 
 
 def _head(kind: str) -> str:
@@ -169,6 +169,6 @@ def _parameters(kind: str) -> list[inspect.Parameter]:
     module = DOOR.module(kind)
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]
-    if not hasattr(module, "centre"):
+    if kind not in DOOR.shipped:
         raise InputError(f"spread {kind!r}, {DOOR.outside[kind].value}: it has no function quantile")
     return list(inspect.signature(module.centre).parameters.values())

@@ -2,7 +2,7 @@
 
 import functools
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -21,10 +21,11 @@ def _no_edges() -> None:
 
 def _function(name: str) -> Callable[..., Any]:
     module = DOOR.module(name)
-    found = getattr(module, "edges", None) or getattr(module, "links", None)
-    if found is None and name not in DOOR.shipped:
+    if name in DOOR.shipped:
+        return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
+    if not callable(getattr(module, "edges", None)):
         raise InputError(f"topology {name!r}, {DOOR.outside[name].value}: it has no function edges")
-    return found or _no_edges
+    return module.edges  # type: ignore[no-any-return]
 
 
 def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
@@ -47,21 +48,26 @@ def check(name: str, keys: Keys, robots: int) -> None:
     """Raise ValueError where the topology's own file refuses a swarm of this size."""
     refuse = getattr(DOOR.module(name), "check", None)
     if refuse is not None:
-        _asked(name, keys, robots, lambda: refuse(robots, **dict(keys)))
+        _asked(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
 
-def links(name: str, keys: Keys, robots: int, chance: Chance | None) -> Heard:
-    """Who hears whom; `chance` where each trial has another graph. Raises InputError where the file gives no edges."""
-    module, given = DOOR.module(name), (robots,) if chance is None else (robots, chance)
-    if hasattr(module, "links"):
-        return module.links(*given, **dict(keys))  # type: ignore[no-any-return]
-    edges = _asked(name, keys, robots, lambda: _pairs(module.edges(*given, **dict(keys)), robots))
-    return heard(edges, getattr(module, "DIRECTED", False))
+def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
+    """Who hears whom, trial by trial; chance is None where all have one graph. Raises InputError where one fails."""
+    module, function, own = DOOR.module(name), _function(name), dict(keys)
+    if name in DOOR.shipped and hasattr(module, "links"):
+        return [function(robots, chance, **own) for chance in chances]
+    directed = getattr(module, "DIRECTED", False)
+
+    def edges(chance: Chance | None) -> np.ndarray:
+        given = (robots,) if chance is None else (robots, chance)
+        return _pairs(function(*given, **own), robots)
+
+    return [heard(_asked(name, keys, robots, edges, chance), directed) for chance in chances]
 
 
-def _asked(name: str, keys: Keys, robots: int, ask: Callable[[], Any]) -> Any:
+def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: object) -> Any:
     try:
-        return ask()
+        return ask(given)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
         raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error)}") from error

@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from swarmcensus.engine.compiler import compile_world
+
 LETTER = "U"
 
 
@@ -14,3 +16,8 @@ def check(lo: float, hi: float) -> None:
 def quantile(u: np.ndarray, lo: float, hi: float) -> np.ndarray:
     """The value below which a share u lies."""
     return lo + (hi - lo) * u
+
+
+def draw(key: np.ndarray, first_trial: int, out: np.ndarray, lo: float, hi: float) -> None:
+    """The same, to the last bit, at once."""
+    compile_world().spread_uniform(key, first_trial, lo, hi, out)
