@@ -70,6 +70,9 @@ MORE = {
         def edges(robots, *, x: "Nope" = 3):
             return []
         unclear = File(edges=edges)
+        def edges(robots, *, day):
+            return []
+        odd = File(edges=edges)
         flat = File(score=lambda arena, chance: lambda tiles: tiles[0])
         blank = File(score=lambda arena, chance: lambda tiles: np.nan * tiles[..., 0])
         def score(arena, chance):
@@ -86,7 +89,7 @@ MORE = {
 }
 MORE_POINTS = {
     "topologies": ["pairs", "chain", "broken", "gone", "empty"]
-    + [f"wrong:{name}" for name in ("far", "loop", "two", "number", "nan", "typo", "late", "unclear")],
+    + [f"wrong:{name}" for name in ("far", "loop", "two", "number", "nan", "typo", "late", "unclear", "odd")],
     "floors": ["photo", "dots", "empty", *(f"wrong:{name}" for name in ("flat", "blank", "fickle", "failing"))],
     "spreads": ["empty", *(f"wrong:{name}" for name in ("wide", "hole", "one"))],
 }
@@ -358,6 +361,7 @@ WRONG = [
     ("topology", '"nan"', "its edges should be pairs of robot numbers, from 0"),
     ("topology", '"number"', "topology 'number' of 12 robots: TypeError"),
     ("topology", '"typo"', "topology 'typo' of 12 robots: NameError"),
+    ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
     ("topology", '"unclear"', "topology unclear: its keys cannot be told: NameError"),
     # floors
     ("floor", '"hill"', "did you mean 'hills'? a floor is one of {clusters = 0.2}, "),

@@ -18,7 +18,7 @@ from swarmcensus.results import selecting
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.worlds import ground
+from swarmcensus.worlds import ground, patterns
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.floors import clusters
@@ -465,6 +465,22 @@ def test_a_floor_is_written_as_it_is_read(floor, tmp_path):
     assert to_toml_value(read) == to_toml_value(floor)
     assert parse_floor(read, tmp_path, {}) is read
     assert hash(read) == hash(parse_floor(read.form, tmp_path, {}))
+
+
+def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
+    assert patterns.DOOR.shipped == ("clusters", "half", "image", "stripes", "tiles")
+    contents = []
+    for floor in every_kind(gradient):
+        read = parse_floor(floor, gradient.parent, {})
+        contents.append(read.content)
+        assert not read.edition
+        assert parse_floor(read.form, gradient.parent, {}) == read
+    digest = contents[-1][2]
+    assert contents == [  # what the random numbers of every study depend on: never to be changed
+        ["tiles", 0.0, None, ""], ["clusters", 0.2, None, ""], ["stripes", 0.3, None, ""], ["half", 0.0, None, ""],
+        ["image", 0.0, digest, "threshold"], ["image", 0.0, digest, "dither"],
+    ]  # fmt: skip
+    assert type(parse_floor({"clusters": 1}, None, {}).content[1]) is float
 
 
 PLAIN = """

@@ -1,6 +1,7 @@
 """Topologies: who hears whom."""
 
 import itertools
+import re
 
 import networkx as nx
 import numpy as np
@@ -8,8 +9,9 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.basics import doors
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
-from swarmcensus.worlds import networks
+from swarmcensus.worlds import networks, wiring
 
 
 def parse(value, tmp_path):
@@ -262,3 +264,53 @@ def test_bad_generators(value, said, tmp_path):
 def test_what_is_refused(value, tmp_path):
     with pytest.raises(ValueError, match=r"topology|edge|taken"):
         parse(value, tmp_path)
+
+
+def test_a_topology_is_a_file_of_its_name(tmp_path):
+    assert wiring.DOOR.shipped == ("full", "line", "moving", "ring", "scale-free")
+    for name in wiring.DOOR.shipped:
+        topology = parse({"name": name}, tmp_path)
+        assert topology == parse(name, tmp_path) == networks.Topology(name)
+        assert (topology.form, topology.content, topology.edition) == (name, [name, None, None], "")
+        assert topology.moves == (name == networks.MOVING)
+        with pytest.raises(ValueError, match=f"topology {name} has no key columns: it has none"):
+            parse({"name": name, "columns": 3}, tmp_path)
+
+
+def test_a_file_beside_the_study_comes_before_other_packages(tmp_path, monkeypatch):
+    monkeypatch.setattr(doors, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
+    wiring.DOOR.__dict__.pop("outside", None)
+    (tmp_path / "torus").write_text("0,1\n")
+    assert parse("torus", tmp_path).edges == ((0, 1),)
+    assert networks.parse_topology("links.csv", None, {"links.csv": [(0, 2)]}).edges == ((0, 2),)
+    assert parse({"name": "torus", "edges": [[0, 3]]}, tmp_path).edges == ((0, 3),)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "links"),
+    [
+        ([], []),
+        (iter([(1, 0), (0, 1), (2, 1)]), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+        ({(0, 2)}, [(0, 2), (2, 0)]),
+        (np.array([[2, 1]], np.uint8), [(1, 2), (2, 1)]),
+        (zip(range(2), range(1, 3), strict=True), [(0, 1), (1, 0), (1, 2), (2, 1)]),
+    ],
+)
+def test_pairs_may_be_given_in_many_ways(pairs, links):
+    receivers, senders = wiring.heard(wiring.pairs_of(pairs, 3), False)
+    assert list(zip(receivers.tolist(), senders.tolist(), strict=True)) == links
+
+
+@pytest.mark.parametrize(
+    "pairs",
+    [[(0, 1), (1, 2, 0)], [0, 1], [(0.0, 1.0)], [("0", "1")], [(True, False)], [(0, 2**70)], np.zeros((1, 3), int)],
+)
+def test_what_are_no_pairs(pairs):
+    with pytest.raises(ValueError, match="its edges should be pairs of robot numbers, from 0"):
+        wiring.pairs_of(pairs, 3)
+
+
+@pytest.mark.parametrize("edge", [(0, 3), (-1, 0), (1, 1)])
+def test_what_are_no_edges_of_three_robots(edge):
+    with pytest.raises(ValueError, match=re.escape(f"its edge {edge} ")):
+        wiring.pairs_of([(0, 1), edge], 3)

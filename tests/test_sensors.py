@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.worlds import sensors
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.engine.random import address
+from swarmcensus.worlds import sensors, spreading
+from swarmcensus.worlds.spreads import uniform
 
 
 @pytest.mark.parametrize(
@@ -57,6 +60,37 @@ def test_what_is_no_error(value):
 def test_what_is_refused(value):
     with pytest.raises(ValueError, match=r"accuracy|needs"):
         sensors.parse_accuracy(value)
+
+
+@pytest.mark.parametrize(
+    ("value", "said"),
+    [
+        ("U(0.5)", r"U\(lo, hi\) needs 2 numbers, not 1"),
+        ("N(0.5, 0.1, 0.2)", r"N\(mean, sd\) needs 2 numbers, not 3"),
+        ("N()", r"N\(mean, sd\) needs 2 numbers, not 0"),
+        ("U(0.9, 0.6)", r"U\(lo, hi\): it needs lo <= hi"),
+        ("N(0.5, 0)", r"N\(mean, sd\): it needs sd > 0"),
+        ("U(0.5, 1.5)", r"a sensor accuracy lies in \[0, 1\], and U\(0.5,1.5\) gives 1.5"),
+        ("n(0.5, 0.1)", "did you mean 'N'. a sensor accuracy is a number"),
+        ("unifrom(0.5, 0.6)", "did you mean 'uniform'. a sensor accuracy is"),
+    ],
+)
+def test_what_is_wrong_with_a_spread_is_told(value, said):
+    with pytest.raises(ValueError, match=said):
+        sensors.parse_accuracy(value)
+
+
+def test_a_spread_is_a_file_with_the_papers_letter():
+    assert spreading.DOOR.shipped == ("normal", "uniform")
+    assert sensors.parse_accuracy("uniform(0.5, 0.9)") == sensors.parse_accuracy("U(0.5,0.9)")
+    assert not sensors.parse_accuracy({"black": "U(0.5, 0.9)", "white": "N(0.7, 0.1)"}).edition
+
+
+def test_uniform_accuracies_are_the_quantiles_of_uniform_numbers_to_the_last_bit():
+    key, u, found = address(1, "x"), np.empty((3, 7)), np.empty((3, 7))
+    compile_world().spread_uniform(key, 2, 0.0, 1.0, u)
+    uniform.draw(key, 2, found, 0.525, 0.975)
+    assert (uniform.quantile(u, 0.525, 0.975) == found).all()
 
 
 def test_blindness():

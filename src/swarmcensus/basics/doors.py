@@ -130,7 +130,11 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
             raise ValueError(f"{what} needs the key {key}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
         raise ValueError(f"{what}: {key} = {first['input']!r}: {message}") from None
-    return tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
+    keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
+    for name, value in keys:
+        if not _is_plain(value):
+            raise ValueError(f"{what}: {name} should be a number, a text, true or false, or a list of them")
+    return keys
 
 
 def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
@@ -151,6 +155,13 @@ def text_of(value: Any) -> str:
     if isinstance(value, tuple):
         return f"[{','.join(map(text_of, value))}]"
     return f"{value:.12g}" if isinstance(value, float) else str(value)
+
+
+def _is_plain(value: Any) -> bool:
+    """Whether it can be part of an address: what has a digest, as pictures do, goes by that."""
+    if isinstance(value, tuple):
+        return all(map(_is_plain, value))
+    return value is None or isinstance(value, bool | int | float | str) or hasattr(value, "digest")
 
 
 def _frozen(value: Any) -> Any:

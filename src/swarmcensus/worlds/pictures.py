@@ -35,10 +35,14 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
     if not isinstance(value, str):
         raise ValueError("an image is the path of a PNG file")
     context = info.context or {}
-    known, base = context.get("images", {}), context.get("base", Path())
-    if value not in known and base is None:
+    base: Path | None = context.get("base")
+    if value in (known := context.get("images", {})):
+        pixels = known[value]
+    elif base is None:
         raise ValueError("this image is not here, and no file is opened that is only named here")
-    grey = np.ascontiguousarray(known[value] if value in known else read_image(base / value), "<u2")
+    else:
+        pixels = read_image(base / value)
+    grey = np.ascontiguousarray(pixels, "<u2")
     digest = hashlib.blake2b(repr(grey.shape).encode() + grey.tobytes(), digest_size=16).hexdigest()
     return Picture(Path(value).stem, digest, value, grey)
 

@@ -60,7 +60,7 @@ def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None])
 
     def edges(chance: Chance | None) -> np.ndarray:
         given = (robots,) if chance is None else (robots, chance)
-        return _pairs(function(*given, **own), robots)
+        return pairs_of(function(*given, **own), robots)
 
     return [heard(_asked(name, keys, robots, edges, chance), directed) for chance in chances]
 
@@ -73,7 +73,7 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: o
         raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error)}") from error
 
 
-def _pairs(given: Any, robots: int) -> np.ndarray:
+def pairs_of(given: Any, robots: int) -> np.ndarray:
     """Edges as an array (edge, 2). Raises ValueError where they are no pairs of robots that there are."""
     pairs = given if isinstance(given, np.ndarray) else list(given)
     try:
