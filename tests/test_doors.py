@@ -362,7 +362,7 @@ WRONG = [
     ("topology", '"number"', "topology 'number' of 12 robots: TypeError"),
     ("topology", '"typo"', "topology 'typo' of 12 robots: NameError"),
     ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
-    ("topology", '"unclear"', "topology unclear: its keys cannot be told: NameError"),
+    ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be told: NameError"),
     # floors
     ("floor", '"hill"', "did you mean 'hills'? a floor is one of {clusters = 0.2}, "),
     ("floor", '{hills = "x"}', "floor hills: length = 'x': should be a valid number"),

@@ -506,7 +506,10 @@ floor = FLOOR
         ),
         ("3", "world.floor = 3: a floor is one of"),
         ("{clusters = 0.2, stripes = 1}", "floor clusters has no key stripes: it has length"),
-        ("{clusters = 0}", "world.floor = {clusters = 0}: floor clusters: length = 0: should be greater than 0"),
+        (
+            "{clusters = 0}",
+            "world.floor = {clusters = 0}: floor clusters: length = 0: should be greater than 0 (metres)",
+        ),
         ("{clusters = 1001}", "length = 1001: should be less than or equal to 1000"),
         ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
         ("{half = 2}", 'floor half: it has no keys: write "half"'),

@@ -97,27 +97,30 @@ def _package(entry: EntryPoint) -> str:
 
 @functools.cache
 def keys_of(function: Callable[..., Any]) -> "type[BaseModel]":
-    """A model of a function's keyword-only parameters: what they may be, as their annotations say."""
+    """A model of a function's keyword-only parameters: what each may be, as it is annotated. Raises InputError."""
     from pydantic import ConfigDict, create_model
 
-    hints = get_type_hints(function, include_extras=True)
-    fields: dict[str, Any] = {
-        p.name: (hints.get(p.name, Any), ... if p.default is p.empty else p.default)
-        for p in inspect.signature(function).parameters.values()
-        if p.kind is p.KEYWORD_ONLY
-    }
-    config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, arbitrary_types_allowed=True)
-    return create_model("Keys", __config__=config, **fields)
+    config = ConfigDict(
+        extra="forbid", strict=True, allow_inf_nan=False, arbitrary_types_allowed=True, protected_namespaces=()
+    )
+    try:
+        hints = get_type_hints(function, include_extras=True)
+        fields: dict[str, Any] = {
+            p.name: (hints.get(p.name, Any), ... if p.default is p.empty else p.default)
+            for p in inspect.signature(function).parameters.values()
+            if p.kind is p.KEYWORD_ONLY
+        }
+        return create_model("Keys", __config__=config, **fields)
+    except Exception as error:
+        name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
+        raise InputError(f"the keys of {name} cannot be told: {told(error)}") from error
 
 
 def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
     """A function's keyword-only arguments, checked, with its defaults. Raises ValueError with what would be right."""
     from pydantic import ValidationError
 
-    try:
-        model = keys_of(function)
-    except Exception as error:
-        raise InputError(f"{what}: its keys cannot be told: {error!r}") from error
+    model = keys_of(function)
     try:
         checked = model.model_validate(dict(given), context=context)
     except ValidationError as error:
@@ -129,7 +132,8 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
         if first["type"] == "missing":
             raise ValueError(f"{what} needs the key {key}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
-        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}") from None
+        unit = model.model_fields[str(first["loc"][0])].description
+        raise ValueError(f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}") from None
     keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
     for name, value in keys:
         if not _is_plain(value):

@@ -124,7 +124,7 @@ class Floor:
 
 def _function(kind: str) -> Callable[..., Any]:
     module = DOOR.module(kind)
-    found = getattr(module, "score", None) or getattr(module, "paint", None)
+    found = getattr(module, "paint", None) or getattr(module, "score", None)
     if not callable(found):
         raise InputError(f"floor {kind!r}, {DOOR.outside[kind].value}: it has no function score")
     return cast(Callable[..., Any], found)
