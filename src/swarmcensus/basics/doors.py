@@ -5,6 +5,7 @@ import hashlib
 import importlib
 import importlib.util
 import inspect
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
@@ -124,7 +125,8 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
     try:
         checked = model.model_validate(dict(given), context=context)
     except ValidationError as error:
-        first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
+        # what may be a slip of the pen comes first
+        first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "literal_error": 1}.get(e["type"], 2))
         key, known = ".".join(map(str, first["loc"])), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
             has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
@@ -132,6 +134,9 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
         if first["type"] == "missing":
             raise ValueError(f"{what} needs the key {key}") from None
         message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+        if first["type"] == "literal_error":
+            hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
+            message += f": {hint.rstrip()}" if hint else ""
         unit = model.model_fields[str(first["loc"][0])].description
         raise ValueError(f"{what}: {key} = {first['input']!r}: {message}{f' ({unit})' if unit else ''}") from None
     keys = tuple((name, _frozen(getattr(checked, name))) for name in model.model_fields)
