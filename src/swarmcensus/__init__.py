@@ -3,6 +3,7 @@
 import swarmcensus as sc
 results = sc.run(sc.Study.load("study.toml"), jobs=2)     # -> xarray.Dataset
 trace   = sc.replay(results, setting=3, trial=0)          # -> xarray.Dataset, every round
+figure  = sc.plot.lines(results, x="robots")              # -> matplotlib Figure
 """
 
 import importlib
@@ -13,6 +14,7 @@ from swarmcensus.basics.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted
+    from swarmcensus.figures import plot
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -31,6 +33,7 @@ _HOME = {
     "infer": "simulation.inferring",
     "load": "results.store",
     "merge": "results.merging",
+    "plot": "figures.plot",
     "remeasure": "results.remeasuring",
     "replay": "results.replaying",
     "run": "runs.running",
@@ -46,6 +49,7 @@ __all__ = [
     "infer",
     "load",
     "merge",
+    "plot",
     "remeasure",
     "replay",
     "run",
@@ -59,7 +63,8 @@ def __getattr__(name: str) -> Any:
     """Import on first use, so that the command line answers at once."""
     if name not in _HOME:
         raise AttributeError(f"module 'swarmcensus' has no attribute {name!r}", name=name, obj=sys.modules[__name__])
-    return getattr(importlib.import_module(f"swarmcensus.{_HOME[name]}"), name)
+    home = importlib.import_module(f"swarmcensus.{_HOME[name]}")
+    return home if home.__name__.endswith(f".{name}") else getattr(home, name)
 
 
 def __dir__() -> list[str]:

@@ -11,7 +11,6 @@ from swarmcensus.basics.version import __version__
 
 DIGITS = 18  # of a number, so that it fits into 64 bits
 MOST_ROWS = 40  # of a summary, unless one asks for more
-PICTURES = ("scatter", "decisions", "curves", "heatmap", "beliefs", "arena", "film")
 
 
 class Parser(argparse.ArgumentParser):
@@ -101,10 +100,27 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
 
     sub = command("plot", "Draw a results file.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--kind", choices=PICTURES, default="scatter", help="what to draw (default: %(default)s)")
-    sub.add_argument("--local", action="store_true", help="the local estimate instead of the informed one (scatter)")
+    sub.add_argument(
+        "--kind",
+        default="scatter",
+        help="what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: %(default)s)",
+    )
     sub.add_argument("--where", metavar="EXPR", help="settings to draw, as 'topology == \"ring\" and robots == 100'")
+    sub.add_argument("--x", metavar="NAME", help="the coordinate along the x axis (lines, heatmap)")
+    sub.add_argument("--y", metavar="NAME", help="the variable of lines, or the other coordinate of a heatmap")
+    sub.add_argument("--color", metavar="NAME", help="the coordinate that colours tell apart (default: accuracy)")
+    sub.add_argument(
+        "--panels", type=_names, metavar="NAMES", help="coordinates with a panel for each value, as topology,robots"
+    )
+    sub.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="OPTION=VALUE",
+        help="any other option of the kind, as scale=linear",
+    )
     _add_measure_options(sub)
+    sub.add_argument("--local", action="store_true", default=None, help="the local estimate instead (scatter)")
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
@@ -160,6 +176,10 @@ def _add_run_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--trials", type=_from_one, help="instead of the study's own number")
     sub.add_argument("--seed", type=_from_zero, help="instead of the study's own")
     sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with what --out holds")
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def _share(text: str) -> tuple[int, int]:

@@ -1,122 +1,146 @@
 """The command `plot`: its options are checked, results are drawn, files written. Imports wait until needed."""
 
 import argparse
+import contextlib
+import os
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.errors import InputError
 
-ONLY_OF = (
-    {"local": ("scatter",), "tick": ("arena",), "robot": ("arena", "film")}
-    | dict.fromkeys(("setting", "trial", "brain"), ("curves", "arena", "film"))
-    | dict.fromkeys(("first", "last", "every", "fps"), ("film",))
-    | {"bins": ("decisions",), "delta": ("scatter", "heatmap")}
-)  # options of `plot` that mean something to these kinds
+HANDED_ON = (
+    *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
+    "fps",
+)  # flags of `plot` that are options of kinds, by the names of these
+ASKED_ANEW = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # kinds of ours that draw it
 
 
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
-    from swarmcensus.figures import kinds
-    from swarmcensus.figures.beliefs import beliefs
-    from swarmcensus.results import replaying
-    from swarmcensus.results.cautions import warn_of_edges
+    from swarmcensus.figures.kinds import find
     from swarmcensus.results.early import opened, say_partial
     from swarmcensus.results.remeasuring import remeasure
-    from swarmcensus.results.selecting import TooMuch, where
-    from swarmcensus.runs.progress import compiling
+    from swarmcensus.results.selecting import where
 
-    for name, fitting in ONLY_OF.items():
-        given = getattr(options, name)
-        if given is not None and given is not False and options.kind not in fitting:  # 0 is given too
-            raise InputError(f"--{name} goes with --kind {' or '.join(fitting)}, not with {options.kind}")
-    if options.local and options.delta is not None:
-        raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
-    out = options.out or Path(f"{options.results.stem}-{options.kind}{'.mp4' if options.kind == 'film' else ''}")
-    if options.kind != "film":
+    draw = find(options.kind)
+    given = _given(options, draw)
+    film = Path(given["out"]).suffix if "out" in given else ""
+    out = options.out or Path(f"{options.results.stem}-{options.kind}{film}")
+    if film:
+        given["out"] = out
+    else:
         figure_files(out)
     every = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
     say_partial(every, options.results)
     data = where(every, options.where)
     if options.setting in every["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
-    if options.kind in ("arena", "film"):
-        return _plot_arena(options, data, out)
-    try:
-        if options.kind == "curves":
-            setting = options.setting if options.setting is not None else int(data["setting"].values[0])
-            with compiling(brain_of(data, setting)):
-                figure = kinds.curves(replaying.replay(data, setting, options.trial or 0, options.brain))
-        elif options.kind == "heatmap":
-            figure = kinds.heatmap(data)
-        elif options.kind == "beliefs":
-            figure = beliefs(data)
-        elif options.kind == "decisions":
-            warn_of_edges(data)
-            figure = kinds.decisions_grid(kinds.panels_of(data))
-        else:
-            figure = kinds.scatter_grid([p._replace(local=options.local) for p in kinds.panels_of(data)])
-    except TooMuch as error:
-        raise InputError(error.shell) from None
-    save_figure(figure, out)
+    with _failures(options.kind), _telling(given, data):
+        drawn = draw(data, **given)
+    if film:
+        print(f"{out}: {drawn:,} frames")
+    else:
+        save_figure(_as_figure(drawn, options.kind), out)
     return 0
 
 
-def brain_of(data: Any, setting: int) -> str:
-    """The name of a setting's brain, for messages; of a setting that is not there, none."""
-    return "".join(data["brain"].values[data["setting"].values == setting].tolist())
+def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, Any]:
+    """The options of a kind as they are given, or by default. Raises InputError for those that it has not."""
+    from swarmcensus.basics.doors import keys_of, read_keys
+    from swarmcensus.basics.times import Time
+    from swarmcensus.figures.kinds import KINDS, find
 
-
-def _plot_arena(options: argparse.Namespace, data: Any, out: Path) -> int:
-    from rich.console import Console
-    from rich.progress import Progress
-
-    from swarmcensus.basics.files import check_writable
-    from swarmcensus.figures import arena_pictures, films, scenes
-    from swarmcensus.runs.progress import compiling
-
-    # What can be told before the trial is run again, and what this machine lacks last.
-    setting, found = scenes.find_moving(data, options.setting, options.trial or 0, options.brain)
-    assert found.body is not None
-    ticks = {n: _in_ticks(getattr(options, n), found.body.tick, f"--{n}") for n in ("tick", "first", "last")}
-    given = {"every": options.every, "fps": options.fps} | ticks
-    stretch = {n: given[n] for n in ("first", "last", "every", "fps") if given[n] is not None}
-    shown = stretch if options.robot is None else stretch | {"robot": options.robot}
-    scenes.check_robot(options.robot or 0, found.robots)
-    scenes.check_tick(ticks["tick"] or 0, (0, found.rounds))
-    if options.kind == "film":
-        films.stretch(out, (0, found.rounds), **stretch)
-        check_writable(out)
-        films.ffmpeg_for(out)
-    with compiling(found.brain.name):
-        trace, floor = scenes.scene_of(data, setting, options.trial or 0, options.brain)
-    if options.kind == "arena":
-        tick = int(trace["round"][-1]) if ticks["tick"] is None else ticks["tick"]
-        save_figure(arena_pictures.snapshot(trace, tick, floor, **shown), out)
-        return 0
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task("drawing", total=None)
-        frames = films.film(
-            trace, floor, out, **shown, progress=lambda done, total: bar.update(task, completed=done, total=total)
-        )
-    print(f"{out}: {frames:,} frames")
-    return 0
-
-
-def _in_ticks(value: Any, tick: float, name: str) -> int | None:
-    from swarmcensus.basics.times import in_ticks
-
+    with _failures(options.kind):
+        has = keys_of(draw).model_fields
+    given = {name: value for name in HANDED_ON if (value := getattr(options, name)) is not None}
+    fitting = {
+        name: [k for k in KINDS.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in has
+    }
+    if options.kind in KINDS.shipped:
+        asked = [name for name in ASKED_ANEW if getattr(options, name) is not None]
+        fitting |= {name: [*ASKED_ANEW[name]] for name in asked if options.kind not in ASKED_ANEW[name]}
+    for name, kinds in fitting.items():
+        raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
+    if options.local and options.delta is not None:
+        raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
+    given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
     try:
-        return None if value is None else in_ticks(value, tick, name)
+        return dict(read_keys(f"--kind {options.kind}", draw, given | dict(map(_set, options.set))))
     except ValueError as error:
         raise InputError(str(error)) from None
 
 
+def _set(text: str) -> tuple[str, Any]:
+    """The option and the value of `--set`: what TOML reads as a value, else the text itself."""
+    import tomllib
+
+    name, equals, value = text.partition("=")
+    if not equals:
+        raise InputError(f"--set {text!r}: should be such as scale=linear")
+    try:
+        return name.strip(), tomllib.loads(f"value = {value}")["value"]
+    except tomllib.TOMLDecodeError:
+        return name.strip(), value.strip()
+
+
+@contextlib.contextmanager
+def _failures(kind: str) -> Iterator[None]:
+    """What goes wrong in drawing, in one line: with advice for a shell, and of another package's kind, whose it is."""
+    from swarmcensus.figures.kinds import KINDS
+    from swarmcensus.results.selecting import TooMuch
+
+    try:
+        yield
+    except TooMuch as error:
+        raise InputError(error.shell) from None
+    except (InputError, OSError, MemoryError):
+        raise
+    except Exception as error:
+        if kind in KINDS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
+            raise
+        where = KINDS.outside[kind].value
+        raise InputError(f"figure {kind!r}, {where}: {type(error).__name__}: {error}") from error
+
+
+@contextlib.contextmanager
+def _telling(given: dict[str, Any], data: Any) -> Iterator[None]:
+    """Say what a kind that draws one trial waits for: the compiler, and frame after frame."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from swarmcensus.runs.progress import compiling
+
+    with contextlib.ExitStack() as stack:
+        if "setting" in given:
+            stack.enter_context(compiling(brain_of(data, given["setting"])))
+        if "progress" in given:
+            console = Console(stderr=True)
+            bar = stack.enter_context(Progress(console=console, transient=True, disable=not console.is_terminal))
+            task = bar.add_task("drawing", total=None)
+            given["progress"] = lambda done, total: bar.update(task, completed=done, total=total)
+        yield
+
+
+def _as_figure(drawn: Any, kind: str) -> Any:
+    from matplotlib.figure import Figure
+
+    if not isinstance(drawn, Figure):
+        raise InputError(f"figure {kind!r} returned {type(drawn).__name__}: should be a matplotlib Figure")
+    return drawn
+
+
+def brain_of(data: Any, setting: int | None = None) -> str:
+    """The name of a setting's brain, or of the only one, for messages; of a setting that is not there, none."""
+    every = data["brain"].values if setting is None else data["brain"].values[data["setting"].values == setting]
+    return "the brain" if len({*every}) > 1 else "".join(every[:1].tolist())
+
+
 def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg")) -> None:
     """Write a figure in the format of its suffix, without one in all of `default`, and print the paths."""
-    from swarmcensus.figures import kinds
+    from swarmcensus.figures.files import save
 
-    for path in kinds.save(figure, *figure_files(out, default)):
+    for path in save(figure, *figure_files(out, default)):
         print(path)
 
 

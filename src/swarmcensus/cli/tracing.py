@@ -11,7 +11,7 @@ def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
-    from swarmcensus.figures import kinds
+    from swarmcensus.figures import plot
     from swarmcensus.results import recordings, replaying
     from swarmcensus.results.early import opened
     from swarmcensus.runs.progress import compiling
@@ -32,7 +32,7 @@ def replay(options: argparse.Namespace) -> int:
     if options.out:
         recordings.write_trace(trace, options.out)
     if options.plot:
-        save_figure(kinds.curves(trace), options.plot, ("png",))
+        save_figure(plot.curves(trace), options.plot, ("png",))
     if readings is not None and edges is not None:
         robots = [f"robot {i}" for i in range(readings.shape[1])]
         recordings.write_rows(options.recording / "observations.csv", robots, readings)
@@ -47,7 +47,7 @@ def infer(options: argparse.Namespace) -> int:
     """Run a brain on recorded data."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
-    from swarmcensus.figures import kinds
+    from swarmcensus.figures import plot
     from swarmcensus.results import recordings
     from swarmcensus.runs.progress import compiling
     from swarmcensus.simulation import inferring
@@ -70,7 +70,7 @@ def infer(options: argparse.Namespace) -> int:
     recordings.write_trace(trace, out)
     rounds(trace)
     print(out)
-    save_figure(kinds.curves(trace), plotted, ("png",))
+    save_figure(plot.curves(trace), plotted, ("png",))
     return 0
 
 

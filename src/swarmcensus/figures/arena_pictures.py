@@ -31,8 +31,8 @@ from swarmcensus.figures.arena_margins import (
     draw_scale,
     write_titles,
 )
+from swarmcensus.figures.clouds import truth_of
 from swarmcensus.figures.looks import halo
-from swarmcensus.figures.panels import truth_of
 from swarmcensus.figures.scenes import check_robot, scene_of
 from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin

@@ -1,4 +1,4 @@
-"""How sensor accuracies look: their names, colours and markers, the same in every figure."""
+"""How the values of a coordinate look, as sensor accuracies: names, colours and markers, the same in every figure."""
 
 from __future__ import annotations
 
@@ -13,17 +13,21 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.digits import told_apart
+from swarmcensus.figures.coordinates import title_of
+from swarmcensus.figures.lettering import shortened
 
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
 MARKERS = "s^vPXph"  # of such swarms, after the first
 MOST_KEYED = 20  # numbers in a key
-NUMBER = r"\d*\.?\d+(e-?\d+)?"
+NUMBER = r"[-+]?\d*\.?\d+(e[-+]?\d+)?"
+NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
+WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters
 
 
 class Look(NamedTuple):
-    """How one sensor accuracy appears: its name in the key, a short one for labels, colour and marker.
+    """How one value appears: its name in the key, a short one for labels, colour and marker.
 
-    A `spread` one is of robots, or of the two colours, that differ.
+    A `spread` accuracy is of robots, or of the two colours, that differ.
     """
 
     name: str
@@ -42,36 +46,47 @@ def palette(count: int) -> list[str]:
     return [to_hex(colour) for colour in mpl.colormaps["viridis"](np.linspace(0.06, 0.9, count))]
 
 
-def looks_of(accuracies: Iterable[str], marker: str) -> dict[str, Look]:
-    """Return the look of every distinct accuracy, in drawing order: numbers upwards, then all others.
+def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[str, Look]:
+    """Return the look of every distinct value of a coordinate, in drawing order: numbers upwards, then all others.
 
-    Numbers share `marker` and get colours by rank, darkest where sensors are worst. Of all others (spread over the
-    swarm, or different for black and white) the first is black, as in the paper; more of them differ from it and
-    from each other in colour and shape.
+    Numbers share `marker` and get colours by rank, darkest where they are lowest. Of accuracies that are no numbers
+    (spread over the swarm, or different for black and white) the first is black, as in the paper; more of them differ
+    from it and from each other in colour and shape. So do the names of brains, topologies and the like, in the order in
+    which they come.
     """
-    distinct = set(accuracies)
+    distinct = list(dict.fromkeys(values))
     numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=float)
-    spread = sorted(distinct.difference(numbers))
-    names = dict(zip([*numbers, *spread], told_apart([*numbers, *spread]), strict=True))
+    others = [text for text in distinct if text not in numbers]
+    if of.endswith("accuracy"):
+        others.sort()
+    names = dict(zip([*numbers, *others], map(_grouped, told_apart([*numbers, *others])), strict=True))
     looks = {
-        text: Look(names[text], names[text].removeprefix("0"), colour, marker)
+        text: Look(names[text], names[text].removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
-    for i, text in enumerate(spread):
+    for i, text in enumerate(others):
+        shape = f"{marker}{MARKERS}"[i % 8]
+        if not of.endswith("accuracy"):
+            looks[text] = Look(names[text], shortened(names[text], WIDEST, SMALLEST), NAMED[i % len(NAMED)], shape)
+            continue
         name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
         short = "b≠w" if "w = " in name else name.split("(")[0]
-        looks[text] = Look(name, short, SPREAD[i % 3], f"{marker}{MARKERS}"[i % 8], spread=True)
+        looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
 
 
-def keyed(looks: Mapping[str, Look]) -> tuple[str, dict[str, Look]]:
+def _grouped(text: str) -> str:
+    return f"{int(text):,}" if text.isdigit() else text
+
+
+def keyed(looks: Mapping[str, Look], of: str = "accuracy") -> tuple[str, dict[str, Look]]:
     """Return a key's title and the looks that it names: of very many numbers some, evenly chosen, with both ends."""
-    numbers = [text for text, look in looks.items() if not look.spread]
+    title, numbers = title_of(of), [text for text in looks if re.fullmatch(NUMBER, text)]
     if len(numbers) <= MOST_KEYED:
-        return "sensor accuracy", dict(looks)
+        return title, dict(looks)
     named = {numbers[i] for i in np.linspace(0, len(numbers) - 1, MOST_KEYED).round().astype(int)}
-    few = {text: look for text, look in looks.items() if look.spread or text in named}
-    return f"sensor accuracy\n({len(few)} of {len(looks)} named)", few
+    few = {text: look for text, look in looks.items() if text not in numbers or text in named}
+    return f"{title}\n({len(few)} of {len(looks)} named)", few
 
 
 def solid_dot(look: Look, size: float, edge: float) -> Line2D:

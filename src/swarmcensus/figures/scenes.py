@@ -1,16 +1,19 @@
-"""The scene of one trial of robots that move: what arenas and films draw."""
+"""What is drawn of one trial: its trace, given or replayed, and of robots that move the floor too."""
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.times import in_ticks, parse_time
+from swarmcensus.results import replaying
 from swarmcensus.results.origins import setting_of
-from swarmcensus.results.replaying import replay
+from swarmcensus.results.selecting import require
 from swarmcensus.results.store import load
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
@@ -19,9 +22,45 @@ from swarmcensus.worlds.networks import MOVING
 MOST_TILES = 4000  # from wall to wall; beyond it a floor is even grey
 
 
+class Clock(NamedTuple):
+    """The ticks of a trial, and how many seconds one takes, where that is known."""
+
+    first: int
+    last: int
+    seconds: float | None
+
+    def tick(self, value: int | str, name: str) -> int:
+        """A tick, or a time such as "5 min", as a tick. Raises InputError."""
+        try:
+            time = parse_time(value) if isinstance(value, str) else value
+        except ValueError as error:
+            raise InputError(f"{name} = {value!r}: {error}") from None
+        try:
+            return in_ticks(time, self.seconds, name)
+        except ValueError as error:
+            raise InputError(str(error)) from None
+
+
+Scene = tuple[xr.Dataset, NDArray[np.uint8] | None]  # a trace with links, and its floor
+
+
+def is_trace(data: xr.Dataset) -> bool:
+    """Whether this is a trace of one trial, rather than a study's results."""
+    return "round" in data.dims
+
+
+def trace_of(
+    results: xr.Dataset, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
+) -> xr.Dataset:
+    """Replay a trial of a setting, by default of the first. Raises InputError as `replay` does."""
+    require(results)
+    number = int(results["setting"].values[0]) if setting is None else setting
+    return replaying.replay(results, number, trial, brain)
+
+
 def scene_of(
     results: xr.Dataset | str | Path, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
-) -> tuple[xr.Dataset, NDArray[np.uint8] | None]:
+) -> Scene:
     """Return what `snapshot` and `film` draw of one trial: its trace with links, and its floor.
 
     Takes what `replay` takes; `setting` is by default the first whose robots move. The floor is None where it
@@ -30,10 +69,32 @@ def scene_of(
     data = results if isinstance(results, xr.Dataset) else load(results)
     setting, found = find_moving(data, setting, trial, brain)
     assert found.body is not None
-    trace = replay(data, setting, trial, brain, links=True)
+    trace = replaying.replay(data, setting, trial, brain, links=True)
     trace.attrs["tick_seconds"] = found.body.tick
     drawn = tiles_across(trace.attrs["side"], found.body.tile) <= MOST_TILES
     return trace, found.ground(trace.attrs["seed"], trial).all_tiles() if drawn else None
+
+
+def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> Scene:
+    """A trace as it is, without its floor, or the scene of a study's results. Raises InputError as `scene_of` does."""
+    return (results, None) if is_trace(results) else scene_of(results, setting, trial, brain)
+
+
+def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None, robot: int) -> Clock:
+    """What can be told of a scene before its trial is run again.
+
+    Raises InputError where it, the trial, its brain or the robot is not there, or its robots do not move.
+    """
+    if is_trace(results):
+        require(results, dimensions=("round", "robot"))
+        ticks, robots = results["round"].values, results.sizes["robot"]
+        clock = Clock(int(ticks[0]), int(ticks[-1]), results.attrs.get("tick_seconds"))
+    else:
+        _, found = find_moving(results, setting, trial, brain)
+        assert found.body is not None
+        robots, clock = found.robots, Clock(0, found.rounds, found.body.tick)
+    check_robot(robot, robots)
+    return clock
 
 
 def check_tick(tick: int, known: tuple[int, int]) -> None:

@@ -1,14 +1,11 @@
-"""The sheet that figures are drawn on: its panels, captions, axes and key, and how it is saved."""
+"""The sheet that figures are drawn on: its panels, captions, axes and key."""
 
 from __future__ import annotations
 
 import string
-import threading
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Literal
 
-import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
@@ -19,9 +16,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import whole
+from swarmcensus.figures.clouds import lacking
 from swarmcensus.figures.lettering import SPACING, wrapped
-from swarmcensus.figures.panels import MOST_PANELS, lacking
+from swarmcensus.figures.panels import MOST_PANELS
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
 
@@ -30,10 +27,8 @@ CAPTION, TITLE = SMALL + 1.5, SMALL + 3
 MOST_NAMED = 24  # dots of a panel
 HALF_A_DECADE = 10**0.5
 NAMES = SMALL - 1.5  # points: names of dots over a panel
+INNER = "inner"  # label of a panel with another on its left, which has the name of their y axes
 NOTHING = "nothing to draw: no trial of these settings has been run"
-
-# matplotlib's settings belong to the whole process: threads that save at the same time take turns.
-_settings = threading.Lock()
 
 
 def new_sheet(
@@ -81,9 +76,29 @@ def new_sheet(
         figure.suptitle(
             "\n".join(titles), x=left / width, y=1 - 0.1 / height, ha="left", va="top", fontsize=TITLE, parse_math=False
         )
-    axes = [figure.add_subplot(grid[2 * (i // columns), i % columns]) for i in range(count)]
+    axes = [
+        figure.add_subplot(grid[2 * (i // columns), i % columns], label=INNER if i % columns else "")
+        for i in range(count)
+    ]
     caption_panels(axes, captions, above, room)
     return axes
+
+
+def sheet(
+    ax: Axes | None, captions: Sequence[str], title: str | None, *, above: float = 0.0, below: float = 0.0
+) -> list[Axes]:
+    """Return a `new_sheet`, or the caller's own axes, captioned with the title if there is one.
+
+    Raises InputError if `ax` would have to hold several panels, and as `new_sheet` does.
+    """
+    if ax is None:
+        return new_sheet(captions, title, above=above, below=below)
+    if len(captions) != 1:
+        raise InputError(
+            f"ax holds one panel, not {len(captions)}: select some of the settings, or draw all into it with panels=[]"
+        )
+    caption_panels([ax], [title or captions[0]], above)
+    return [ax]
 
 
 def caption_panels(
@@ -107,10 +122,9 @@ def _lettered(captions: Sequence[str], room: float) -> list[str]:
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
-    """Write the axis labels, `y` in the leftmost column only, and take away what carries no data."""
-    place = axes.get_subplotspec()
+    """Write the axis labels, `y` of a sheet in its leftmost column only, and take away what carries no data."""
     axes.set_xlabel(x, fontsize=SMALL + 1)
-    if place is None or place.is_first_col():
+    if axes.get_label() != INNER:
         axes.set_ylabel(y, fontsize=SMALL + 1)
     axes.tick_params(labelsize=SMALL)
     axes.spines[["top", "right"]].set_visible(False)
@@ -234,24 +248,3 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
             transform=axes.transAxes,
         )  # fmt: skip
     return len(order) == len(dots)
-
-
-def save(figure: Figure, stem: Path, formats: Sequence[str] = ("png", "svg")) -> list[Path]:
-    """Write a figure to `stem`.png, `stem`.svg, ... and return these paths.
-
-    Each file appears whole or not at all, in place of an older one. PNGs have 150 dots an inch, and so have
-    the layers of single dots inside an SVG or PDF; all else there is lines and text. The same figure gives
-    the same bytes.
-
-    Raises InputError for a format that matplotlib cannot write and a place that cannot be written.
-    """
-    known = figure.canvas.get_supported_filetypes()
-    for suffix in formats:
-        if suffix not in known:
-            raise InputError(f"cannot write {suffix!r} files, only {', '.join(sorted(known))}")
-    paths = [stem.with_name(f"{stem.name}.{suffix}") for suffix in formats]
-    for suffix, path in zip(formats, paths, strict=True):
-        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(suffix)
-        with whole(path) as beside, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
-            figure.savefig(beside, format=suffix, dpi=150, metadata=undated)
-    return paths

@@ -151,12 +151,14 @@ def _simulate(
 
 
 def _draw(figure: PaperFigure, datasets: Mapping[str, xr.Dataset], stem: Path) -> list[Path]:
-    from swarmcensus.figures import kinds  # matplotlib: half a second, and not every part needs it
+    from swarmcensus.figures.files import save  # matplotlib: half a second, and not every part needs it
+    from swarmcensus.figures.kinds.decisions import decisions_grid
+    from swarmcensus.figures.kinds.scatter import scatter_grid
 
     panels = [view.panel(datasets) for view in figure.views]
     scatter = figure.kind == "scatter"
-    drawn = kinds.scatter_grid(panels, scale=figure.scale) if scatter else kinds.decisions_grid(panels)
-    return kinds.save(drawn, stem, ("png", "svg"))
+    drawn = scatter_grid(panels, scale=figure.scale) if scatter else decisions_grid(panels)
+    return save(drawn, stem)
 
 
 def _write(path: Path, text: str) -> None:

@@ -13,23 +13,24 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
-from swarmcensus.figures.panels import Cloud, Cross, Panel, check_few, cloud_of, crosses_of, unit_of
+from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NAMES,
     NOTHING,
     SMALL,
     Scale,
     add_key,
-    caption_panels,
     count_axis,
     error_axis,
     label_dots,
     name_axes,
-    new_sheet,
     say_empty,
     say_lacking,
+    sheet,
 )
 
 LABELS = 0.25  # inches over a scatter panel for the names of its medians, if they are short
@@ -40,33 +41,44 @@ EARLY = 0.05  # of the dots: if what is left of them spans less than half a deca
 def scatter(
     results: xr.Dataset,
     *,
+    color: str = "accuracy",
+    panels: Names = None,
     local: bool = False,
-    title: str | None = None,
-    axes: Axes | None = None,
     error_limit: float | None = None,
     scale: Scale = "log",
+    title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Draw how fast and how well robots estimate: one dot a robot and trial, and the medians.
 
-    The panel of the paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of
-    robots that move (`local`: of the local estimate, in observations), y the error |x^K - f|; outlined dots, named
-    above the panel, are the medians of the sensor accuracies, whose colours `looks.looks_of` explains: rings where
-    robots' accuracies differ, so that they hide no other. A thin cross through a median is its 95 % interval over
-    trials on both axes, where there are 6 trials or more, of swarms of one size. Of too many medians the panel names
-    some, and the key says so. All settings of `results` share the panel. With `scale` "log" both axes are logarithmic,
-    above 1 and 0.01, and x begins where the data do (and is linear where all but the earliest 5 % span less than half a
-    decade); with "log-y" the error alone is, and x begins at 0; "linear" is the paper's. Dots above `error_limit` are
-    counted instead of drawn. In `axes` of your own, leave room for the key on their right.
+    The paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of robots that move
+    (`local`: of the local estimate, in observations), y the error |x^K - f|; outlined dots, named above the panel, are
+    the medians of the values of the coordinate `color`: rings where robots' accuracies differ, so that they hide no
+    other. A thin cross through a median is its 95 % interval over trials on both axes, where there are 6 trials or
+    more, of swarms of one size. Of too many medians the panel names some, and the key says so. There is a panel for
+    each combination of the coordinates `panels`, by default of all others that vary; those of one unit share their
+    axes. With `scale` "log" both axes are logarithmic, above 1 and 0.01, and x begins where the data do (and is linear
+    where all but the earliest 5 % span less than half a decade); with "log-y" the error alone is, and x begins at 0;
+    "linear" is the paper's. Dots above `error_limit` are counted instead of drawn. Axes of your own, `ax`, hold one
+    panel: leave room for the key on their right.
 
-    Raises InputError if `results` lacks a variable or holds no finished trial.
+    Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
+    more than 24 panels.
     """
-    return _scatter([Panel(title or "", results, local, error_limit)], axes, None, scale)
+    check_coordinates(results, color=color, panels=panels)
+    parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
+    return scatter_grid(parts, color=color, scale=scale, title=title, ax=ax)
 
 
 def scatter_grid(
-    panels: Sequence[Panel | tuple[Any, ...]], *, title: str | None = None, scale: Scale = "log"
+    panels: Sequence[Panel | tuple[Any, ...]],
+    *,
+    color: str = "accuracy",
+    scale: Scale = "log",
+    title: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
-    """Draw several `scatter` panels, (a), (b), ..., with one key: the paper's Figs. 2, 3 and 5.
+    """Draw `scatter` panels of one's own choice, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). So that panels compare, those
     of one unit have the same x axis, and those without an `error_limit` of their own the same y axis. A panel
@@ -75,39 +87,32 @@ def scatter_grid(
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
-    check_few(drawn)
-    return _scatter(drawn, None, title, scale)
-
-
-def _scatter(panels: list[Panel], given: Axes | None, title: str | None, scale: Scale) -> Figure:
-    clouds = [cloud_of(panel.results, panel.local) for panel in panels]
-    units = [unit_of(panel.results, panel.local) for panel in panels]
-    looks = looks_of((accuracy for cloud in clouds for accuracy in cloud), "o")
-    if panels and not looks:
+    clouds = [cloud_of(panel.results, panel.local, color) for panel in drawn]
+    units = [unit_of(panel.results, panel.local) for panel in drawn]
+    looks = looks_of((value for cloud in clouds for value in cloud), "o", color)
+    if drawn and not looks:
         raise InputError(NOTHING)
-    captions = [panel.caption for panel in panels]
+    captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, NAMES) + 5) / 72 for look in looks.values())])
-    axes = [given] if given else new_sheet(captions, title, above=above)
-    if given:
-        caption_panels(axes, captions, above)
-    free = [cloud for panel, cloud in zip(panels, clouds, strict=True) if panel.error_limit is None]
+    axes = sheet(ax, captions, title, above=above)
+    free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     crossed, all_named = False, True
-    for panel, cloud, unit, ax in zip(panels, clouds, units, axes, strict=True):
+    for panel, cloud, unit, place in zip(drawn, clouds, units, axes, strict=True):
         if not cloud:
-            say_empty(ax)
+            say_empty(place)
             continue
         alike = [i for i, other in enumerate(units) if other == unit and clouds[i]]
         low = min(when.min() for i in alike for when, _ in clouds[i].values())
         early = float(np.quantile(np.concatenate([when for i in alike for when, _ in clouds[i].values()]), EARLY))
-        count_axis(ax, low, max(_horizon(panels[i]) for i in alike), scale, early)
-        error_axis(ax, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
+        count_axis(place, low, max(_horizon(drawn[i]) for i in alike), scale, early)
+        error_axis(place, max(1.08 * highest, 1e-3) if panel.error_limit is None else panel.error_limit, scale)
         symbol = r"\hat{x}" if panel.local else "x"
-        name_axes(ax, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
-        crosses = crosses_of(panel.results, panel.local)
+        name_axes(place, f"convergence $K$ ({unit})", rf"error $|{symbol}^K - f\,|$")
+        crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or bool(crosses)
-        all_named &= _draw_cloud(ax, cloud, crosses, looks)
-    heading, named = keyed(looks)
+        all_named &= _draw_cloud(place, cloud, crosses, looks)
+    heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
     median = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
     entries[median] = solid_dot(Look("", "", "#bbbbbb", "o"), 6, 0.8)
@@ -115,11 +120,11 @@ def _scatter(panels: list[Panel], given: Axes | None, title: str | None, scale: 
         entries["its 95 % interval"] = Line2D([], [], linestyle="", marker="+", markersize=9, color="black", mew=0.8)
     entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
     if scale != "linear":
-        from_0 = any(ax.get_xscale() == "asinh" and ax.get_xlim()[0] < 1 for ax in axes)
+        from_0 = any(one.get_xscale() == "asinh" and one.get_xlim()[0] < 1 for one in axes)
         bent = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
         entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
-    say_lacking(axes, [panel.results for panel in panels])
+    say_lacking(axes, [panel.results for panel in drawn])
     return axes[0].figure.canvas.figure
 
 

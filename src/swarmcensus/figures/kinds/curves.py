@@ -2,41 +2,58 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.clouds import truth_of
 from swarmcensus.figures.looks import palette
-from swarmcensus.figures.panels import truth_of
-from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, new_sheet
+from swarmcensus.figures.scenes import is_trace, trace_of
+from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
 from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
 
 MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands
 
 
-def curves(trace: xr.Dataset, *, title: str | None = None, scale: Scale = "log") -> Figure:
+def curves(
+    results: xr.Dataset,
+    *,
+    setting: int | None = None,
+    trial: int = 0,
+    brain: str | Path | None = None,
+    scale: Scale = "log",
+    title: str | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw one trial as it unfolds: each robot's estimate against the communication round or tick.
+
+    `results` is a trace of `sc.replay` or `sc.infer`, or a study's results: then `setting` (by default the first) and
+    `trial` are replayed, with the file `brain` where the brain is one of your own.
 
     x is the round or tick (0: before any observation), y the estimated fill ratio; bold is the median over robots,
     dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known), shaded the right one of 10 (or
     `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and bands hold the middle
     50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round by round what
-    the paper's Sec. III describes.
+    the paper's Sec. III describes. In axes of your own, `ax`, leave room for the key on their right.
 
-    Raises InputError if `trace` lacks the estimates or has none.
+    Raises InputError if a trace lacks the estimates or has none, and as `sc.replay` does.
     """
+    trace = results if is_trace(results) else trace_of(results, setting, trial, brain)
     require(trace, "estimate", "round", dimensions=("round", "robot"))
     estimate = trace["estimate"].transpose("round", "robot")
     estimate = estimate.dropna("round", how="all").dropna("robot", how="all")
     if not estimate.size:
         raise InputError("nothing to draw: the trace holds no estimate")
-    (ax,) = new_sheet([str(trace.attrs.get("title", "")) if title is None else title])
+    (ax,) = sheet(ax, [str(trace.attrs.get("title", "")) if title is None else title], None)
     rounds, x = estimate["round"].values, estimate.values
     robots = x.shape[1]
     shown = np.arange(robots)

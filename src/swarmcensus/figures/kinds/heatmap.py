@@ -1,4 +1,4 @@
-"""Medians in a grid of sensor accuracies and fill ratios."""
+"""Medians in a grid of two coordinates: sensor accuracies and fill ratios, or others."""
 
 from __future__ import annotations
 
@@ -12,49 +12,52 @@ from matplotlib.colors import AsinhNorm, Colormap, Normalize
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.clouds import cloud_of, unit_of
+from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
 from swarmcensus.figures.lettering import shortened, width_of
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.panels import cloud_of, select_some, unit_of, varies
+from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import NOTHING, SMALL, caption_panels, name_axes, new_sheet, say_lacking
-from swarmcensus.results.selecting import TooMuch, require
+from swarmcensus.results.selecting import TooMuch
 
 LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
 ABOVE = 0.3  # inches over a panel for the bar of its colours
 MOST_NAMED = 8  # values of a coordinate, in a message
 
 
-def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
-    """Draw medians over robots and trials for every sensor accuracy (rows) and fill ratio (columns).
+def heatmap(results: xr.Dataset, *, x: str = "fill_ratio", y: str = "accuracy", title: str | None = None) -> Figure:
+    """Draw medians over robots and trials for every value of two coordinates, `x` in columns and `y` in rows.
 
     Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move. The bar over a panel says
     which colours are best; each cell says its number, where there are no more than fit; grey is a cell without a
     finished trial. It extends the paper's Figs. 2 to 5 to all f.
 
-    Raises InputError if another coordinate varies, or if there is no finished trial.
+    Raises InputError if there is no such coordinate, another one varies too, or there is no finished trial.
     """
-    require(results, "fill_ratio")
-    shown = {"accuracy", "fill_ratio"}
-    if varying := varies(results, apart_from=shown):
+    check_coordinates(results, x=x, y=y)
+    if x == y:
+        raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates")
+    if varying := varies(results, apart_from={x, y}):
         several = ", ".join(f"{name} ({_some(values)})" for name, values in varying.items())
         vary = f"{several} {'varies' if len(varying) == 1 else 'vary'} too"
-        raise TooMuch(f"a heatmap shows accuracy and fill_ratio, but {vary}", select_some(results, shown, 1))
-    ratios = np.unique(results["fill_ratio"].values)
-    clouds = [cloud_of(results.isel(setting=results["fill_ratio"].values == f), local=False) for f in ratios]
-    looks = looks_of((accuracy for cloud in clouds for accuracy in cloud), "o")
+        raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
+    texts = texts_of(results, x)
+    across = looks_of(texts.tolist(), "o", x)
+    clouds = [cloud_of(results.isel(setting=texts == text), False, y) for text in across]
+    looks = looks_of((value for cloud in clouds for value in cloud), "o", y)
     if not looks:
         raise InputError(NOTHING)
-    medians = np.full((2, len(looks), ratios.size), np.nan)
+    medians = np.full((2, len(looks), len(across)), np.nan)
     for column, cloud in enumerate(clouds):
-        for row, accuracy in enumerate(looks):
-            if accuracy in cloud:
-                when, error = cloud[accuracy]
+        for row, value in enumerate(looks):
+            if value in cloud:
+                when, error = cloud[value]
                 medians[:, row, column] = np.median(error), np.median(when)
     names = [shortened(look.name, 200, SMALL) for look in looks.values()]
-    ticks = told_apart(ratios.tolist())
+    ticks = [shortened(look.name, 80, SMALL) for look in across.values()]
     cell = max(0.4, (max(width_of(tick, SMALL) for tick in ticks) + SMALL) / 72)  # inches
-    size = (max(cell * ratios.size, 2.4), max(0.25 * len(looks), 0.75))
+    size = (max(cell * len(across), 2.4), max(0.25 * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
     left = max(1.25, 0.55 + max(width_of(name, SMALL) for name in names) / 72)
@@ -63,9 +66,9 @@ def heatmap(results: xr.Dataset, *, title: str | None = None) -> Figure:
     _draw_cells(axes[1], medians[1], 1.0, ",.0f", numbered)
     columns, rows = _some_of(len(ticks), size[0] / cell), _some_of(len(names), size[1] / 0.16)
     for ax in axes:
-        ax.set_xticks(columns, [ticks[k] for k in columns])
+        ax.set_xticks(columns, [ticks[k] for k in columns], parse_math=False)
         ax.set_yticks(rows, [names[k] if ax is axes[0] else "" for k in rows], parse_math=False)
-        name_axes(ax, "fill ratio $f$", "sensor accuracy")
+        name_axes(ax, title_of(x), title_of(y))
         ax.tick_params(length=0)
         ax.spines[:].set_visible(False)
     captions = [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"]

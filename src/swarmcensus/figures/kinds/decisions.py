@@ -1,4 +1,4 @@
-"""How many robots decide rightly, and when: a diamond for each sensor accuracy and checkpoint."""
+"""How many robots decide rightly, and when: a diamond for each checkpoint and accuracy, or another coordinate."""
 
 from __future__ import annotations
 
@@ -16,70 +16,84 @@ from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.clouds import Shares, shares_of, unit_of
+from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.panels import Panel, Shares, check_few, shares_of, unit_of
+from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
     SMALL,
     add_key,
-    caption_panels,
     name_axes,
-    new_sheet,
     say_empty,
     say_lacking,
+    sheet,
 )
+from swarmcensus.results.cautions import warn_of_edges
 
 MOST_CHECKPOINTS = 12
 GAP = 1.5  # points between a diamond and the dash over it
 
 
-def decisions(results: xr.Dataset, *, title: str | None = None, axes: Axes | None = None) -> Figure:
+def decisions(
+    results: xr.Dataset,
+    *,
+    color: str = "accuracy",
+    panels: Names = None,
+    title: str | None = None,
+    ax: Axes | None = None,
+) -> Figure:
     """Draw which share of the robots chooses the right bin after so many rounds, or ticks of robots that move.
 
-    The panel of the paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or
-    than fit, the axis says how many are shown), and holds a diamond for each sensor accuracy, side by side in
-    the key's order, so that none hides another. y is the percentage of right robots over all trials; a thin line
-    through a diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and
-    a dash that lies over a diamond says that all robots of all trials are right. In `axes` of your own, leave
-    room for the key on their right.
+    The paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or than fit, the axis
+    says how many are shown), and holds a diamond for each value of the coordinate `color`, side by side in the key's
+    order, so that none hides another. y is the percentage of right robots over all trials; a thin line through a
+    diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and a dash that
+    lies over a diamond says that all robots of all trials are right. There is a panel for each combination of the
+    coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold one panel: leave room for the
+    key on their right. Warns of fill ratios on the edge between two bins.
 
-    Raises InputError if `results` lacks a variable or holds no finished trial.
+    Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
+    more than 24 panels.
     """
-    if axes:
-        caption_panels([axes], [title or ""])
-    return _decisions([Panel("", results)], [axes] if axes else new_sheet([title or ""]))
+    check_coordinates(results, color=color, panels=panels)
+    if "truth" in results.attrs:
+        warn_of_edges(results)
+    return decisions_grid(panels_of(results, (color,), panels), color=color, title=title, ax=ax)
 
 
-def decisions_grid(panels: Sequence[Panel | tuple[Any, ...]], *, title: str | None = None) -> Figure:
-    """Draw several `decisions` panels, (a), (b), ..., with one key: the paper's Fig. 4.
+def decisions_grid(
+    panels: Sequence[Panel | tuple[Any, ...]],
+    *,
+    color: str = "accuracy",
+    title: str | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw `decisions` panels of one's own choice, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
 
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
-    check_few(drawn)
-    return _decisions(drawn, new_sheet([panel.caption for panel in drawn], title))
-
-
-def _decisions(panels: list[Panel], axes: list[Axes]) -> Figure:
-    shares = [shares_of(panel.results) for panel in panels]
-    looks = looks_of((accuracy for share in shares for accuracy in share), "d")
+    axes = sheet(ax, [panel.caption for panel in drawn], title)
+    shares = [shares_of(panel.results, color) for panel in drawn]
+    looks = looks_of((value for share in shares for value in share), "d", color)
     if not looks:
         raise InputError(NOTHING)
-    for panel, share, ax in zip(panels, shares, axes, strict=True):
+    for panel, share, place in zip(drawn, shares, axes, strict=True):
         if share:
-            _draw_shares(ax, panel.results["checkpoint"].values, share, looks, unit_of(panel.results))
+            _draw_shares(place, panel.results["checkpoint"].values, share, looks, unit_of(panel.results))
         else:
-            say_empty(ax)
-    heading, named = keyed(looks)
+            say_empty(place)
+    heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
     if any(one.all_right.any() for share in shares for one in share.values()):
         entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
     if any(np.isfinite(one.low).any() for share in shares for one in share.values()):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries)
-    say_lacking(axes, [panel.results for panel in panels])
+    say_lacking(axes, [panel.results for panel in drawn])
     return axes[0].figure.canvas.figure
 
 

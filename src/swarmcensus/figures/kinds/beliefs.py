@@ -15,8 +15,8 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
-from swarmcensus.figures.panels import check_few, panels_of
-from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, new_sheet, say_empty, say_lacking
+from swarmcensus.figures.panels import panels_of
+from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
 from swarmcensus.results.beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.worlds.sensors import Accuracy
 
@@ -28,19 +28,19 @@ FINE = 401  # points of a dashed line
 BESIDE = 0.3  # of the errors' range: how far from the last one a belief that is drawn for each robot stands
 
 
-def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
+def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Axes | None = None) -> Figure:
     """Draw the final estimates' error against the error of the robots' belief in their sensors, a panel a fill ratio.
 
     x is the assumed less the true accuracy, y the median of |x - f| over robots and trials with its 95 % interval by
     bootstrap over trials. Beliefs drawn for each robot stand in columns of their own on the right. Thin dashed lines
     are `asymptote`: what endless observation would leave; where there is none, solid ones join the medians. All
-    panels share their axes; what else varies makes more of them.
+    panels share their axes; what else varies makes more of them. Axes of your own, `ax`, hold one panel: leave room for
+    the key on their right.
 
     Raises InputError as `costs` does, if there is no finished trial, and for more than 24 panels.
     """
     costs(results)
     panels = panels_of(results, ON_AXES)
-    check_few(panels, ON_AXES)
     drawn = [[cost for cost in costs_of(panel.results) if np.isfinite(cost.median)] for panel in panels]
     every = [cost for group in drawn for cost in group]
     if not every:
@@ -51,29 +51,29 @@ def beliefs(results: xr.Dataset, *, title: str | None = None) -> Figure:
     errors = sorted({cost.error for cost in every if cost.error is not None}) or [0.0]
     span = max(errors[-1] - errors[0], 0.05)
     places = {belief: errors[-1] + BESIDE * span * (k + 1) for k, belief in enumerate(columns)}
-    axes = new_sheet([panel.caption for panel in panels], title, below=0.12 if places else 0.0)
+    axes = sheet(ax, [panel.caption for panel in panels], title, below=0.12 if places else 0.0)
     top = 1.08 * max(max(np.nanmax([c.median, c.high, c.predicted]) for c in every), 1e-3)
-    for ax, group in zip(axes, drawn, strict=True):
+    for place, group in zip(axes, drawn, strict=True):
         if not group:
-            say_empty(ax)
+            say_empty(place)
             continue
         alike = _alike(group, 0.002 * top)
         for k, (text, look) in enumerate(looks.items()):
             mine = [cost for cost in group if cost.accuracy == text]
             size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # none hides another
-            _draw_fixed(ax, sorted((c.error, c) for c in mine if c.error is not None), look, size, alike)
+            _draw_fixed(place, sorted((c.error, c) for c in mine if c.error is not None), look, size, alike)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
             apart = [c for c in mine if c.error is None]
-            _draw_points(ax, [places[c.belief] + aside for c in apart], apart, look, size)
+            _draw_points(place, [places[c.belief] + aside for c in apart], apart, look, size)
         if places:
-            ax.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
-        ax.set_xlim(errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span)
-        ax.set_ylim(-0.01 * top, top)
+            place.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
+        place.set_xlim(errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span)
+        place.set_ylim(-0.01 * top, top)
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
-        ax.set_xticks([*shown, *places.values()], names)
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-        name_axes(ax, "belief: assumed less true accuracy", r"final error $|x - f\,|$, median")
+        place.set_xticks([*shown, *places.values()], names)
+        place.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        name_axes(place, "belief: assumed less true accuracy", r"final error $|x - f\,|$, median")
     heading, named = keyed(looks)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 5, 0.6) for look in named.values()}
     if any(np.isfinite(cost.low) for cost in every):

@@ -1,0 +1,120 @@
+"""Axes for the values of any coordinate and of any variable: logarithmic, linear or by name, with room for all."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
+
+from swarmcensus.figures.clouds import unit_of
+from swarmcensus.figures.lettering import shortened, width_of, wrapped
+from swarmcensus.figures.looks import NUMBER, Look
+from swarmcensus.figures.sheets import SMALL
+
+COUNTS = {"robots", "rounds", "observations_per_round", "density", "side", "checkpoint"}  # which often span decades
+DECADES = 8.0  # from there on a coordinate that counts is logarithmic
+WIDE = 30.0  # and from here on what is measured
+LONGEST = 80.0  # points: a name under an axis
+NAMES = {
+    "convergence_round": "convergence $K$",
+    "convergence_error": r"error $|x^K - f\,|$",
+    "local_convergence_step": "local convergence $K$",
+    "local_convergence_error": r"local error $|\hat{x}^K - f\,|$",
+    "final_estimate": "final estimate $x$",
+    "correct": "share of robots in the right bin",
+}
+
+
+def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
+    """Where the values of a coordinate stand on its axis, and whether they are numbers, rather than names in a row."""
+    texts = list(values)
+    if all(re.fullmatch(NUMBER, text) for text in texts):
+        return {text: float(text) for text in texts}, True
+    return {text: float(k) for k, text in enumerate(texts)}, False
+
+
+def slant_of(looks: dict[str, Look], width: float) -> float:
+    """How many inches more the names of these values need under an axis so many points wide: 0 if they stand level."""
+    widest = max(width_of(look.name, SMALL) for look in looks.values())
+    if places_of(looks)[1] or widest <= width / len(looks) - 4:
+        return 0.0
+    return (0.64 * min(widest, LONGEST) + 2) / 72
+
+
+def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], *, aside: float, slanted: bool) -> None:
+    """Give `axes` an x axis for these values, with ticks at as many of them as have room.
+
+    `aside` is how far from its place, in points, a value may be drawn; `slanted` are names that are too wide.
+    """
+    places, numbers = places_of(looks)
+    x = np.array(list(places.values()))
+    width = axes.bbox.width * 72 / axes.figure.dpi
+    texts = [look.name for look in looks.values()]
+    if not numbers:
+        axes.set_xlim(-0.5, x.size - 0.5)
+        texts = [shortened(text, LONGEST, SMALL) for text in texts]
+        how: Any = {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if slanted else {}
+        axes.set_xticks(x, texts, parse_math=False, **how)
+        axes.tick_params(axis="x", length=0)
+        return
+    log = name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
+    if log:
+        axes.set_xscale("log")
+    scaled = np.log(x) if log else x
+    span = float(np.ptp(scaled))
+    margin = (0.04 + 2 * aside / width) * span or 0.5
+    low, high = scaled.min() - margin, scaled.max() + margin
+    axes.set_xlim(*(np.exp([low, high]) if log else (low, high)))
+    at = width * (scaled - low) / (high - low)
+    kept, end = [], -np.inf
+    for k in np.argsort(at):
+        half = width_of(texts[k], SMALL) / 2
+        if at[k] - half > end:
+            kept.append(k)
+            end = at[k] + half + 4
+    axes.xaxis.set_major_locator(FixedLocator([float(x[k]) for k in kept]))
+    axes.xaxis.set_minor_locator(NullLocator())
+    named = {float(x[k]): texts[k] for k in kept}
+    axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
+
+
+def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float]) -> None:
+    """Give all axes one y axis for these values and the ends of their intervals; what is not finite has no place."""
+    found = np.array([value for value in values if np.isfinite(value)])
+    reach = np.concatenate([found, [end for end in ends if np.isfinite(end)]])
+    for ax in axes:
+        if not found.size:
+            ax.set_ylim(0.0, 1.0)
+            ax.yaxis.set_major_locator(NullLocator())
+            continue
+        low, high = float(reach.min()), float(reach.max())
+        if found.min() > 0 and found.max() >= WIDE * found.min():
+            ax.set_yscale("log")
+            positive = reach[reach > 0.3 * found.min()]  # an interval may reach down to 0
+            ax.set_ylim(0.8 * positive.min(), 1.25 * high)
+            few = high < 300 * positive.min()
+            ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
+            ax.yaxis.set_minor_formatter(NullFormatter())
+        else:
+            if 0 <= low < 0.6 * high:
+                low = 0.0
+            room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
+            ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room)
+            ax.yaxis.set_major_locator(MaxNLocator(5))
+        ax.yaxis.set_major_formatter(
+            FuncFormatter(lambda value, _: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:g}")
+        )
+
+
+def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> str:
+    """What an axis calls a variable, with its unit, in lines of at most `room` points."""
+    unit = str(results[variable].attrs.get("units", ""))
+    unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
+    name = NAMES.get(variable, variable.replace("_", " ").replace("$", r"\$"))
+    text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
+    return text if variable in NAMES else "\n".join(wrapped(text, room, SMALL + 1, 2))

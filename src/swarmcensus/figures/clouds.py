@@ -1,0 +1,138 @@
+"""The numbers that are drawn: a scatter's robots and medians, shares of right robots, by a coordinate's values."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.figures.coordinates import texts_of
+from swarmcensus.results.checking import finished
+from swarmcensus.results.selecting import require
+from swarmcensus.worlds.networks import MOVING
+
+Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # colour's value -> convergence, error
+Cross = tuple[float, float, float, float]  # of a median: lowest and highest convergence, lowest and highest error
+
+
+class Share(NamedTuple):
+    """The share of right robots at each checkpoint, whether it is all of them, and the ends of its interval."""
+
+    right: NDArray[np.float64]
+    all_right: NDArray[np.bool_]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+
+
+Shares = dict[str, Share]  # by the colour's value
+
+
+def lacking(parts: Sequence[xr.Dataset]) -> str:
+    """How many trials these parts of a study's results hold, where the run did not finish all of them; else nothing."""
+    attributes = parts[0].attrs
+    if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
+        return ""
+    done, total = sum(int(finished(part).sum()) for part in parts), 0
+    for part in parts:
+        total += part.sizes["setting"] * part.sizes["trial"]
+    if "half_width" in parts[0]:  # a rule ends the trials: nobody knows when
+        return f"{done:,} trials so far"
+    return f"{done:,} of {total:,} trials" if done < total else ""
+
+
+def truth_of(trace: xr.Dataset) -> float:
+    """Return the fill ratio that a trace's estimates are held against: see `truth` in docs/study-file.md."""
+    on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
+    return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
+
+
+def unit_of(results: xr.Dataset, local: bool = False) -> str:
+    """What convergence and checkpoints count: ticks where robots move, else communication rounds.
+
+    Of local estimates, observations. Raises InputError if `results` does not say whether robots move.
+    """
+    if local:
+        return "observations"
+    require(results, "topology")
+    moving = results["topology"].values == MOVING
+    return "ticks" if moving.all() else "rounds or ticks" if moving.any() else "communication rounds"
+
+
+def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud:
+    """Return convergence and error of every robot in every finished trial, by the values of `color`.
+
+    Raises InputError if a variable is missing.
+    """
+    when, error, done = _converged(results, local)
+    return {
+        value: (when[mine][done[mine]].astype(float), error[mine][done[mine]])
+        for value, mine in _values(results, color)
+        if done[mine].any()
+    }
+
+
+def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, Cross]:
+    """Return the 95 % intervals over trials of the medians of a cloud, by the values of `color`.
+
+    There is none of fewer than 6 trials, and of swarms of several sizes. Raises InputError if a variable is missing.
+    """
+    when, error, done = _converged(results, local)
+    crosses = {}
+    for value, mine in _values(results, color):
+        sizes = np.unique(done[mine].sum(axis=2))
+        if sizes[-1] == 0 or sizes.size > 1 + (sizes[0] == 0):
+            continue
+        whole = done[mine].any(axis=2)
+        rows = [values[mine][whole][done[mine][whole]].reshape(-1, sizes[-1]).astype(float) for values in (when, error)]
+        ends = [end for values in rows for end in interval_of(values, "median")[1:]]
+        if np.isfinite(ends).all():
+            crosses[value] = (ends[0], ends[1], ends[2], ends[3])
+    return crosses
+
+
+def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.bool_]]:
+    """Convergence, error and whether there is one, each (setting, trial, robot)."""
+    names = ("convergence_round", "convergence_error")
+    if local:
+        names = ("local_convergence_step", "local_convergence_error")
+    require(results, *names, "rounds", "observations_per_round")
+    when, error = (results[name].transpose("setting", "trial", "robot").values for name in names)
+    return when, error, (when >= 0) & np.isfinite(error)
+
+
+def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
+    """Return the fraction of right robots at each checkpoint (NaN: never run), whether it is all, and its interval.
+
+    The interval of 95 % is over trials; it is NaN for fewer than 6 and for swarms of several sizes. Raises InputError
+    if a variable is missing.
+    """
+    require(results, "correct", "checkpoint", "robots")
+    correct = results["correct"].transpose("setting", "trial", "checkpoint").values
+    known = np.isfinite(correct)
+    robots = known * results["robots"].values[:, None, None]
+    right = np.nan_to_num(correct) * robots
+    shares = {}
+    for value, mine in _values(results, color):
+        asked = robots[mine].sum((0, 1))
+        if asked.any():
+            share = np.full(asked.shape, np.nan)
+            np.divide(right[mine].sum((0, 1)), asked, out=share, where=asked > 0)
+            all_right = ((correct[mine] == 1) | ~known[mine]).all((0, 1)) & (asked > 0)
+            low, high = np.full((2, share.size), np.nan)
+            if np.unique(results["robots"].values[mine]).size == 1:
+                for k in np.flatnonzero(asked):
+                    one_a_trial = correct[mine, :, k][known[mine, :, k]][:, np.newaxis]
+                    low[k], high[k] = interval_of(one_a_trial, "mean", share=True)[1:]
+            shares[value] = Share(share, all_right, low, high)
+    return shares
+
+
+def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+    """Every distinct value of a coordinate, as text, and which settings have it."""
+    texts = texts_of(results, color)
+    for text in dict.fromkeys(texts.tolist()):
+        yield text, texts == text

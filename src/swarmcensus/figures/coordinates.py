@@ -1,0 +1,103 @@
+"""The coordinates that tell settings apart: which vary, how their values are written, what axes and keys call them."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.results.selecting import require
+from swarmcensus.results.summaries import told
+
+NONE = "none"  # the density of a fixed network, the floor of one
+
+CAPTIONS = {  # how a caption names the coordinates that vary, in this order
+    "topology": "{}",
+    "brain": "{}",
+    "robots": "N = {:,.0f}",
+    "density": "D = {}",
+    "side": "L = {} m",
+    "fill_ratio": "f = {}",
+    "floor": "floor {}",
+    "rounds": "C = {:,.0f}",
+    "observations_per_round": "R = {:,.0f}",
+    "link_success": "link success {}",
+    "assumed_accuracy": "assumed accuracy {}",
+    "accuracy": "accuracy {}",
+    "checkpoint": "after round {:,.0f}",
+}
+TITLES = {  # how an axis or a key names them, where that is not their name
+    "accuracy": "sensor accuracy",
+    "checkpoint": "after round",
+    "density": "density $D$",
+    "fill_ratio": "fill ratio $f$",
+    "observations_per_round": "observations per round $R$",
+    "robots": "robots $N$",
+    "rounds": "rounds $C$",
+    "side": "side of the arena $L$ (m)",
+}
+
+
+def title_of(name: str) -> str:
+    """What an axis or a key calls a coordinate."""
+    return TITLES.get(name, name.replace("_", " ").replace("$", r"\$"))
+
+
+def coordinates_of(results: xr.Dataset) -> list[str]:
+    """The names of all that tells settings apart."""
+    names = [str(name) for name, one in results.coords.items() if one.dims == ("setting",) and name != "setting"]
+    return [*(name for name in CAPTIONS if name in names), *sorted(set(names).difference(CAPTIONS))]
+
+
+def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: str | Sequence[str] | None) -> None:
+    """Raise InputError for the name of a coordinate that is not there, by the option that gives it.
+
+    `also` are other names that are right.
+    """
+    require(results)
+    known = coordinates_of(results)
+    for option, names in given.items():
+        for name in [names] if isinstance(names, str) else names or ():
+            if name not in known and name not in also:
+                several = ", ".join(varies(results)) or "none"
+                raise InputError(
+                    f"{option} {name!r}: {did_you_mean(name, [*known, *also])}the coordinates that vary here are "
+                    f"{several}; others are {', '.join(one for one in [*known, *also] if one not in varies(results))}"
+                )
+
+
+def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
+    """Each setting's value of a coordinate as text. Raises InputError where there is no such coordinate."""
+    require(results, name)
+    values = results[name].values
+    texts = values.astype(str)
+    return np.where((texts == "") | (values != values), NONE, texts)
+
+
+def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:
+    """Return every setting's value of each coordinate that has several; None is a value that says nothing.
+
+    Of an arena's density and side one tells the other, and only `twice` names both.
+    """
+    left_out = {*apart_from}
+    if not twice:
+        left_out |= {"density", "side"} if left_out & {"density", "side"} else {told(results)}
+    varying = {}
+    for name in coordinates_of(results):
+        if name in left_out:
+            continue
+        values = results[name].values.tolist()
+        if name == "assumed_accuracy" and len(set(values)) > 1:
+            # Robots that know their sensors assume the true accuracy: that tells no settings apart.
+            pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
+            values = [None if assumed == true else assumed for assumed, true in pairs]
+        # NaN and "", the density and floor of a fixed network
+        values = [None if value != value or value == "" else value for value in values]
+        if len(set(values)) > 1:
+            varying[name] = values
+    return varying

@@ -1,0 +1,40 @@
+"""How figures become files."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+import matplotlib as mpl
+from matplotlib.figure import Figure
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import whole
+
+# matplotlib's settings belong to the whole process: threads that save at the same time take turns.
+_settings = threading.Lock()
+
+
+def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[Path]:
+    """Write a figure in the format of the path's suffix, and return the paths written.
+
+    Without a suffix it becomes `path`.png and `path`.svg; with `formats`, `path` has each of them added. Each file
+    appears whole or not at all, in place of an older one. PNGs have 150 dots an inch, and so have the layers of single
+    dots inside an SVG or PDF; all else there is lines and text. The same figure gives the same bytes.
+
+    Raises InputError for a format that matplotlib cannot write and a place that cannot be written.
+    """
+    path, known = Path(path), figure.canvas.get_supported_filetypes()
+    suffix = path.suffix.lower().lstrip(".")
+    if not formats and suffix.isalpha():
+        path, formats = path.with_suffix(""), (suffix,)
+    for one in formats:
+        if one not in known:
+            raise InputError(f"cannot write {one!r} files, only {', '.join(sorted(known))}")
+    paths = {path.with_name(f"{path.name}.{one}"): one for one in formats or ("png", "svg")}
+    for place, one in paths.items():
+        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(one)
+        with whole(place) as beside, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
+            figure.savefig(beside, format=one, dpi=150, metadata=undated)
+    return list(paths)

@@ -1,0 +1,38 @@
+"""The kinds of figures: one a file, and those that other installed packages name in the group `swarmcensus.figures`.
+
+A kind is a function with the file's name. Its one positional argument is a study's results; its keyword-only parameters
+are its options, on the command line too, where those that have no flag are given by `--set`. It returns a matplotlib
+Figure. One that has an option `out` writes that file itself and returns how many frames are in it.
+"""
+
+import inspect
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+from swarmcensus.basics.doors import Door
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+
+Kind = inspect.Parameter
+KINDS = Door("figure", "swarmcensus.figures", __name__)
+
+
+def find(name: str) -> Callable[..., Any]:
+    """The function that draws a kind. Raises InputError where there is none, or none that can be called as one."""
+    if name not in KINDS:
+        known = KINDS.names
+        raise InputError(f"no figure {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
+    found = KINDS.module(name)
+    function: Callable[..., Any] | None = found
+    if isinstance(found, ModuleType):
+        function = getattr(found, name.replace("-", "_"), None)
+    if not callable(function) or not _is_kind(function):
+        where = KINDS.outside[name].value
+        raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")
+    return function
+
+
+def _is_kind(function: Callable[..., Any]) -> bool:
+    first, *others = [p.kind for p in inspect.signature(function).parameters.values()] or [Kind.VAR_POSITIONAL]
+    return first in (Kind.POSITIONAL_ONLY, Kind.POSITIONAL_OR_KEYWORD) and {*others} <= {Kind.KEYWORD_ONLY}

@@ -1,0 +1,153 @@
+"""Anything that is measured against anything that varies: a line for each value of another coordinate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, places_of, slant_of
+from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
+from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.panels import Names, panels_of
+from swarmcensus.figures.series import Point, Statistic, measured, points_of
+from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
+
+SIZE = 5.0  # points: a dot
+BESIDE = 5.0  # points between dots of one x: of many lines less
+ROOM = 60.0  # points that all dots of one x take together at the most where x has names, and of
+NEAR = 9.0  # numbers
+WIDE, NARROW = 310.0, 180.0  # points: a panel that is alone, the narrowest of several
+
+
+def lines(
+    results: xr.Dataset,
+    *,
+    y: str = "convergence_error",
+    x: str | None = None,
+    color: str | None = None,
+    panels: Names = None,
+    statistic: Statistic | None = None,
+    title: str | None = None,
+    ax: Axes | None = None,
+) -> Figure:
+    """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
+
+    `y` is any variable that is measured in every trial; its `statistic`, "median" or "mean" (by default of `correct`),
+    is over robots and trials. `x` and `color` are coordinates, by default the number with the most values, and what
+    else varies, the accuracy first; for a variable of checkpoints `checkpoint` is one too, and otherwise the last that
+    a setting reaches is meant. There is a panel for each combination of the coordinates `panels`, by default of all
+    others that vary; settings that differ in nothing else are pooled. A thin upright line is the 95 % interval over
+    trials, where there are 6 or more. A hollow triangle at the top says that the statistic is infinite, as where half
+    of the robots never do what is measured. Lines join numbers, not names, and break where nothing has been run. Axes
+    of your own, `ax`, hold one panel: leave room for the key on their right.
+
+    Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
+    24 panels.
+    """
+    check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
+    asked = [x, color, *([panels] if isinstance(panels, str) else panels or ())]
+    data = measured(results, y, "checkpoint" in asked)
+    check_coordinates(data, x=x, color=color, panels=panels)
+    x, color = _axes_of(data, x, color)
+    statistic = statistic or ("mean" if y == "correct" else "median")
+    parts = panels_of(data, (x, *([color] if color else [])), panels)
+    series = [_series(part.results, y, x, color, statistic) for part in parts]
+    every = [point for lines in series for points in lines.values() for point in points]
+    if all(np.isnan(point.value) for point in every):
+        raise InputError(NOTHING)
+    across = looks_of((point.x for point in every), "o", x)
+    looks = {"": Look("", "", palette(11)[3], "o")}
+    if color:
+        looks = looks_of((value for lines in series for value in lines), "o", color)
+    slant = slant_of(across, NARROW if len(parts) > 1 else WIDE)
+    axes = sheet(ax, [part.caption for part in parts], title, below=slant)
+    measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
+    step = min(BESIDE, (NEAR if places_of(across)[1] else ROOM) / max(len(looks) - 1, 1)) if len(looks) > 1 else 0.0
+    for found, place in zip(series, axes, strict=True):
+        if all(np.isnan(point.value) for points in found.values() for point in points):
+            say_empty(place)
+            continue
+        coordinate_axis(place, x, across, aside=step * (len(looks) - 1) / 2, slanted=slant > 0)
+        for k, (value, look) in enumerate(looks.items()):
+            _draw(place, found.get(value, []), across, look, step * (k - (len(looks) - 1) / 2))
+        high = place.bbox.height * 72 / place.figure.dpi
+        name_axes(place, title_of(x), name_of(results, y, statistic, high))
+    heading = ""
+    entries: dict[str, Artist] = {}
+    if color:
+        heading, named = keyed(looks, color)
+        entries |= {look.name: _dot(look) for look in named.values()}
+    _say_marks(entries, every, statistic)
+    add_key(axes, heading, entries)
+    say_lacking(axes, [results])
+    return axes[0].figure.canvas.figure
+
+
+def _axes_of(data: xr.Dataset, x: str | None, color: str | None) -> tuple[str, str | None]:
+    varying = varies(data)
+    if x is None:
+        free = [name for name in varying if name != color]
+        counts = {name: len(set(varying[name])) for name in free if places_of(texts_of(data, name).tolist())[1]}
+        x = max(counts, key=lambda name: counts[name]) if counts else free[0] if free else "accuracy"
+    if color is None:
+        color = next((name for name in ("accuracy", *varying) if name in varying and name != x), None)
+    return x, color
+
+
+def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
+    """The points of each line, by its value of `color`."""
+    if color is None:
+        return {"": points_of(part, y, x, statistic, share=y == "correct")}
+    texts = texts_of(part, color)
+    return {
+        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=y == "correct")
+        for text in dict.fromkeys(texts.tolist())
+    }
+
+
+def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Look, aside: float) -> None:
+    """Draw one line, `aside` points beside where it belongs, so that none hides another."""
+    places, numbers = places_of(across)
+    points = sorted(points, key=lambda point: places[point.x])
+    x, value, low, high = np.array([(places[p.x], *p[1:]) for p in points]).reshape(-1, 4).T
+    shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
+    upright, label = axes.transData + shift, look.name
+    shown = np.where(np.isfinite(value), value, np.nan)
+    if numbers:
+        axes.plot(x, shown, color=look.colour, linewidth=1.0, transform=upright, label=f"line {label}", zorder=2)
+    top = axes.get_ylim()[1]
+    axes.vlines(
+        x, low, np.minimum(high, top), colors=look.colour, linewidths=1.0, alpha=0.8, transform=upright,
+        label=f"interval {label}", zorder=2.5,
+    )  # fmt: skip
+    dots = _dot(look)
+    dots.set(xdata=x, ydata=shown, label=f"{label}", transform=upright, zorder=3)
+    axes.add_line(dots)
+    endless = np.isposinf(value)
+    if endless.any():
+        edge = blended_transform_factory(axes.transData, axes.transAxes) + shift
+        axes.plot(
+            x[endless], np.ones(endless.sum()), linestyle="", marker="^", markersize=SIZE + 1, color=look.colour,
+            markerfacecolor="white", transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
+        )  # fmt: skip
+
+
+def _dot(look: Look) -> Line2D:
+    return solid_dot(look, SIZE, 0.4)
+
+
+def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: Statistic) -> None:
+    if any(np.isfinite(point.low) for point in points):
+        entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
+    if any(np.isposinf(point.value) for point in points):
+        entries[f"the {statistic} is infinite"] = Line2D(
+            [], [], linestyle="", marker="^", markersize=SIZE + 1, color="0.3", markerfacecolor="white"
+        )

@@ -1,0 +1,41 @@
+"""Every kind of figure by its name, as `sc.plot.scatter(results)`: ours, and those of other installed packages.
+
+`dir(sc.plot)` names them all. Each returns a matplotlib Figure, which `sc.plot.save` writes; none needs a display or
+keeps a state. matplotlib is imported when the first is asked for.
+"""
+
+import importlib
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.figures import kinds
+
+if TYPE_CHECKING:  # what a type checker or an editor should know more of than that it can be called
+    from swarmcensus.figures.files import save as save
+    from swarmcensus.figures.kinds.arena import arena as arena
+    from swarmcensus.figures.kinds.beliefs import beliefs as beliefs
+    from swarmcensus.figures.kinds.curves import curves as curves
+    from swarmcensus.figures.kinds.decisions import decisions as decisions
+    from swarmcensus.figures.kinds.film import film as film
+    from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
+    from swarmcensus.figures.kinds.lines import lines as lines
+    from swarmcensus.figures.kinds.scatter import scatter as scatter
+
+
+def __getattr__(name: str) -> Callable[..., Any]:
+    """The function that draws a kind. Raises AttributeError where there is none, InputError where it fails to load."""
+    if name == "save":
+        return importlib.import_module("swarmcensus.figures.files").save  # type: ignore[no-any-return]
+    if name.startswith("_"):
+        raise AttributeError(f"sc.plot has no {name!r}")
+    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.KINDS), None)
+    if found is None:
+        known = __dir__()
+        raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
+    return kinds.find(found)
+
+
+def __dir__() -> list[str]:
+    """All kinds, and `save`."""
+    return [*(name.replace("-", "_") for name in kinds.KINDS.names), "save"]
