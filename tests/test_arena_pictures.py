@@ -17,8 +17,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.arena_pictures import FINE, Arena, scene_of, snapshot
+from swarmcensus.figures.files import save
 from swarmcensus.figures.films import film
-from swarmcensus.figures.kinds import save
 from swarmcensus.results.origins import studies_of
 from swarmcensus.results.recordings import write_trace
 

@@ -11,7 +11,7 @@ from scipy.optimize import minimize_scalar
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.figures import beliefs
+from swarmcensus.figures.plot import beliefs
 from swarmcensus.results.beliefs import EQ_4, asymptote, costs
 
 STUDY = """
@@ -163,7 +163,7 @@ def test_beliefs_in_numbers_are_off_by_their_difference_and_errors_stop_at_0_and
 
 
 def test_each_panel_shows_each_setting_once_and_its_prediction(results):
-    figure = beliefs.beliefs(results, title="mine")
+    figure = beliefs(results, title="mine")
     assert len(figure.axes) == 4
     said = texts(figure)
     for word in (
@@ -199,7 +199,7 @@ def test_predictions_that_lie_on_each_other_take_turns():
         world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
         schedule={"rounds": 2},
     )
-    figure = beliefs.beliefs(sc.run(study))
+    figure = beliefs(sc.run(study))
     apart, upon = figure.axes
     lines = [[line for line in ax.lines if str(line.get_label()).startswith("predicted")] for ax in (apart, upon)]
     assert [len(each) for each in lines] == [3, 3]
@@ -219,16 +219,16 @@ def test_settings_without_trials_and_unknown_brains(results):
     ring = (part.topology == "ring").values & (part.fill_ratio == 0.55).values
     part["final_estimate"][ring] = np.nan
     part["final_estimate"][~ring, 4:] = np.nan
-    figure = beliefs.beliefs(part)
+    figure = beliefs(part)
     assert "no trial has been run" in texts(figure)
     assert "95 %" not in texts(figure)  # of four trials there is none
     own = results.assign_coords(brain=("setting", ["mine.py"] * results.sizes["setting"]))
-    assert "predicted" not in texts(beliefs.beliefs(own))
+    assert "predicted" not in texts(beliefs(own))
     only = results.isel(setting=(results.assumed_accuracy == "error=N(0.0,0.05)").values)
-    assert len(beliefs.beliefs(only).axes) == 4
+    assert len(beliefs(only).axes) == 4
     part["final_estimate"][:] = np.nan
     with pytest.raises(InputError, match="no trial of these settings has been run"):
-        beliefs.beliefs(part)
+        beliefs(part)
 
 
 def test_beliefs_from_the_command_line(file, small_file, tmp_path, monkeypatch, capsys):

@@ -18,9 +18,12 @@ from matplotlib.text import Text
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import interval_of
-from swarmcensus.figures import kinds as figures
+from swarmcensus.figures import plot as figures
+from swarmcensus.figures.coordinates import varies
+from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.figures.looks import keyed, looks_of, palette
-from swarmcensus.figures.panels import varies
+from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import label_dots
 from swarmcensus.results.selecting import TooMuch, where
 
@@ -189,7 +192,7 @@ def test_robots_that_agree_make_one_dot_as_opaque_as_all_of_them():
 
 def test_all_settings_of_an_accuracy_share_its_series():
     results = xr.concat([study(["0.6", "0.7"]), study(["0.6", "0.7"], seed=1, topology="line")], "setting")
-    (ax,) = figures.scatter(results).axes
+    (ax,) = figures.scatter(results, panels=[]).axes
     assert len(drawn(ax, "dots 0.6")) == 2 * 5 * 8
     mine = results.isel(setting=[0, 2])
     assert drawn(ax, "median 0.6")[0, 1] == pytest.approx(float(mine.convergence_error.median()))
@@ -256,7 +259,7 @@ def test_panels_share_limits_unless_they_set_their_own():
     small, large = study(["0.6"]), study(["0.6"], seed=1)
     large["convergence_error"] *= 4
     panels = [("one", small), ("two", large), ("local", small, True), ("own", large, False, 0.05)]
-    figure = figures.scatter_grid(panels, title="all")
+    figure = scatter_grid(panels, title="all")
     one, two, local, own = figure.axes
     assert one.get_ylim() == two.get_ylim() == local.get_ylim()
     assert one.get_ylim()[1] >= large.convergence_error.max()
@@ -270,7 +273,7 @@ def test_long_accuracies_are_named_in_the_digits_that_tell_them_apart():
     accuracies = [repr(float(a)) for a in np.linspace(0.55, 0.95, 30)]
     assert max(map(len, accuracies)) > 15
     results = study(accuracies)
-    figure = figures.scatter_grid([("", results)] * 6)
+    figure = scatter_grid([("", results)] * 6)
     assert_fits(figure)
     figure.draw_without_rendering()
     for ax, over in zip(figure.axes[3:], figure.axes[:3], strict=True):
@@ -312,7 +315,7 @@ def test_the_axis_of_convergence_begins_where_the_data_do():
 def test_an_empty_panel_says_so_and_leaves_the_others():
     full = study(["0.6"])
     empty = forget(full, trial=slice(None))
-    for grid in (figures.scatter_grid, figures.decisions_grid):
+    for grid in (scatter_grid, decisions_grid):
         figure = grid([("run", full), ("not run", empty)])
         assert "no trial has been run" in texts(figure)
         assert not figure.axes[1].lines
@@ -323,8 +326,8 @@ def test_figures_draw_into_axes_of_the_caller():
     figure = Figure()
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
-    assert figures.scatter(study(), axes=left) is figure
-    assert figures.decisions(study(), axes=right) is figure
+    assert figures.scatter(study(), ax=left) is figure
+    assert figures.decisions(study(), ax=right) is figure
     assert len(drawn(left, "dots 0.525")) == 40
     assert len(drawn(right, "right 0.525")) == 2
 
@@ -335,7 +338,7 @@ def test_figures_draw_into_axes_of_the_caller():
 def test_decisions_are_percentages_over_all_robots_and_trials():
     few, many = study(["0.6"], robots=8, trials=4), study(["0.6"], robots=24, trials=4, seed=1)
     both = xr.concat([few[["correct"]], many[["correct"]]], "setting")
-    (ax,) = figures.decisions(both).axes
+    (ax,) = figures.decisions(both, panels=[]).axes
     right = (few.correct * 8 + many.correct.values * 24).sum(("setting", "trial")) / (4 * 32)
     np.testing.assert_allclose(drawn(ax, "right 0.6")[:, 1], 100 * right)
 
@@ -394,7 +397,7 @@ def test_all_right_lies_across_and_an_interval_stands_upright():
 def test_no_diamond_hides_another(panels):
     results = study(checkpoints=(10, 50, 100, 200, 500, 1000))
     results["correct"][:] = 1.0
-    ax = figures.decisions_grid([("", results)] * panels).axes[0]
+    ax = decisions_grid([("", results)] * panels).axes[0]
     places = np.sort(np.concatenate([drawn(ax, f"right {a}")[:, 0] for a in PAPER]))
     gap = np.diff(ax.transData.transform(np.stack([places, places], 1))[:, 0]).min() * 72 / ax.figure.dpi
     (line,) = (line for line in ax.lines if line.get_label() == "right 0.525")
@@ -566,7 +569,7 @@ def test_panels_have_captions_made_of_what_varies():
     swarms = [(t, f, n) for t in ("ring", "full") for f, n in ((0.5, 8), (0.9, 1000))]
     parts = [study(["0.6", "0.7"], topology=t, fill_ratio=f, robots=n)[["correct"]] for t, f, n in swarms]
     results = xr.concat(parts, "setting")
-    panels = figures.panels_of(results)
+    panels = panels_of(results)
     assert [p.caption for p in panels] == [
         "ring, N = 8, f = 0.5",
         "ring, N = 1,000, f = 0.9",
@@ -575,19 +578,19 @@ def test_panels_have_captions_made_of_what_varies():
     ]
     assert [p.results.sizes["setting"] for p in panels] == [2, 2, 2, 2]
     assert list(panels[2].results.accuracy.values) == ["0.6", "0.7"]
-    assert [p.caption for p in figures.panels_of(parts[0])] == [""]
+    assert [p.caption for p in panels_of(parts[0])] == [""]
 
 
 def test_captions_tell_values_apart_that_are_nearly_alike():
     near = [(f, s) for f in (0.12345671, 0.12345672) for s in (0.9999999, 1.0)]
     results = xr.concat([study(["0.6"], fill_ratio=f, link_success=s) for f, s in near], "setting")
-    assert [panel.caption for panel in figures.panels_of(results)] == [
+    assert [panel.caption for panel in panels_of(results)] == [
         "f = 0.12345671, link success 0.9999999", "f = 0.12345671, link success 1",
         "f = 0.12345672, link success 0.9999999", "f = 0.12345672, link success 1",
     ]  # fmt: skip
     beliefs = ["error=-0.09999999999999998", "error=0.05"]
     results = xr.concat([study(["0.6"], assumed_accuracy=belief) for belief in beliefs], "setting")
-    assert figures.panels_of(results)[0].caption == "assumed accuracy error=-0.1"
+    assert panels_of(results)[0].caption == "assumed accuracy error=-0.1"
 
 
 def test_captions_leave_out_the_density_of_fixed_networks_and_name_unknown_coordinates():
@@ -597,7 +600,7 @@ def test_captions_leave_out_the_density_of_fixed_networks_and_name_unknown_coord
         study(["0.6"], weather="rain"),
     ]
     results = xr.concat(parts, "setting")
-    captions = [p.caption for p in figures.panels_of(results)]
+    captions = [p.caption for p in panels_of(results)]
     assert captions == ["ring, weather = dry", "moving, D = 10, weather = dry", "ring, weather = rain"]
 
 
@@ -605,27 +608,27 @@ def test_robots_that_know_their_sensors_are_one_panel():
     results = study(["0.6", "0.7"])
     known = results.assign_coords(assumed_accuracy=("setting", ["0.6", "0.7"]))
     fixed = results.assign_coords(assumed_accuracy=("setting", ["0.8", "0.8"]))
-    assert len(figures.panels_of(known)) == len(figures.panels_of(fixed)) == 1
-    captions = [p.caption for p in figures.panels_of(xr.concat([known, fixed], "setting"))]
+    assert len(panels_of(known)) == len(panels_of(fixed)) == 1
+    captions = [p.caption for p in panels_of(xr.concat([known, fixed], "setting"))]
     assert captions == ["", "assumed accuracy 0.8"]
     assert varies(known, set()) == {"accuracy": ["0.6", "0.7"]}
 
 
 def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
     results = study(["0.6", "0.7"])
-    figure = figures.decisions_grid([(str(i), results) for i in range(16)])
+    figure = decisions_grid([(str(i), results) for i in range(16)])
     assert figure.axes[0].get_gridspec().ncols == 4
-    for grid in (figures.scatter_grid, figures.decisions_grid):
-        with pytest.raises(InputError, match=r"24 panels, not 25: select"):
+    for grid in (scatter_grid, decisions_grid):
+        with pytest.raises(InputError, match="24 panels, not 25"):
             grid([("", results)] * 25)
         parts = [results.assign_coords(fill_ratio=("setting", [f, f])) for f in np.linspace(0.1, 0.9, 13)]
         many = xr.concat([part.assign_coords(topology=("setting", [t, t])) for t in "ab" for part in parts], "setting")
         with pytest.raises(TooMuch, match="24 panels, not 26") as caught:
-            grid(figures.panels_of(many))
+            grid(panels_of(many))
         assert caught.value.shell.endswith("--where 'fill_ratio == 0.1'")
         assert "--where" not in str(caught.value)
         chosen = eval(str(caught.value).partition("settings, as ")[2], {"results": many})
-        assert len(grid(figures.panels_of(chosen)).axes) == 2
+        assert len(grid(panels_of(chosen)).axes) == 2
         with pytest.raises(InputError, match="not 0"):
             grid([])
 
@@ -644,8 +647,8 @@ def test_pictures_of_a_part_say_so():
     figure = Figure()
     FigureCanvasAgg(figure)
     left, right = figure.subplots(1, 2)
-    figures.scatter(part, axes=left)
-    figures.decisions(part.isel(setting=[0]), axes=right)
+    figures.scatter(part, panels=[], ax=left)
+    figures.decisions(part.isel(setting=[0]), ax=right)
     figure.draw_without_rendering()
     one, other = (text.get_window_extent() for text in figure.texts)
     assert not one.overlaps(other)
@@ -679,8 +682,8 @@ def test_long_names_stay_in_their_panels(count):
     captions = [f"{LONG[i % 3]}, {LONG[(i + 1) % 2]}, N = 1,000, f = 0.55" for i in range(count)]
     title = "a title of many words " * 40
     if count < 8:
-        assert_fits(figures.scatter_grid([(caption, results) for caption in captions], title=title))
-    figure = figures.decisions_grid([(caption, results) for caption in captions])
+        assert_fits(scatter_grid([(caption, results) for caption in captions], title=title))
+    figure = decisions_grid([(caption, results) for caption in captions])
     assert_fits(figure)
     for ax, caption in zip(figure.axes, captions, strict=True):
         written = ax.get_title("left").replace("\n", "").replace(" ", "")
@@ -723,7 +726,7 @@ def test_a_missing_variable_is_named():
     with pytest.raises(InputError, match="no setting"):
         figures.scatter(study().isel(setting=0))
     with pytest.raises(InputError, match="no round"):
-        figures.curves(study())
+        figures.curves(trace(3).isel(round=[]))
 
 
 # ---- files
@@ -776,5 +779,5 @@ def test_an_unknown_format_is_an_input_error_before_anything_is_written(tmp_path
 
 
 def test_no_display_is_needed():
-    code = "import sys; import swarmcensus.figures.kinds; sys.exit('matplotlib.pyplot' in sys.modules)"
+    code = "import sys; from swarmcensus.figures.plot import lines; sys.exit('matplotlib.pyplot' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

@@ -14,7 +14,8 @@ from rich.console import Console
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
-from swarmcensus.figures import kinds as figures
+from swarmcensus.figures.kinds.decisions import decisions_grid
+from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper import reproducing as paper
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
@@ -91,7 +92,7 @@ def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks
 @pytest.mark.parametrize("name", ["fig4", "fig5"])
 def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, name):
     (figure,) = (f for f in paper.FIGURES if f.name == name)
-    draw = figures.scatter_grid if figure.kind == "scatter" else figures.decisions_grid
+    draw = scatter_grid if figure.kind == "scatter" else decisions_grid
     axes = draw([view.panel(done.datasets) for view in figure.views]).axes
     for ax, view in zip(axes, figure.views, strict=True):
         assert ("ticks" in ax.get_xlabel()) == (view.study == "moving")

@@ -44,7 +44,7 @@ def complaint(capsys, *command):
 @pytest.mark.parametrize("option", [["--setting", "0"], ["--trial", "0"], ["--brain", "mine.py"]])
 def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, here, capsys):
     said = complaint(capsys, "plot", small_file, "--kind", kind, *option)
-    assert f"{option[0]} goes with --kind curves or arena or film, not with {kind}" in said
+    assert f"{option[0]} goes with --kind arena or curves or film, not with {kind}" in said
     assert not list(here.iterdir())
 
 

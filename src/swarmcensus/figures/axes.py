@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -12,15 +12,15 @@ from matplotlib.axes import Axes
 from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocator, NullFormatter, NullLocator
 
 from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.lettering import shortened, width_of, wrapped
+from swarmcensus.figures.lettering import SPACING, shortened, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, Look
 from swarmcensus.figures.sheets import SMALL
 
 COUNTS = {"robots", "rounds", "observations_per_round", "density", "side", "checkpoint"}  # which often span decades
 DECADES = 8.0  # from there on a coordinate that counts is logarithmic
 WIDE = 30.0  # and from here on what is measured
-LONGEST = 80.0  # points: a name under an axis
-NAMES = {
+LONGEST = 80.0  # points: a slanted name under an axis
+KNOWN = {
     "convergence_round": "convergence $K$",
     "convergence_error": r"error $|x^K - f\,|$",
     "local_convergence_step": "local convergence $K$",
@@ -38,27 +38,40 @@ def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
     return {text: float(k) for k, text in enumerate(texts)}, False
 
 
-def slant_of(looks: dict[str, Look], width: float) -> float:
-    """How many inches more the names of these values need under an axis so many points wide: 0 if they stand level."""
-    widest = max(width_of(look.name, SMALL) for look in looks.values())
-    if places_of(looks)[1] or widest <= width / len(looks) - 4:
-        return 0.0
-    return (0.64 * min(widest, LONGEST) + 2) / 72
+class Names(NamedTuple):
+    """How the values of a coordinate are written under its axis: the texts, whether they slant, and the room in inches
+    that they need more than a line of numbers does.
+    """
+
+    texts: list[str]
+    slanted: bool
+    room: float
 
 
-def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], *, aside: float, slanted: bool) -> None:
+def names_of(looks: dict[str, Look], width: float) -> Names:
+    """The names of values under an axis so many points wide: level in two lines, or slanted for a long word."""
+    texts, room = [look.name for look in looks.values()], width / len(looks) - 4
+    if places_of(looks)[1]:
+        return Names(texts, False, 0.0)
+    if all(width_of(word, SMALL) <= room for text in texts for word in text.split()):
+        texts = ["\n".join(wrapped(text, room, SMALL, 2)) for text in texts]
+        return Names(texts, False, max(text.count("\n") for text in texts) * SPACING * SMALL / 72)
+    texts = [shortened(text, LONGEST, SMALL) for text in texts]
+    return Names(texts, True, (0.64 * max(width_of(text, SMALL) for text in texts) + 2) / 72)
+
+
+def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Names, aside: float) -> None:
     """Give `axes` an x axis for these values, with ticks at as many of them as have room.
 
-    `aside` is how far from its place, in points, a value may be drawn; `slanted` are names that are too wide.
+    `aside` is how far from its place, in points, a value may be drawn.
     """
     places, numbers = places_of(looks)
     x = np.array(list(places.values()))
     width = axes.bbox.width * 72 / axes.figure.dpi
-    texts = [look.name for look in looks.values()]
+    texts = names.texts
     if not numbers:
         axes.set_xlim(-0.5, x.size - 0.5)
-        texts = [shortened(text, LONGEST, SMALL) for text in texts]
-        how: Any = {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if slanted else {}
+        how: Any = {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if names.slanted else {}
         axes.set_xticks(x, texts, parse_math=False, **how)
         axes.tick_params(axis="x", length=0)
         return
@@ -105,7 +118,7 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room)
-            ax.yaxis.set_major_locator(MaxNLocator(5))
+            ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
         ax.yaxis.set_major_formatter(
             FuncFormatter(lambda value, _: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:g}")
         )
@@ -115,6 +128,6 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     """What an axis calls a variable, with its unit, in lines of at most `room` points."""
     unit = str(results[variable].attrs.get("units", ""))
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
-    name = NAMES.get(variable, variable.replace("_", " ").replace("$", r"\$"))
+    name = KNOWN.get(variable, variable.replace("_", " ").replace("$", r"\$"))
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
-    return text if variable in NAMES else "\n".join(wrapped(text, room, SMALL + 1, 2))
+    return text if variable in KNOWN else "\n".join(wrapped(text, room, SMALL + 1, 2))

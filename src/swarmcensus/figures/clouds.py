@@ -78,18 +78,16 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
 def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, Cross]:
     """Return the 95 % intervals over trials of the medians of a cloud, by the values of `color`.
 
-    There is none of fewer than 6 trials, and of swarms of several sizes. Raises InputError if a variable is missing.
+    There is none of fewer than 6 trials, and of settings that do not have the same.
+
+    Raises InputError if a variable is missing.
     """
     when, error, done = _converged(results, local)
     crosses = {}
     for value, mine in _values(results, color):
-        sizes = np.unique(done[mine].sum(axis=2))
-        if sizes[-1] == 0 or sizes.size > 1 + (sizes[0] == 0):
-            continue
-        whole = done[mine].any(axis=2)
-        rows = [values[mine][whole][done[mine][whole]].reshape(-1, sizes[-1]).astype(float) for values in (when, error)]
-        ends = [end for values in rows for end in interval_of(values, "median")[1:]]
-        if np.isfinite(ends).all():
+        rows = [by_trial(np.where(done[mine], values[mine], np.nan)) for values in (when, error)]
+        ends = [end for values in rows if values is not None for end in interval_of(values, "median")[1:]]
+        if ends and np.isfinite(ends).all():
             crosses[value] = (ends[0], ends[1], ends[2], ends[3])
     return crosses
 
@@ -107,7 +105,8 @@ def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[
 def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
     """Return the fraction of right robots at each checkpoint (NaN: never run), whether it is all, and its interval.
 
-    The interval of 95 % is over trials; it is NaN for fewer than 6 and for swarms of several sizes. Raises InputError
+    The interval of 95 % is over trials; it is NaN for fewer than 6, for settings that do not have the same, and for
+    swarms of several sizes. Raises InputError
     if a variable is missing.
     """
     require(results, "correct", "checkpoint", "robots")
@@ -125,10 +124,23 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
             low, high = np.full((2, share.size), np.nan)
             if np.unique(results["robots"].values[mine]).size == 1:
                 for k in np.flatnonzero(asked):
-                    one_a_trial = correct[mine, :, k][known[mine, :, k]][:, np.newaxis]
-                    low[k], high[k] = interval_of(one_a_trial, "mean", share=True)[1:]
+                    rows = by_trial(correct[mine, :, k, np.newaxis])
+                    if rows is not None:
+                        low[k], high[k] = interval_of(rows, "mean", share=True)[1:]
             shares[value] = Share(share, all_right, low, high)
     return shares
+
+
+def by_trial(values: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """What (setting, trial, robot) holds of each trial that has been run, (trial, robots of all settings).
+
+    Trial 7 of two settings shares what their addresses share, so that it counts once, with the robots of both. None
+    where nothing has been run, or some settings lack trials that others have.
+    """
+    found = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
+    there = ~np.isnan(found)
+    kept = found[np.ix_(there.any(axis=1), there.any(axis=0))]
+    return kept if kept.size and not np.isnan(kept).any() else None
 
 
 def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import FEWEST, interval_of
+from swarmcensus.figures.clouds import by_trial
 from swarmcensus.figures.coordinates import coordinates_of, texts_of
 from swarmcensus.results.selecting import require
 
@@ -85,17 +86,12 @@ def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: 
 
 
 def _estimated(values: NDArray[np.float64], statistic: Statistic, share: bool) -> tuple[float, float, float]:
-    """The statistic of (setting, trial, robot), and its interval over trials: NaN where settings lack some of them.
-
-    Trial 7 of two settings shares what their addresses share, so that it counts once, with the robots of both.
-    """
-    by_trial = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
-    there = ~np.isnan(by_trial)
-    if not there.any():
-        return math.nan, math.nan, math.nan
-    kept = by_trial[np.ix_(there.any(axis=1), there.any(axis=0))]
-    if np.isnan(kept).any():
-        known = by_trial[there]
+    """The statistic of (setting, trial, robot), and its interval over trials: NaN where settings lack some of them."""
+    kept = by_trial(values)
+    if kept is None:
+        known = values[~np.isnan(values)]
+        if not known.size:
+            return math.nan, math.nan, math.nan
         return float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan
     value, low, high = interval_of(kept, statistic, share) if np.isfinite(kept).all() else _endless(kept, statistic)
     return (value, max(low, 0.0), high) if (kept >= 0).all() else (value, low, high)

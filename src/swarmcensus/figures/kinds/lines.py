@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, places_of, slant_of
+from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
@@ -67,17 +67,19 @@ def lines(
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
         looks = looks_of((value for lines in series for value in lines), "o", color)
-    slant = slant_of(across, NARROW if len(parts) > 1 else WIDE)
-    axes = sheet(ax, [part.caption for part in parts], title, below=slant)
+    under = names_of(across, NARROW if len(parts) > 1 else WIDE)
+    axes = sheet(ax, [part.caption for part in parts], title, below=under.room)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
-    step = min(BESIDE, (NEAR if places_of(across)[1] else ROOM) / max(len(looks) - 1, 1)) if len(looks) > 1 else 0.0
+    middle = (len(looks) - 1) / 2
+    apart = min(BESIDE, ROOM / max(len(looks) - 1, 1))
+    step = min(apart, NEAR / max(len(looks) - 1, 1)) if places_of(across)[1] else apart
     for found, place in zip(series, axes, strict=True):
         if all(np.isnan(point.value) for points in found.values() for point in points):
             say_empty(place)
             continue
-        coordinate_axis(place, x, across, aside=step * (len(looks) - 1) / 2, slanted=slant > 0)
+        coordinate_axis(place, x, across, under, step * middle)
         for k, (value, look) in enumerate(looks.items()):
-            _draw(place, found.get(value, []), across, look, step * (k - (len(looks) - 1) / 2))
+            _draw(place, found.get(value, []), across, look, step * (k - middle), apart * (k - middle))
         high = place.bbox.height * 72 / place.figure.dpi
         name_axes(place, title_of(x), name_of(results, y, statistic, high))
     heading = ""
@@ -113,8 +115,8 @@ def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Stat
     }
 
 
-def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Look, aside: float) -> None:
-    """Draw one line, `aside` points beside where it belongs, so that none hides another."""
+def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Look, aside: float, apart: float) -> None:
+    """Draw one line, `aside` points beside where it belongs, to hide no other, and `apart` what is infinite."""
     places, numbers = places_of(across)
     points = sorted(points, key=lambda point: places[point.x])
     x, value, low, high = np.array([(places[p.x], *p[1:]) for p in points]).reshape(-1, 4).T
@@ -133,7 +135,8 @@ def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Lo
     axes.add_line(dots)
     endless = np.isposinf(value)
     if endless.any():
-        edge = blended_transform_factory(axes.transData, axes.transAxes) + shift
+        edge: Transform = blended_transform_factory(axes.transData, axes.transAxes)
+        edge += ScaledTranslation(apart / 72, 0, axes.figure.dpi_scale_trans)
         axes.plot(
             x[endless], np.ones(endless.sum()), linestyle="", marker="^", markersize=SIZE + 1, color=look.colour,
             markerfacecolor="white", transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
