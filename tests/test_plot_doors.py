@@ -1,0 +1,404 @@
+"""`sc.plot` and `plot --kind`: one door, ours and other packages' kinds; and `lines`, whose numbers are the data's."""
+
+import itertools
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.figure import Figure
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.cli.commands import main
+from swarmcensus.figures.kinds import KINDS, find
+from swarmcensus.figures.looks import looks_of
+from swarmcensus.results.selecting import TooMuch
+from tests.test_figures import assert_fits, drawn, forget, study, texts
+
+OURS = ["arena", "beliefs", "curves", "decisions", "film", "heatmap", "lines", "scatter"]
+
+GOOD = '''
+"""Kinds of figures that are not ours."""
+
+from matplotlib.figure import Figure
+
+
+def box_plot(results, *, color: str = "brain", whiskers: float = 1.5, title: str | None = None):
+    """Draw boxes."""
+    figure = Figure()
+    ax = figure.add_subplot()
+    ax.boxplot(results["convergence_error"].values.reshape(results.sizes["setting"], -1).T, whis=whiskers)
+    ax.set_title(f"{color} {whiskers:g} {title}")
+    return figure
+
+
+def fails(results):
+    """Fail."""
+    return {}["no such\\nkey"]
+
+
+def nothing(results):
+    """Return what is no figure."""
+
+
+def awry(results, more):
+    """Have a second positional argument."""
+
+
+def unknown(results, *, size: "Missing" = 1):
+    """Have an annotation that means nothing."""
+'''
+
+
+@pytest.fixture
+def elsewhere(tmp_path, small_file):
+    """Runs Python where another package is installed that has kinds of its own."""
+    info = tmp_path / "site" / "others_figures-1.0.dist-info"
+    info.mkdir(parents=True)
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others-figures\nVersion: 1.0\n")
+    names = {"box-plot": "box_plot", "fails": "fails", "nothing": "nothing", "awry": "awry", "unknown": "unknown"}
+    lines = [f"{name} = others_figures:{function}" for name, function in names.items()]
+    lines += ["gone = others_figures_gone", "scatter = others_figures:fails"]
+    (info / "entry_points.txt").write_text("[swarmcensus.figures]\n" + "\n".join(lines) + "\n")
+    (tmp_path / "site" / "others_figures.py").write_text(GOOD)
+    path = os.pathsep.join([str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])])
+    here = tmp_path / "here"
+    here.mkdir()
+    (here / "small.nc").write_bytes(small_file.read_bytes())
+
+    def run(*command):
+        return subprocess.run(
+            [sys.executable, *map(str, command)], cwd=here, env=os.environ | {"PYTHONPATH": path}, capture_output=True,
+            text=True, check=False,
+        )  # fmt: skip
+
+    run.folder = here
+    return run
+
+
+def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
+    """One setting a number of robots, each of 8 that are drawn."""
+    parts = [study(["0.6"], trials=trials, seed=k, **coordinates) for k in range(len(counts))]
+    results = xr.concat(parts, "setting").assign_coords(robots=("setting", list(counts)))
+    return results.assign_coords(setting=np.arange(len(counts)))
+
+
+def intervals(axes, label):
+    """The ends of the intervals of a line, in the order of x."""
+    (found,) = (c for c in axes.collections if c.get_label() == f"interval {label}")
+    return np.array([segment[:, 1] for segment in found.get_segments() if len(segment)])
+
+
+# ---- the door
+
+
+def test_all_kinds_of_ours_are_found_in_their_folder():
+    assert list(KINDS.shipped) == OURS
+    assert dir(sc.plot) == sorted([*OURS, "save"])
+    for name in OURS:
+        draw = getattr(sc.plot, name)
+        assert draw is find(name)
+        assert draw.__name__ == name
+        assert draw.__doc__.count("\n") > 3
+
+
+def test_an_unknown_kind_is_told_with_what_was_meant(small_file, tmp_path, monkeypatch, capsys):
+    with pytest.raises(AttributeError, match=r"did you mean 'scatter'\? there are arena, beliefs"):
+        sc.plot.scater  # noqa: B018
+    assert not hasattr(sc.plot, "__wrapped__")
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(small_file), "--kind", "line"]) == 2
+    assert "no figure 'line': did you mean 'lines'? there are arena, beliefs" in capsys.readouterr().err
+
+
+def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages():
+    code = "import sys, swarmcensus as sc; dir(sc), sc.plot; sys.exit('matplotlib' in sys.modules)"
+    subprocess.run([sys.executable, "-c", code], check=True)
+    code = "import sys\nfrom swarmcensus.cli.commands import main\ntry: main(['plot', '--help'])\n"
+    code += "except SystemExit: sys.exit(bool({'importlib.metadata', 'numpy'} & {*sys.modules}))"
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere):
+    code = """
+import json, swarmcensus as sc
+results = sc.load("small.nc")
+figure = sc.plot.box_plot(results, whiskers=2.0, title="mine")
+print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.plot.save(figure, "x.png")]]))
+"""
+    done = elsewhere("-c", code)
+    assert not done.stderr
+    names, title, paths = json.loads(done.stdout)
+    assert {*OURS, "box_plot", "fails", "save"} <= {*names}
+    assert title == "brain 2 mine"
+    assert paths == ["x.png"]
+    plot = ["-m", "swarmcensus", "plot", "small.nc", "--kind", "box-plot"]
+    done = elsewhere(*plot, "--color", "topology", "--set", "whiskers=3", "--set", "title=12 of them")
+    assert (done.returncode, done.stdout) == (0, "small-box-plot.png\nsmall-box-plot.svg\n")
+    assert "topology 3 12 of them" in (elsewhere.folder / "small-box-plot.svg").read_text()
+    assert elsewhere("-m", "swarmcensus", "plot", "small.nc").returncode == 0  # `scatter` stays ours
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
+        ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: it has color, whiskers, title"),
+        ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
+        ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
+        ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
+        ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
+        ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
+        ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
+        ("unknown", [], "figure 'unknown', others_figures:unknown: NameError: name 'Missing' is not defined"),
+        ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
+    ],
+)
+def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(kind, options, said, elsewhere):
+    done = elsewhere("-m", "swarmcensus", "plot", "small.nc", "--kind", kind, *options)
+    assert done.returncode == 2
+    assert said in done.stderr
+    assert done.stderr.count("\n") == 1
+    assert [p.name for p in elsewhere.folder.iterdir()] == ["small.nc"]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--kind", "scatter", "--x", "robots"], "--x goes with --kind heatmap or lines, not with scatter"),
+        (["--kind", "curves", "--panels", "robots"], "--panels goes with --kind decisions or lines or scatter, not"),
+        (["--kind", "arena", "--bins", "4"], "--bins goes with --kind decisions or lines, not with arena"),
+        (
+            ["--kind", "lines", "--x", "robot"],
+            "x 'robot': did you mean 'robots'? the coordinates that vary here are top",
+        ),
+        (["--kind", "lines", "--y", "error"], "y 'error': what is measured here is convergence_round, convergence_err"),
+        (["--kind", "lines", "--x", "checkpoint"], "x 'checkpoint': the coordinates that vary"),
+        (
+            ["--color", "brian"],
+            "color 'brian': did you mean 'brain'? the coordinates that vary here are topology, robots",
+        ),
+        (["--panels", "robots,floors"], "panels 'floors': did you mean 'floor'?"),
+        (["--kind", "heatmap", "--x", "robots", "--y", "robots"], "x and y are both 'robots'"),
+        (["--kind", "lines", "--set", "statistic=mode"], "statistic = 'mode': should be 'median' or 'mean'"),
+    ],
+)
+def test_options_that_cannot_be_are_told_in_a_line(options, said, small_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["plot", str(small_file), *options]) == 2
+    error = capsys.readouterr().err
+    assert said in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shell = ["plot", str(small_file), "--kind", "lines", "--x", "topology", "--color", "robots", "--panels", "accuracy"]
+    assert main([*shell, "--set", "title=mine", "--out", "shell.svg"]) == 0
+    figure = sc.plot.lines(small_results, x="topology", color="robots", panels=["accuracy"], title="mine")
+    assert sc.plot.save(figure, "python.svg") == [Path("python.svg")]
+    assert Path("shell.svg").read_bytes() == Path("python.svg").read_bytes()
+    assert sc.plot.save(figure, tmp_path / "both") == [tmp_path / "both.png", tmp_path / "both.svg"]
+    with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
+        sc.plot.save(figure, "x.bmp")
+
+
+# ---- any coordinate
+
+
+def test_scatters_and_decisions_are_coloured_by_any_coordinate():
+    results = xr.concat(
+        [study(["0.6"], topology=t, seed=k, trials=8) for k, t in enumerate(("ring", "full"))], "setting"
+    )
+    (ax,) = sc.plot.scatter(results, color="topology").axes
+    for k, name in enumerate(("ring", "full")):
+        one = results.isel(setting=k)
+        middle = [np.median(one.convergence_round), np.median(one.convergence_error)]
+        np.testing.assert_allclose(drawn(ax, f"median {name}"), [middle])
+    figure = sc.plot.decisions(results, color="topology")
+    (ax,) = figure.axes
+    assert ax.get_legend().get_title().get_text() == "topology"
+    np.testing.assert_allclose(drawn(ax, "right full")[:, 1], 100 * results.correct[1].mean("trial"))
+    assert len(sc.plot.scatter(results).axes) == 2
+    assert [ax.get_title("left") for ax in sc.plot.scatter(results, panels="topology").axes] == ["(a) ring", "(b) full"]
+
+
+def test_settings_that_are_pooled_count_a_trial_once():
+    results = xr.concat([study(["0.6"], trials=8, seed=k, fill_ratio=f) for k, f in enumerate((0.5, 0.9))], "setting")
+    (ax,) = sc.plot.decisions(results, panels=[]).axes
+    (lines,) = (c for c in ax.collections if c.get_label() == "interval 0.6")
+    for k, line in enumerate(lines.get_segments()):
+        _, *ends = interval_of(results.correct.values[:, k].T, "mean", share=True)
+        np.testing.assert_allclose(line[:, 1], 100 * np.array(ends))
+    figure = sc.plot.lines(results, x="accuracy", panels=[], color="accuracy")
+    both = np.concatenate([*results.convergence_error.values], axis=1)  # (trial, robots of both)
+    np.testing.assert_allclose(intervals(figure.axes[0], "0.6"), [interval_of(both, "median")[1:]])
+    some = forget(results, setting=1, trial=slice(5, None))
+    (ax,) = sc.plot.lines(some, x="accuracy", panels=[], color="accuracy").axes
+    assert not intervals(ax, "0.6").size
+    assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
+
+
+def test_a_heatmap_has_any_two_coordinates():
+    parts = [
+        study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)
+    ]
+    parts = [part.isel(robot=slice(4)) for part in parts]
+    results = xr.concat(parts, "setting")
+    error, _ = sc.plot.heatmap(results, x="topology", y="robots").axes
+    assert [t.get_text() for t in error.get_yticklabels()] == ["4", "1,200"]
+    assert error.get_xticklabels()[0].get_text() == "ring"
+    shown = np.asarray(error.images[0].get_array())
+    np.testing.assert_allclose(shown.T.ravel(), results.convergence_error.median(("trial", "robot")))
+    assert_fits(sc.plot.heatmap(results, x="topology", y="robots"))
+    with pytest.raises(TooMuch, match=r"a heatmap shows accuracy and topology, but robots \(4, 1200\) varies too"):
+        sc.plot.heatmap(results, x="topology")
+
+
+def test_axes_of_one_s_own_hold_one_panel(small_results):
+    one = small_results.isel(setting=small_results["topology"].values == "ring")
+    figure = Figure(figsize=(18, 3))
+    axes = figure.subplots(1, 3)
+    for draw, ax in zip((sc.plot.scatter, sc.plot.decisions, sc.plot.lines), axes, strict=True):
+        assert draw(one, panels=[], title="mine", ax=ax) is figure
+        assert ax.get_title("left") == "mine"
+        assert ax.get_ylabel()
+        with pytest.raises(InputError, match="ax holds one panel, not"):
+            draw(one, ax=ax)
+    alone = Figure().subplots()
+    sc.plot.curves(small_results, setting=3, trial=1, ax=alone)
+    assert "setting 3, trial 1" in alone.get_title("left").replace("\n", " ")
+
+
+def test_names_look_different_and_numbers_in_order():
+    looks = looks_of(["ring", "full", "x"], "o", "topology")
+    assert list(looks) == ["ring", "full", "x"]
+    assert (
+        len({(look.colour, look.marker) for look in looks.values()})
+        == len({look.colour for look in looks.values()})
+        == 3
+    )
+    assert [look.name for look in looks_of(["1000", "20", "none"], "o", "robots").values()] == ["20", "1,000", "none"]
+
+
+# ---- lines
+
+
+def test_lines_draw_medians_and_intervals_as_the_summary_has_them(small_results):
+    results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
+    table = sc.summary(results)
+    for y in ("convergence_error", "convergence_round", "correct"):
+        figure = sc.plot.lines(results, y=y, x="robots", color="topology", panels=["accuracy", "fill_ratio"])
+        groups = table.groupby(["accuracy", "fill_ratio"], sort=False)
+        assert len(figure.axes) == len(groups) == 4
+        for ax, (_, group) in zip(figure.axes, groups, strict=True):
+            for topology in ("full", "ring", "line", "scale-free"):
+                rows = group[group["topology"] == topology].sort_values("robots")
+                np.testing.assert_allclose(drawn(ax, topology), rows[["robots", y]], atol=1e-12)
+                np.testing.assert_allclose(drawn(ax, f"line {topology}"), rows[["robots", y]], atol=1e-12)
+                np.testing.assert_allclose(intervals(ax, topology), rows[[f"{y}_low", f"{y}_high"]], atol=1e-12)
+
+
+def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
+    few = small_results.isel(setting=small_results["robots"].values == 5)
+    figure = sc.plot.lines(few, y="correct", x="checkpoint", color="topology")
+    assert len(figure.axes) == 4
+    first = few.isel(setting=0)
+    at = drawn(figure.axes[0], "full")
+    np.testing.assert_allclose(at, np.stack([first["checkpoint"], first["correct"].mean("trial")], 1))
+    assert figure.axes[0].get_xlabel() == "after round"
+    short = few.assign_coords(rounds=("setting", np.full(few.sizes["setting"], 20)))
+    (ax,) = sc.plot.lines(short, y="correct", x="topology", panels=[], color="rounds").axes
+    ring = short["correct"].values[short["topology"].values == "ring", 0]
+    assert drawn(ax, "20")[1, 1] == pytest.approx(ring.mean())
+
+
+def test_any_variable_that_has_trials_is_drawn_with_its_unit():
+    results = robots()
+    rng = np.random.default_rng(0)
+    results["bytes_sent"] = (("setting", "trial"), rng.gamma(2, 10, (3, 12)), {"units": "bytes", "long_name": "sent"})
+    figure = sc.plot.lines(results, y="bytes_sent")
+    (ax,) = figure.axes
+    assert ax.get_ylabel() == "bytes sent, median (bytes)"
+    assert ax.get_xlabel() == "robots $N$"
+    assert ax.get_xscale() == "log"
+    (line,) = (line for line in ax.lines if line.get_label() == "line ")
+    np.testing.assert_allclose(line.get_ydata(), results["bytes_sent"].median("trial"))
+    expected = [interval_of(row[:, None], "median")[1:] for row in results["bytes_sent"].values]
+    np.testing.assert_allclose(intervals(ax, ""), expected)
+    (ax,) = sc.plot.lines(results, y="bytes_sent", statistic="mean").axes
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), results["bytes_sent"].mean("trial"))
+    with pytest.raises(InputError, match=r"what is measured here is convergence_round, .*bytes_sent"):
+        sc.plot.lines(results, y="weather")
+
+
+def test_what_never_happens_is_marked_and_not_drawn():
+    results = robots()
+    when = np.random.default_rng(0).uniform(1, 50, (3, 12, 8))
+    when[0, :, :5] = np.inf  # most of the robots of every trial
+    when[1, :, :1] = np.inf
+    when[1, :6] = np.inf  # of half of the trials, all
+    results["stop_round"] = (("setting", "trial", "robot"), when, {"units": "rounds", "long_name": "when it stops"})
+    figure = sc.plot.lines(results, y="stop_round", color="brain")
+    (ax,) = figure.axes
+    (mark,) = (line for line in ax.lines if line.get_label() == "infinite minimalistic")
+    assert mark.get_xdata().tolist() == [10, 100]
+    assert set(mark.get_ydata()) == {1.0}  # of the panel's height
+    (line,) = (line for line in ax.lines if line.get_label() == "line minimalistic")
+    assert np.isnan(line.get_ydata()[:2]).all()
+    assert line.get_ydata()[2] == pytest.approx(np.median(when[2]))
+    ends = intervals(ax, "minimalistic")
+    assert np.isfinite(ends[-1]).all()
+    assert ax.get_ylim()[1] < 100
+    assert "the median is infinite" in texts(figure)
+    assert "is infinite" not in texts(sc.plot.lines(results.isel(setting=[2]), y="stop_round"))
+    assert "the mean is infinite" in texts(sc.plot.lines(results, y="stop_round", statistic="mean"))
+    never = results.assign(stop_round=results["stop_round"] * np.inf)
+    assert_fits(sc.plot.lines(never, y="stop_round"))
+
+
+def test_the_interval_of_a_median_may_reach_to_never():
+    results = robots((10,))
+    when = np.tile(np.arange(1.0, 9.0), (1, 12, 1))
+    when[0, :5] = np.inf  # 5 of 12 trials: the median is finite, and might not be
+    results["stop_round"] = (("setting", "trial", "robot"), when)
+    (ax,) = sc.plot.lines(results, y="stop_round", x="robots").axes
+    ((low, high),) = intervals(ax, "")
+    assert 1.0 <= low < np.median(when) < high == ax.get_ylim()[1]
+
+
+def test_trials_that_were_not_run_are_left_out_of_lines():
+    results = forget(forget(robots(), setting=1), trial=slice(7, None), setting=0)
+    (ax,) = sc.plot.lines(results).axes
+    (line,) = (line for line in ax.lines if line.get_label() == "line ")
+    there = results.convergence_error.values
+    np.testing.assert_allclose(line.get_ydata(), [np.median(there[0, :7]), np.nan, np.median(there[2])])
+    padded = forget(robots(), robot=slice(5, None))
+    (ax,) = sc.plot.lines(padded).axes
+    assert ax.lines[0].get_ydata()[0] == pytest.approx(np.median(padded.convergence_error.values[0, :, :5]))
+    with pytest.raises(InputError, match="nothing to draw"):
+        sc.plot.lines(forget(robots(), trial=slice(None)))
+
+
+def test_lines_of_long_names_and_of_many_stay_on_the_paper():
+    long = ["warehouse_measured_links_2024-05-17_north_wing_final_v2", "b", "w" * 90, "costs $2 or $3"]
+    names = [*long, *"defgh"]
+    parts = [robots(brain=name) for name in names]
+    results = xr.concat(parts, "setting")
+    for options in ({}, {"x": "brain"}, {"color": "brain"}, {"panels": "brain"}, {"x": "brain", "panels": "robots"}):
+        figure = sc.plot.lines(results, **options)
+        assert_fits(figure)
+        figure.canvas.draw()
+    many = xr.concat([robots(fill_ratio=f) for f in np.linspace(0.1, 0.9, 40)], "setting")
+    assert_fits(sc.plot.lines(many, color="fill_ratio"))
+    (ax,) = sc.plot.lines(many, x="fill_ratio", color="robots").axes
+    boxes = [tick.get_window_extent() for tick in ax.get_xticklabels()]
+    assert 4 < len(boxes) < 40
+    assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
