@@ -1,16 +1,21 @@
 """`sc.plot` and `plot --kind`: one door, ours and other packages' kinds; and `lines`, whose numbers are the data's."""
 
+import inspect
 import itertools
 import json
 import os
+import re
+import shutil
 import subprocess
 import sys
+import tomllib
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 from matplotlib.figure import Figure
+from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
@@ -19,6 +24,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import KINDS, find
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
+from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 
 OURS = ["arena", "beliefs", "curves", "decisions", "film", "heatmap", "lines", "scatter"]
@@ -78,7 +84,7 @@ def elsewhere(tmp_path, small_file):
             text=True, check=False,
         )  # fmt: skip
 
-    run.folder = here
+    run.folder, run.site = here, tmp_path / "site"
     return run
 
 
@@ -208,6 +214,52 @@ def test_the_shell_draws_what_python_draws(small_file, small_results, tmp_path, 
     assert sc.plot.save(figure, tmp_path / "both") == [tmp_path / "both.png", tmp_path / "both.svg"]
     with pytest.raises(InputError, match="cannot write 'bmp' files, only "):
         sc.plot.save(figure, "x.bmp")
+
+
+# ---- the pages
+
+
+def test_the_page_s_table_has_every_kind_and_all_its_options():
+    text = (ROOT / "docs" / "plotting.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| `(\w+)` \|.*\| ([^|]*) \|$", text, re.MULTILINE)
+    told = {kind: re.findall(r"`(\w+)`", options) for kind, options in rows}
+    takes = {name: [p.name for p in inspect.signature(find(name)).parameters.values()][1:] for name in OURS}
+    assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
+
+
+def test_the_page_s_image_is_what_its_commands_draw(tmp_path, monkeypatch):
+    """Its numbers, that is: letters are drawn by a library of the machine."""
+    page = ROOT / "docs" / "plotting.md"
+    (run, plot), *_ = (list(commands(text)) for text in blocks(page, "console"))
+    assert run[1:] == ["run", "studies/sizes.toml"]
+    shutil.copytree(ROOT / "studies", tmp_path / "studies")
+    monkeypatch.chdir(tmp_path)
+    assert main(run[1:]) == main(plot[1:]) == 0
+    with Image.open("lines.png") as drawn, Image.open(ROOT / "docs" / "images" / "lines.png") as shown:
+        assert drawn.size == shown.size
+        differ = np.abs(np.asarray(drawn.convert("L"), int) - np.asarray(shown.convert("L"), int)) > 64
+    assert differ.mean() < 0.01
+    for text in blocks(page, "console")[1:]:
+        for command in commands(text):
+            assert main(command[1:]) == 0
+
+
+def test_the_page_s_own_kind_is_drawn_once_it_is_installed(elsewhere, small_results):
+    page = ROOT / "docs" / "adding.md"
+    (source,) = (text for text in blocks(page, "python") if "def violins" in text)
+    (named,) = (tomllib.loads(text) for text in blocks(page, "text") if "swarmcensus.figures" in text)
+    entries = named["project"]["entry-points"]["swarmcensus.figures"]
+    elsewhere.site.joinpath("violins.py").write_text(source)
+    lines = "\n".join(f"{name} = {value}" for name, value in entries.items())
+    elsewhere.site.joinpath("others_figures-1.0.dist-info", "entry_points.txt").write_text(
+        f"[swarmcensus.figures]\n{lines}\n"
+    )
+    (shown,) = (words for text in blocks(page, "console") for words in commands(text) if "violins" in words)
+    (elsewhere.folder / "small.nc").rename(elsewhere.folder / "results.nc")
+    done = elsewhere("-m", *shown)
+    assert (done.returncode, done.stdout) == (0, "results-violins.png\nresults-violins.svg\n"), done.stderr
+    code = "import swarmcensus as sc; print(sc.plot.violins(sc.load('results.nc'), x='robots').axes[0].get_ylabel())"
+    assert elsewhere("-c", code).stdout == "convergence_error (1)\n"
 
 
 # ---- any coordinate

@@ -118,7 +118,7 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room)
-            ax.yaxis.set_major_locator(MaxNLocator(5, steps=[1, 2, 2.5, 5, 10]))
+            ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
         ax.yaxis.set_major_formatter(
             FuncFormatter(lambda value, _: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:g}")
         )
