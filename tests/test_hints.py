@@ -83,7 +83,7 @@ def test_where(small_results):
 @pytest.mark.parametrize(
     ("command", "meant"),
     [
-        (["shwo", "x.nc"], "show"), (["summary", "x.nc"], "show"), (["plot", "x.nc", "--kind", "scater"], "scatter"),
+        (["shwo", "x.nc"], "show"), (["summary", "x.nc"], "show"),
         (["export", "x.nc", "--to", "cvs"], "csv"), (["run", "x.toml", "--rng", "3"], "--seed"),
         (["run", "x.toml", "--threads=3"], "--jobs"), (["plot", "x.nc", "--wehre", "a"], "--where"),
     ],

@@ -155,7 +155,7 @@ print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.
     ("kind", "options", "said"),
     [
         ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
-        ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: it has color, whiskers, title"),
+        ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
         ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
         ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
         ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
@@ -262,6 +262,34 @@ def test_the_page_s_own_kind_is_drawn_once_it_is_installed(elsewhere, small_resu
     assert elsewhere("-c", code).stdout == "convergence_error (1)\n"
 
 
+# ---- one trial
+
+
+def test_a_trial_is_drawn_from_results_or_from_its_trace(small_results, tmp_path):
+    tables = {"swarm": {"robots": 4, "accuracy": 0.8}, "schedule": {"ticks": 20}}
+    moving = sc.run(sc.Study(trials=2, world={"topology": "moving", "density": 2, "fill_ratio": 0.55}, **tables))
+    trace = sc.replay(moving, 0, 1, links=True)
+    for figure in (sc.plot.arena(moving, trial=1, tick="1.5 s"), sc.plot.arena(trace, tick=15)):
+        assert "tick 15" in texts(figure)
+    told = []
+    frames = sc.plot.film(trace, out=tmp_path / "x.gif", first=3, last=9, progress=lambda *n: told.append(n))
+    assert (frames, told[-1]) == (4, (4, 4))
+    with Image.open(tmp_path / "x.gif") as film:
+        assert film.n_frames == 4
+    for options, said in (
+        ({"tick": 21}, "tick 21: this trial has ticks 0 to 20"), ({"robot": 4}, "robot 4: the robots are"),
+        ({"setting": 1}, "setting 1"),
+        ({"tick": "soon"}, "tick = 'soon': should be a whole number, or a time"), ({"tick": "7 h"}, "tick 252000:"),
+    ):  # fmt: skip
+        with pytest.raises(InputError, match=re.escape(said)):
+            sc.plot.arena(moving, **options)
+    with pytest.raises(InputError, match="no robots move"):
+        sc.plot.film(small_results)
+    curves = [sc.plot.curves(small_results, trial=2), sc.plot.curves(sc.replay(small_results, 0, 2))]
+    one, other = (drawn(figure.axes[0], "median") for figure in curves)
+    np.testing.assert_array_equal(one, other)
+
+
 # ---- any coordinate
 
 
@@ -365,7 +393,7 @@ def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
     first = few.isel(setting=0)
     at = drawn(figure.axes[0], "full")
     np.testing.assert_allclose(at, np.stack([first["checkpoint"], first["correct"].mean("trial")], 1))
-    assert figure.axes[0].get_xlabel() == "after round"
+    assert figure.axes[0].get_xlabel() == "communication rounds"
     short = few.assign_coords(rounds=("setting", np.full(few.sizes["setting"], 20)))
     (ax,) = sc.plot.lines(short, y="correct", x="topology", panels=[], color="rounds").axes
     ring = short["correct"].values[short["topology"].values == "ring", 0]

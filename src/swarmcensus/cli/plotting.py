@@ -25,9 +25,9 @@ def plot(options: argparse.Namespace) -> int:
 
     draw = find(options.kind)
     given = _given(options, draw)
-    film = Path(given["out"]).suffix if "out" in given else ""
-    out = options.out or Path(f"{options.results.stem}-{options.kind}{film}")
-    if film:
+    suffix = Path(given.get("out") or "").suffix
+    out = options.out or Path(f"{options.results.stem}-{options.kind}{suffix}")
+    if "out" in given:  # it writes its file itself
         given["out"] = out
     else:
         figure_files(out)
@@ -38,8 +38,8 @@ def plot(options: argparse.Namespace) -> int:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
     with _failures(options.kind), _telling(given, data):
         drawn = draw(data, **given)
-    if film:
-        print(f"{out}: {drawn:,} frames")
+    if "out" in given:
+        print(f"{out}: {drawn:,} frames" if isinstance(drawn, int) else out)
     else:
         save_figure(_as_figure(drawn, options.kind), out)
     return 0

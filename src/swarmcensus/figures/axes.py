@@ -38,7 +38,7 @@ def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
     return {text: float(k) for k, text in enumerate(texts)}, False
 
 
-class Names(NamedTuple):
+class Lettering(NamedTuple):
     """How the values of a coordinate are written under its axis: the texts, whether they slant, and the room in inches
     that they need more than a line of numbers does.
     """
@@ -48,19 +48,19 @@ class Names(NamedTuple):
     room: float
 
 
-def names_of(looks: dict[str, Look], width: float) -> Names:
+def names_of(looks: dict[str, Look], width: float) -> Lettering:
     """The names of values under an axis so many points wide: level in two lines, or slanted for a long word."""
     texts, room = [look.name for look in looks.values()], width / len(looks) - 4
     if places_of(looks)[1]:
-        return Names(texts, False, 0.0)
+        return Lettering(texts, False, 0.0)
     if all(width_of(word, SMALL) <= room for text in texts for word in text.split()):
         texts = ["\n".join(wrapped(text, room, SMALL, 2)) for text in texts]
-        return Names(texts, False, max(text.count("\n") for text in texts) * SPACING * SMALL / 72)
+        return Lettering(texts, False, max(text.count("\n") for text in texts) * SPACING * SMALL / 72)
     texts = [shortened(text, LONGEST, SMALL) for text in texts]
-    return Names(texts, True, (0.64 * max(width_of(text, SMALL) for text in texts) + 2) / 72)
+    return Lettering(texts, True, (0.64 * max(width_of(text, SMALL) for text in texts) + 2) / 72)
 
 
-def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Names, aside: float) -> None:
+def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
     """Give `axes` an x axis for these values, with ticks at as many of them as have room.
 
     `aside` is how far from its place, in points, a value may be drawn.

@@ -29,11 +29,10 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "link_success": "link success {}",
     "assumed_accuracy": "assumed accuracy {}",
     "accuracy": "accuracy {}",
-    "checkpoint": "after round {:,.0f}",
+    "checkpoint": "after {:,.0f}",
 }
 TITLES = {  # how an axis or a key names them, where that is not their name
     "accuracy": "sensor accuracy",
-    "checkpoint": "after round",
     "density": "density $D$",
     "fill_ratio": "fill ratio $f$",
     "observations_per_round": "observations per round $R$",

@@ -14,6 +14,7 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
+from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
@@ -60,13 +61,13 @@ def lines(
     statistic = statistic or ("mean" if y == "correct" else "median")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
-    every = [point for lines in series for points in lines.values() for point in points]
+    every = [point for found in series for points in found.values() for point in points]
     if all(np.isnan(point.value) for point in every):
         raise InputError(NOTHING)
     across = looks_of((point.x for point in every), "o", x)
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
-        looks = looks_of((value for lines in series for value in lines), "o", color)
+        looks = looks_of((value for found in series for value in found), "o", color)
     under = names_of(across, NARROW if len(parts) > 1 else WIDE)
     axes = sheet(ax, [part.caption for part in parts], title, below=under.room)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
@@ -81,7 +82,7 @@ def lines(
         for k, (value, look) in enumerate(looks.items()):
             _draw(place, found.get(value, []), across, look, step * (k - middle), apart * (k - middle))
         high = place.bbox.height * 72 / place.figure.dpi
-        name_axes(place, title_of(x), name_of(results, y, statistic, high))
+        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), name_of(results, y, statistic, high))
     heading = ""
     entries: dict[str, Artist] = {}
     if color:
