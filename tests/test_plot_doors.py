@@ -419,6 +419,16 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
         sc.plot.lines(results, y="weather")
 
 
+def test_what_is_left_open_is_chosen_from_what_varies():
+    brains = xr.concat([robots(brain=name) for name in ("a", "b")], "setting")
+    for options, x, key in (
+        ({}, "robots $N$", "brain"), ({"x": "brain"}, "brain", "robots $N$"), ({"panels": "brain"}, "robots $N$", ""),
+        ({"panels": ("robots",)}, "brain", ""), ({"color": "robots"}, "brain", "robots $N$"),
+    ):  # fmt: skip
+        ax = sc.plot.lines(brains, **options).axes[0]
+        assert (ax.get_xlabel(), ax.get_legend().get_title().get_text()) == (x, key)
+
+
 def test_what_never_happens_is_marked_and_not_drawn():
     results = robots()
     when = np.random.default_rng(0).uniform(1, 50, (3, 12, 8))

@@ -13,7 +13,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocat
 
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened, width_of, wrapped
-from swarmcensus.figures.looks import NUMBER, Look
+from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.sheets import SMALL
 
 COUNTS = {"robots", "rounds", "observations_per_round", "density", "side", "checkpoint"}  # which often span decades
@@ -26,15 +26,15 @@ KNOWN = {
     "local_convergence_step": "local convergence $K$",
     "local_convergence_error": r"local error $|\hat{x}^K - f\,|$",
     "final_estimate": "final estimate $x$",
-    "correct": "share of robots in the right bin",
+    "correct": "share of right robots",
 }
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
     """Where the values of a coordinate stand on its axis, and whether they are numbers, rather than names in a row."""
     texts = list(values)
-    if all(re.fullmatch(NUMBER, text) for text in texts):
-        return {text: float(text) for text in texts}, True
+    if all(re.fullmatch(NUMBER, text) for text in texts) and len({text.startswith(OFF) for text in texts}) == 1:
+        return {text: number_of(text) for text in texts}, True
     return {text: float(k) for k, text in enumerate(texts)}, False
 
 
@@ -46,6 +46,11 @@ class Lettering(NamedTuple):
     texts: list[str]
     slanted: bool
     room: float
+
+    @property
+    def style(self) -> dict[str, Any]:
+        """What `set_xticks` should know of them."""
+        return {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if self.slanted else {}
 
 
 def names_of(looks: dict[str, Look], width: float) -> Lettering:
@@ -71,8 +76,7 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     texts = names.texts
     if not numbers:
         axes.set_xlim(-0.5, x.size - 0.5)
-        how: Any = {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if names.slanted else {}
-        axes.set_xticks(x, texts, parse_math=False, **how)
+        axes.set_xticks(x, texts, parse_math=False, **names.style)
         axes.tick_params(axis="x", length=0)
         return
     log = name in COUNTS and x.min() > 0 and x.max() >= DECADES * x.min()
@@ -84,13 +88,12 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     low, high = scaled.min() - margin, scaled.max() + margin
     axes.set_xlim(*(np.exp([low, high]) if log else (low, high)))
     at = width * (scaled - low) / (high - low)
-    kept, end = [], -np.inf
-    for k in np.argsort(at):
-        half = width_of(texts[k], SMALL) / 2
-        if at[k] - half > end:
+    half = np.array([width_of(text, SMALL) / 2 for text in texts])
+    kept: list[int] = []
+    for k in sorted(range(x.size), key=lambda k: (k not in (x.argmin(), x.argmax()), x[k])):  # both ends first
+        if all(abs(at[k] - at[other]) > half[k] + half[other] + 4 for other in kept):
             kept.append(k)
-            end = at[k] + half + 4
-    axes.xaxis.set_major_locator(FixedLocator([float(x[k]) for k in kept]))
+    axes.xaxis.set_major_locator(FixedLocator(sorted(float(x[k]) for k in kept)))
     axes.xaxis.set_minor_locator(NullLocator())
     named = {float(x[k]): texts[k] for k in kept}
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: named.get(float(value), "")))
@@ -118,10 +121,19 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room)
-            ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]))
-        ax.yaxis.set_major_formatter(
-            FuncFormatter(lambda value, _: f"{value:,.0f}" if abs(value) >= 1000 else f"{value:g}")
-        )
+            ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _short(value)))
+
+
+def _short(value: float) -> str:
+    """A number beside an axis, where there is room for five letters."""
+    for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
+        if abs(value) >= least:
+            return f"{value / unit:,.6g}{letter}"
+    if 0 < abs(value) < 1e-3:
+        digits, exponent = f"{value:e}".split("e")
+        return f"{float(digits):g}e{int(exponent)}"
+    return f"{value:,.6g}"
 
 
 def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> str:
@@ -130,4 +142,6 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
     name = KNOWN.get(variable, variable.replace("_", " ").replace("$", r"\$"))
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
-    return text if variable in KNOWN else "\n".join(wrapped(text, room, SMALL + 1, 2))
+    if variable in KNOWN:  # formulas are as long as their letters, or shorter
+        return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), SMALL + 1) > room else text
+    return "\n".join(wrapped(text, room, SMALL + 1, 2))

@@ -19,7 +19,8 @@ from swarmcensus.figures.lettering import shortened
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
 MARKERS = "s^vPXph"  # of such swarms, after the first
 MOST_KEYED = 20  # numbers in a key
-NUMBER = r"[-+]?\d*\.?\d+(e[-+]?\d+)?"
+OFF = "error="  # how assumed accuracies that are off by a number begin
+NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
 NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
 WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters
 
@@ -55,13 +56,13 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
     which they come.
     """
     distinct = list(dict.fromkeys(values))
-    numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=float)
+    numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=number_of)
     others = [text for text in distinct if text not in numbers]
     if of.endswith("accuracy"):
         others.sort()
     names = dict(zip([*numbers, *others], map(_grouped, told_apart([*numbers, *others])), strict=True))
     looks = {
-        text: Look(names[text], names[text].removeprefix("0") or "0", colour, marker)
+        text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)
     }
     for i, text in enumerate(others):
@@ -73,6 +74,11 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
         short = "b≠w" if "w = " in name else name.split("(")[0]
         looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
+
+
+def number_of(text: str) -> float:
+    """A value of a coordinate that matches NUMBER."""
+    return float(text.removeprefix(OFF))
 
 
 def _grouped(text: str) -> str:

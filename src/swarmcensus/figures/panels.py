@@ -60,7 +60,11 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     panels = []
     for combination, settings in members.items():
         named = zip(varying, combination, strict=True)
-        caption = ", ".join(written[name][value] for name, value in named if value is not None)
+        caption = ", ".join(
+            written[name].get(value, f"no {name}")
+            for name, value in named
+            if value is not None or (by is not None and name != "assumed_accuracy")
+        )
         panels.append(Panel(caption, results.isel(setting=settings)))
     return panels
 

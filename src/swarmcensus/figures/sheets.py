@@ -27,6 +27,7 @@ CAPTION, TITLE = SMALL + 1.5, SMALL + 3
 MOST_NAMED = 24  # dots of a panel
 HALF_A_DECADE = 10**0.5
 NAMES = SMALL - 1.5  # points: names of dots over a panel
+LEFT = 0.65  # inches: for the y axis and its name
 INNER = "inner"  # label of a panel with another on its left, which has the name of their y axes
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
@@ -36,7 +37,7 @@ def new_sheet(
     title: str | None = None,
     *,
     size: tuple[float, float] | None = None,
-    left: float = 0.65,
+    left: float = LEFT,
     right: float = 1.6,
     above: float = 0.0,
     below: float = 0.0,
@@ -85,14 +86,20 @@ def new_sheet(
 
 
 def sheet(
-    ax: Axes | None, captions: Sequence[str], title: str | None, *, above: float = 0.0, below: float = 0.0
+    ax: Axes | None,
+    captions: Sequence[str],
+    title: str | None,
+    *,
+    left: float = LEFT,
+    above: float = 0.0,
+    below: float = 0.0,
 ) -> list[Axes]:
     """Return a `new_sheet`, or the caller's own axes, captioned with the title if there is one.
 
     Raises InputError if `ax` would have to hold several panels, and as `new_sheet` does.
     """
     if ax is None:
-        return new_sheet(captions, title, above=above, below=below)
+        return new_sheet(captions, title, left=left, above=above, below=below)
     if len(captions) != 1:
         raise InputError(
             f"ax holds one panel, not {len(captions)}: select some of the settings, or draw all into it with panels=[]"

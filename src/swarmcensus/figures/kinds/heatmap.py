@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.axes import names_of, places_of
 from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
 from swarmcensus.figures.lettering import shortened, width_of
@@ -22,6 +23,7 @@ from swarmcensus.figures.sheets import NOTHING, SMALL, caption_panels, name_axes
 from swarmcensus.results.selecting import TooMuch
 
 LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
+NAMED = 34.0  # points: a name under a column, of which longer ones slant
 ABOVE = 0.3  # inches over a panel for the bar of its colours
 MOST_NAMED = 8  # values of a coordinate, in a message
 
@@ -55,18 +57,19 @@ def heatmap(results: xr.Dataset, *, x: str = "fill_ratio", y: str = "accuracy", 
                 when, error = cloud[value]
                 medians[:, row, column] = np.median(error), np.median(when)
     names = [shortened(look.name, 200, SMALL) for look in looks.values()]
-    ticks = [shortened(look.name, 80, SMALL) for look in across.values()]
-    cell = max(0.4, (max(width_of(tick, SMALL) for tick in ticks) + SMALL) / 72)  # inches
+    widest = max(width_of(look.name, SMALL) for look in across.values())
+    cell = max(0.4, ((widest if places_of(across)[1] else min(widest, NAMED)) + SMALL) / 72)  # inches
     size = (max(cell * len(across), 2.4), max(0.25 * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
+    under = names_of(across, 72 * size[0])
     left = max(1.25, 0.55 + max(width_of(name, SMALL) for name in names) / 72)
-    axes = new_sheet(["", ""], title, size=size, left=left, right=0.15, above=ABOVE)
+    axes = new_sheet(["", ""], title, size=size, left=left, right=0.15, above=ABOVE, below=under.room)
     _draw_cells(axes[0], medians[0], 0.01, ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", numbered)
     _draw_cells(axes[1], medians[1], 1.0, ",.0f", numbered)
-    columns, rows = _some_of(len(ticks), size[0] / cell), _some_of(len(names), size[1] / 0.16)
+    columns, rows = _some_of(len(across), size[0] / cell), _some_of(len(names), size[1] / 0.16)
     for ax in axes:
-        ax.set_xticks(columns, [ticks[k] for k in columns], parse_math=False)
+        ax.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
         ax.set_yticks(rows, [names[k] if ax is axes[0] else "" for k in rows], parse_math=False)
         name_axes(ax, title_of(x), title_of(y))
         ax.tick_params(length=0)

@@ -19,13 +19,14 @@ from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_o
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.series import Point, Statistic, measured, points_of
-from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
+from swarmcensus.figures.sheets import LEFT, NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
 
 SIZE = 5.0  # points: a dot
 BESIDE = 5.0  # points between dots of one x: of many lines less
 ROOM = 60.0  # points that all dots of one x take together at the most where x has names, and of
 NEAR = 9.0  # numbers
-WIDE, NARROW = 310.0, 180.0  # points: a panel that is alone, the narrowest of several
+WIDE, HIGH = 310.0, 230.0  # points: a panel that is alone
+NARROW, LOW = 180.0, 137.0  # and the smallest of several
 
 
 def lines(
@@ -54,10 +55,10 @@ def lines(
     24 panels.
     """
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
-    asked = [x, color, *([panels] if isinstance(panels, str) else panels or ())]
-    data = measured(results, y, "checkpoint" in asked)
+    panels = [panels] if isinstance(panels, str) else panels
+    data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
     check_coordinates(data, x=x, color=color, panels=panels)
-    x, color = _axes_of(data, x, color)
+    x, color = _axes_of(data, x, color, panels or ())
     statistic = statistic or ("mean" if y == "correct" else "median")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
@@ -69,7 +70,9 @@ def lines(
     if color:
         looks = looks_of((value for found in series for value in found), "o", color)
     under = names_of(across, NARROW if len(parts) > 1 else WIDE)
-    axes = sheet(ax, [part.caption for part in parts], title, below=under.room)
+    beside = name_of(results, y, statistic, LOW if len(parts) > 1 else HIGH)
+    left = LEFT + 0.17 * beside.count("\n")
+    axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
     middle = (len(looks) - 1) / 2
     apart = min(BESIDE, ROOM / max(len(looks) - 1, 1))
@@ -81,8 +84,7 @@ def lines(
         coordinate_axis(place, x, across, under, step * middle)
         for k, (value, look) in enumerate(looks.items()):
             _draw(place, found.get(value, []), across, look, step * (k - middle), apart * (k - middle))
-        high = place.bbox.height * 72 / place.figure.dpi
-        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), name_of(results, y, statistic, high))
+        name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
     heading = ""
     entries: dict[str, Artist] = {}
     if color:
@@ -94,8 +96,8 @@ def lines(
     return axes[0].figure.canvas.figure
 
 
-def _axes_of(data: xr.Dataset, x: str | None, color: str | None) -> tuple[str, str | None]:
-    varying = varies(data)
+def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:
+    varying = varies(data, panels)
     if x is None:
         free = [name for name in varying if name != color]
         counts = {name: len(set(varying[name])) for name in free if places_of(texts_of(data, name).tolist())[1]}
