@@ -19,19 +19,29 @@ from PIL import Image
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus import brains, metrics
 from swarmcensus.basics import doors
 from swarmcensus.cli.commands import main
+from swarmcensus.figures import kinds
 from swarmcensus.worlds import patterns, spreading, wiring
 
 PAGE = (Path(__file__).parents[1] / "docs" / "adding.md").read_text(encoding="utf-8")
-EXAMPLES = {"torus": "A topology", "hills": "A kind of floor", "beta": "A sensor spread"}  # files, and their sections
-DOORS = [wiring.DOOR, patterns.DOOR, spreading.DOOR]
+EXAMPLES = {
+    "lowest": "A metric",
+    "torus": "A topology",
+    "hills": "A kind of floor",
+    "beta": "A sensor spread",
+    "violins": "A figure",
+}  # files, and their sections
+DOORS = [brains.DOOR, metrics.DOOR, wiring.DOOR, patterns.DOOR, spreading.DOOR, kinds.DOOR]
 
 # ---- the package
 
 MORE = {
     "pairs": """
-        def edges(robots, chance, *, share: float = 1.0):
+        from typing import Annotated
+        from pydantic import Field
+        def edges(robots, chance, *, share: Annotated[float, Field(le=1)] = 1.0):
             pairs = chance.generator().permutation(robots)[: robots // 2 * 2].reshape(-1, 2)
             return pairs[: round(share * len(pairs))]
         def check(robots, *, share):
@@ -117,9 +127,11 @@ def install(folder, name, files, points):
 def package(tmp_path_factory):
     """A folder in which the package "meadow" is installed."""
     folder = tmp_path_factory.mktemp("site")
-    files = MORE | {
-        name: re.search(r"```python\n(.*?)```", section(title), re.DOTALL)[1] for name, title in EXAMPLES.items()
-    }
+    files = (
+        MORE
+        | {"stubborn": brains.load("legacy").source + "# under another name\n"}
+        | {name: re.search(r"```python\n(.*?)```", section(title), re.DOTALL)[1] for name, title in EXAMPLES.items()}
+    )
     [shown] = re.findall(r"```text\n(.*?)```", section("In a package of your own"), re.DOTALL)
     points = tomllib.loads(shown)["project"]["entry-points"]
     for kind, entries in MORE_POINTS.items():
@@ -346,12 +358,13 @@ WRONG = [
     # topologies
     ("topology", '"tours"', "did you mean 'torus'? a topology is one of full, line, moving, ring, scale-free, "),
     ("topology", '{name = "tours", columns = 4}', "did you mean 'torus'?"),
-    ("topology", '{name = "torus", columns = 2}', "topology torus: columns = 2: should be greater than or equal to 3"),
+    ("topology", '{name = "torus", columns = 2}', "'torus' of 12 robots, columns = 2: a torus has three full rows"),
+    ("topology", '{name = "pairs", share = 2}', "share = 2: should be less than or equal to 1"),
     ("topology", '{name = "torus", columns = "x"}', "topology torus: columns = 'x': should be a valid integer"),
     ("topology", '{name = "torus", column = 4}', "topology torus has no key column: did you mean 'columns'? it has columns"),  # noqa: E501
     ("topology", '{name = "ring", columns = 4}', "topology ring has no key columns: it has none"),
     ("topology", '{name = "pairs", share = nan}', "share = nan: should be a finite number"),
-    ("topology", '"torus"', "topology 'torus' of 12 robots, columns = 10: a torus has three rows or more of 10"),
+    ("topology", '"torus"', "topology 'torus' of 12 robots, columns = 10: a torus has three full rows or more"),
     ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: SyntaxError"),
     ("topology", '"gone"', "topology 'gone', meadow.gone of meadow: ModuleNotFoundError"),
     ("topology", '"empty"', "topology 'empty', meadow.empty: it has no function edges"),
@@ -415,7 +428,122 @@ def test_a_graph_that_is_not_made_in_one_trial_fails_that_trial_alone(installed,
     assert sc.load("s.nc").attrs["trials_done"] == 3
 
 
+# ---- brains, metrics and figures
+
+SMALL = """
+trials = 3
+[swarm]
+brain = ["legacy", "stubborn"]
+robots = 8
+accuracy = 0.7
+[world]
+topology = "ring"
+fill_ratio = 0.55
+[schedule]
+rounds = 40
+[measure]
+metrics = ["lowest", "first-right"]
+"""
+
+
+@pytest.fixture(scope="module")
+def measured(package, tmp_path_factory):
+    """A folder with a study of another package's brain and metric, and its results."""
+    folder = tmp_path_factory.mktemp("measured")
+    (folder / "s.toml").write_text(SMALL)
+    assert swarmcensus(package, "run", folder / "s.toml", "--out", folder / "s.nc")[0] == 0
+    return folder
+
+
+def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
+    results = sc.load(measured / "s.nc")
+    assert results["brain"].values.tolist() == ["legacy", "stubborn"]
+    assert (results["final_estimate"][0] == results["final_estimate"][1]).all()
+    assert results["lowest"].attrs["long_name"] == "lowest estimate"
+    for setting in (0, 1):
+        curves = sc.replay(results, setting, 2)["estimate"].values[1:]
+        assert (results["lowest"].values[setting, 2] == curves.min(axis=0)).all()
+    assert sc.verify(results, 1.0).differences == []
+
+
+def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
+    shutil.copytree(package, tmp_path / "site")
+    for file, said_of_run, said_of_verify in (
+        ("stubborn", "a brain, body, fault", "brain 'stubborn': its source has changed since"),
+        ("lowest", "is of another run: metrics is 'first_right (", "metric 'lowest': its source has changed since"),
+    ):
+        path = tmp_path / "site" / "meadow" / f"{file}.py"
+        before = path.read_text()
+        path.write_text(before + "# a word more\n")
+        shutil.copy(measured / "s.nc", tmp_path / "x.nc")
+        code, said = swarmcensus(tmp_path / "site", "run", measured / "s.toml", "--out", tmp_path / "x.nc")
+        assert (code, said.count("\n")) == (2, 1)
+        assert said_of_run in said
+        code, said = swarmcensus(tmp_path / "site", "verify", tmp_path / "x.nc", "--sample", 1)
+        assert (code, said.count("\n")) == (2, 1)
+        assert said_of_verify in said
+        path.write_text(before)
+
+
+def test_without_the_package_its_results_are_looked_at(measured, monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    results = measured / "s.nc"
+    assert main(["show", str(results)]) == main(["plot", str(results), "--kind", "lines", "--y", "lowest"]) == 0
+    capsys.readouterr()
+    assert main(["replay", str(results), "--setting", "0", "--trial", "0"]) == 0  # of a brain of ours
+    for command in (["replay", "--setting", "1", "--trial", "0"], ["verify", "--sample", "1"]):
+        assert main([command[0], str(results), *command[1:]]) == 2
+        said = capsys.readouterr().err
+        assert "the brain 'stubborn' is a file" in said
+        assert said.count("\n") == 1
+
+
+def test_a_figure_of_another_package_is_drawn_from_both_doors(package, installed, measured, tmp_path):
+    figure = sc.plot.violins(sc.load(measured / "s.nc"), y="lowest", x="brain")
+    assert figure.axes[0].get_ylabel() == "lowest (1)"
+    assert "violins" in dir(sc.plot)
+    shutil.copy(measured / "s.nc", tmp_path / "s.nc")
+    command = ("plot", "s.nc", "--kind", "violins", "--y", "lowest", "--x", "brain", "--out", "v.png")
+    assert swarmcensus(package, *command) == (0, "")
+    sc.plot.save(figure, "w.png")
+    assert Path("v.png").read_bytes() == Path("w.png").read_bytes()
+    code, said = swarmcensus(package, "plot", "s.nc", "--kind", "violin")
+    assert (code, said.count("\n")) == (2, 1)
+    assert "did you mean 'violins'?" in said
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ('"lowest"', '"lowst"', "measure.metrics[0] = \"lowst\": metric 'lowst': did you mean 'lowest'?"),
+        ('"stubborn"', '"stuborn"', "swarm.brain[1] = \"stuborn\": brain 'stuborn': did you mean 'stubborn'?"),
+    ],
+)
+def test_a_name_that_is_misspelled_is_told(before, after, said, installed, capsys):
+    Path("s.toml").write_text(SMALL.replace(before, after))
+    assert main(["run", "s.toml"]) == 2
+    assert said in capsys.readouterr().err
+
+
 # ---- every door
+
+
+def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(package, measured):
+    done = subprocess.run(
+        [sys.executable, "-m", "swarmcensus", "list"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join([str(package), *sys.path]), "COLUMNS": "200"},
+        capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    rows = [line.split() for line in done.stdout.splitlines()]
+    assert [row[0] for row in rows if row[1:2] == ["what"]] == [
+        "brains", "metrics", "topologies", "floors", "spreads", "figures",
+    ]  # fmt: skip
+    by = {row[0]: row for row in rows}
+    assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]
+    assert by["minimalistic"][-1] == by["scale-free"][-1] == by["scatter"][-1] == "swarmcensus"
+    assert by["stubborn"][-1] == by["violins"][-1] == by["beta"][-1] == "meadow"
+    assert by["broken"][1:4] == ["cannot", "be", "read:"]
+    assert done.stderr == ""
 
 
 def test_a_name_of_ours_is_found_without_a_look_at_other_packages(monkeypatch):
@@ -441,4 +569,4 @@ def test_ours_come_first_and_two_packages_with_one_name_are_told_apart(tmp_path,
 
 
 def test_the_examples_are_short():
-    assert sum(text.count("\n") for text in re.findall(r"```\w+\n(.*?)```", PAGE, re.DOTALL)) < 60
+    assert sum(text.count("\n") for text in re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL)) < 60

@@ -8,7 +8,6 @@ import re
 import shutil
 import subprocess
 import sys
-import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +20,7 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import interval_of
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.kinds import KINDS, find
+from swarmcensus.figures.kinds import DOOR, find
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
 from tests.test_docs import ROOT, blocks, commands
@@ -105,7 +104,7 @@ def intervals(axes, label):
 
 
 def test_all_kinds_of_ours_are_found_in_their_folder():
-    assert list(KINDS.shipped) == OURS
+    assert list(DOOR.shipped) == OURS
     assert dir(sc.plot) == sorted([*OURS, "save"])
     for name in OURS:
         draw = getattr(sc.plot, name)
@@ -162,7 +161,7 @@ print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.
         ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
         ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
         ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
-        ("unknown", [], "figure 'unknown', others_figures:unknown: NameError: name 'Missing' is not defined"),
+        ("unknown", [], "the keys of others_figures.unknown cannot be told: NameError"),
         ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
     ],
 )
@@ -242,24 +241,6 @@ def test_the_page_s_image_is_what_its_commands_draw(tmp_path, monkeypatch):
     for text in blocks(page, "console")[1:]:
         for command in commands(text):
             assert main(command[1:]) == 0
-
-
-def test_the_page_s_own_kind_is_drawn_once_it_is_installed(elsewhere, small_results):
-    page = ROOT / "docs" / "adding.md"
-    (source,) = (text for text in blocks(page, "python") if "def violins" in text)
-    (named,) = (tomllib.loads(text) for text in blocks(page, "text") if "swarmcensus.figures" in text)
-    entries = named["project"]["entry-points"]["swarmcensus.figures"]
-    elsewhere.site.joinpath("violins.py").write_text(source)
-    lines = "\n".join(f"{name} = {value}" for name, value in entries.items())
-    elsewhere.site.joinpath("others_figures-1.0.dist-info", "entry_points.txt").write_text(
-        f"[swarmcensus.figures]\n{lines}\n"
-    )
-    (shown,) = (words for text in blocks(page, "console") for words in commands(text) if "violins" in words)
-    (elsewhere.folder / "small.nc").rename(elsewhere.folder / "results.nc")
-    done = elsewhere("-m", *shown)
-    assert (done.returncode, done.stdout) == (0, "results-violins.png\nresults-violins.svg\n"), done.stderr
-    code = "import swarmcensus as sc; print(sc.plot.violins(sc.load('results.nc'), x='robots').axes[0].get_ylabel())"
-    assert elsewhere("-c", code).stdout == "convergence_error (1)\n"
 
 
 # ---- one trial

@@ -79,6 +79,10 @@ class Door:
         """A hash of another package's file, so that results of two editions of it are told apart; of ours nothing."""
         return "" if name in self.shipped else hashlib.sha256(self.path(name).read_bytes()).hexdigest()
 
+    def giver(self, name: str) -> str:
+        """The package that a name is of."""
+        return "swarmcensus" if name in self.shipped else _package(self.outside[name])
+
     def path(self, name: str) -> Path:
         """Where its file lies, which is not run. Raises InputError where there is none."""
         module = f"{self.package}.{name.replace('-', '_')}" if name in self.shipped else self.outside[name].module

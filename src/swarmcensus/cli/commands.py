@@ -6,6 +6,7 @@ import warnings
 from collections.abc import Sequence
 
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.choices import choices
 from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
 from swarmcensus.cli.plotting import plot
@@ -61,4 +62,4 @@ def _complain(what: object) -> None:
 
 COMMANDS = {
     run.__name__: run for run in (run, reproduce, show, merge, status, verify, plot, export, replay, infer, brains)
-}
+} | {"list": choices}

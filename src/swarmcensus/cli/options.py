@@ -9,6 +9,10 @@ from typing import Any, NoReturn
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
 
+DOORS = {
+    "brains": "brains.brain", "metrics": "metrics.metric", "topologies": "worlds.wiring", "floors": "worlds.patterns",
+    "spreads": "worlds.spreading", "figures": "figures.kinds",
+}  # fmt: skip  # what is added by files, and where its door is
 DIGITS = 18  # of a number, so that it fits into 64 bits
 MOST_ROWS = 40  # of a summary, unless one asks for more
 
@@ -160,6 +164,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
     sub.add_argument("--out", type=Path, metavar="FILE.csv|nc", help="default: OBSERVATIONS-trace.csv, here")
     sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
+
+    sub = command("list", "List what there is to choose from, ours and what other installed packages add.")
+    sub.add_argument("kind", nargs="?", metavar="KIND", choices=DOORS, help=f"one of {', '.join(DOORS)}")
 
     sub = command("brains", "List the shipped brains, or check a brain file.")
     sub.add_argument("--check", metavar="FILE", help="run a brain file through the conformance suite")

@@ -49,15 +49,15 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     """The options of a kind as they are given, or by default. Raises InputError for those that it has not."""
     from swarmcensus.basics.doors import keys_of, read_keys
     from swarmcensus.basics.times import Time
-    from swarmcensus.figures.kinds import KINDS, find
+    from swarmcensus.figures.kinds import DOOR, find
 
     with _failures(options.kind):
         has = keys_of(draw).model_fields
     given = {name: value for name in HANDED_ON if (value := getattr(options, name)) is not None}
     fitting = {
-        name: [k for k in KINDS.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in has
+        name: [k for k in DOOR.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in has
     }
-    if options.kind in KINDS.shipped:
+    if options.kind in DOOR.shipped:
         asked = [name for name in ASKED_ANEW if getattr(options, name) is not None]
         fitting |= {name: [*ASKED_ANEW[name]] for name in asked if options.kind not in ASKED_ANEW[name]}
     for name, kinds in fitting.items():
@@ -87,7 +87,7 @@ def _set(text: str) -> tuple[str, Any]:
 @contextlib.contextmanager
 def _failures(kind: str) -> Iterator[None]:
     """What goes wrong in drawing, in one line: with advice for a shell, and of another package's kind, whose it is."""
-    from swarmcensus.figures.kinds import KINDS
+    from swarmcensus.figures.kinds import DOOR
     from swarmcensus.results.selecting import TooMuch
 
     try:
@@ -97,9 +97,9 @@ def _failures(kind: str) -> Iterator[None]:
     except (InputError, OSError, MemoryError):
         raise
     except Exception as error:
-        if kind in KINDS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
+        if kind in DOOR.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
             raise
-        where = KINDS.outside[kind].value
+        where = DOOR.outside[kind].value
         raise InputError(f"figure {kind!r}, {where}: {type(error).__name__}: {error}") from error
 
 

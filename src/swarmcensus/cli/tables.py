@@ -203,11 +203,11 @@ def rounds(trace: xr.Dataset) -> None:
 
 
 def shipped() -> None:
-    """The brains that come with swarmcensus, with their sizes on a robot."""
+    """The brains that come with swarmcensus and other packages, with their sizes on a robot."""
     from swarmcensus import brains
 
     rows = []
-    for name in brains.shipped():
+    for name in brains.DOOR.names:
         brain = brains.load(name)
         what = (brain.functions.__doc__ or "").strip().splitlines()[0]
         rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))

@@ -29,7 +29,7 @@ def __getattr__(name: str) -> Callable[..., Any]:
         return importlib.import_module("swarmcensus.figures.files").save  # type: ignore[no-any-return]
     if name.startswith("_"):
         raise AttributeError(f"sc.plot has no {name!r}")
-    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.KINDS), None)
+    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.DOOR), None)
     if found is None:
         known = __dir__()
         raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
@@ -38,4 +38,4 @@ def __getattr__(name: str) -> Callable[..., Any]:
 
 def __dir__() -> list[str]:
     """All kinds, and `save`."""
-    return [*(name.replace("-", "_") for name in kinds.KINDS.names), "save"]
+    return [*(name.replace("-", "_") for name in kinds.DOOR.names), "save"]

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.statistics import FEWEST, interval_of
+from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.clouds import by_trial
 from swarmcensus.figures.coordinates import coordinates_of, texts_of
 from swarmcensus.results.selecting import require
@@ -93,18 +93,6 @@ def _estimated(values: NDArray[np.float64], statistic: Statistic, share: bool) -
         if not known.size:
             return math.nan, math.nan, math.nan
         return float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan
-    value, low, high = interval_of(kept, statistic, share) if np.isfinite(kept).all() else _endless(kept, statistic)
+    endless = statistic == "mean" and not np.isfinite(kept).all()
+    value, low, high = (math.inf, math.nan, math.nan) if endless else interval_of(kept, statistic, share)
     return (value, max(low, 0.0), high) if (kept >= 0).all() else (value, low, high)
-
-
-def _endless(values: NDArray[np.float64], statistic: Statistic) -> tuple[float, float, float]:
-    """The same where some values are +inf: a median and its interval ask for the order of values alone."""
-    finite = values[np.isfinite(values)]
-    if statistic == "mean" or not finite.size:
-        end = math.nan if len(values) < FEWEST or statistic == "mean" else math.inf
-        return math.inf, end, end
-    most = float(finite.max())
-    beyond = most + 4.0 * (most - float(finite.min())) + 1.0
-    ends = interval_of(np.where(np.isfinite(values), values, beyond), "median")
-    value, low, high = (math.inf if end > most else end for end in ends)
-    return value, max(low, float(finite.min())) if math.isfinite(low) else low, high

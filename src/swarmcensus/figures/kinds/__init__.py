@@ -15,20 +15,20 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 
 Kind = inspect.Parameter
-KINDS = Door("figure", "swarmcensus.figures", __name__)
+DOOR = Door("figure", "swarmcensus.figures", __name__)
 
 
 def find(name: str) -> Callable[..., Any]:
     """The function that draws a kind. Raises InputError where there is none, or none that can be called as one."""
-    if name not in KINDS:
-        known = KINDS.names
+    if name not in DOOR:
+        known = DOOR.names
         raise InputError(f"no figure {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
-    found = KINDS.module(name)
+    found = DOOR.module(name)
     function: Callable[..., Any] | None = found
     if isinstance(found, ModuleType):
         function = getattr(found, name.replace("-", "_"), None)
     if not callable(function) or not _is_kind(function):
-        where = KINDS.outside[name].value
+        where = DOOR.outside[name].value
         raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")
     return function
 

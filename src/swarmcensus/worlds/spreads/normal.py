@@ -1,4 +1,4 @@
-"""Normal: accuracies truncated to [0, 1], errors as they come."""
+"""Normal, "N(mean, sd)": accuracies truncated to [0, 1], errors as they come."""
 
 import numpy as np
 

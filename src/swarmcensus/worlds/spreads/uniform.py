@@ -1,4 +1,4 @@
-"""Uniform between two bounds, as in the paper's heterogeneous swarms."""
+"""Uniform, "U(lo, hi)", between two bounds, as in the paper's heterogeneous swarms."""
 
 import numpy as np
 
