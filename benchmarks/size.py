@@ -18,7 +18,7 @@ from pathlib import Path
 from rich.console import Console
 
 from swarmcensus import Study
-from swarmcensus.runs import running, tasks
+from swarmcensus.runs import pools, running, tasks
 from swarmcensus.runs.running import run
 
 FILLS = [0.05, 0.15, 0.25, 0.35, 0.45, 0.55, 0.65, 0.75, 0.85, 0.95]
@@ -37,9 +37,14 @@ def study(settings):
     )
 
 
-def timed(module, name):
+ENGINE = tasks, tasks.run_batch
+BUNDLES = pools, pools.run_bundle  # the engine, and what a thread does beside it
+STAGES = running, running._run_stages  # planning, handing out, collecting, keeping
+
+
+def timed(module, function):
     """Have a function add up the processor time of its calls; returns what says the sum."""
-    spent, lock, function = [0.0], threading.Lock(), getattr(module, name)
+    spent, lock = [0.0], threading.Lock()
 
     def wrapped(*arguments):
         begun = time.thread_time()
@@ -49,7 +54,7 @@ def timed(module, name):
             with lock:
                 spent[0] += time.thread_time() - begun
 
-    setattr(module, name, wrapped)
+    setattr(module, function.__name__, wrapped)
     return lambda: spent[0]
 
 
@@ -59,9 +64,7 @@ def main():
     options = parser.parse_args()
     console = Console(width=100)
     run(study(20), 1)  # compiles, and imports what is imported late
-    engine = timed(tasks, "run_batch")
-    bundles = timed(running, "run_bundle")  # the engine, and what a thread does beside it
-    stages = timed(running, "_run_stages")  # planning, handing out, collecting, keeping
+    engine, bundles, stages = timed(*ENGINE), timed(*BUNDLES), timed(*STAGES)
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "size.nc"
         wall, cpu = time.perf_counter(), time.process_time()

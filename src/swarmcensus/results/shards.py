@@ -255,8 +255,8 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
     for piece in pieces:
         for name, values in piece.columns.items():
             flat.setdefault(name, []).append(values.ravel())
-    of_swarm = {n for p in pieces for n, values in p.columns.items() if n not in EVERY and values.ndim == 1}
-    about = about | {"of_swarm": sorted(of_swarm)}
+    watched = [name for name in flat if name not in EVERY]
+    about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
     out = io.BytesIO()
     np.savez(out, about=text, items=items, **{k: np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]

@@ -39,6 +39,14 @@ MISSING = -1  # for whole numbers; NaN for the others
 Columns = dict[str, NDArray[Any]]
 
 
+def _place(kind: Kind) -> tuple[int, bool]:
+    """Which axis of a setting's array is the trial, and whether the last one is the robot."""
+    return kind[0].index("trial") - 1, kind[0][-1] == "robot"
+
+
+PLACES = {name: _place(kind) for name, kind in EVERY.items()}  # of every piece, each name is looked up
+
+
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
     """The variables of metrics."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
@@ -170,10 +178,11 @@ class Values:
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
         for name in (*(name for name in taken if name not in MARKS), *(name for name in MARKS if name in taken)):
-            dims, array, values = self.kinds[name][0][1:], self.arrays[name][setting], taken[name]
-            trials = slice(first, first + values.shape[dims.index("trial")])
-            where = {"trial": trials, "robot": slice(values.shape[-1])}
-            array[tuple(where.get(d, slice(None)) for d in dims)] = values
+            axis, by_robot = PLACES.get(name) or _place(self.kinds[name])
+            values, array = taken[name], self.arrays[name][setting]
+            last = first + values.shape[axis]
+            where = array[:, first:last] if axis else array[first:last]
+            (where[..., : values.shape[-1]] if by_robot else where)[...] = values
 
     def forget_halves(self) -> None:
         """Make missing again what Ctrl-C left of trials that were just being stored."""

@@ -103,9 +103,8 @@ def run_batch(
         where, value, final, correct, kept, np.empty((3, setting.robots)),
     )  # fmt: skip
     watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
-    steps = 2 * segments - 1
-    bounds = sorted({*range(segments + 1), steps}) if watches else [0, steps]
-    for begin, end in itertools.pairwise(bounds):
+    last = 2 * segments - 1
+    for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         try:
             finished = kernel.simulate(*arguments, begin, end, stop)
         except Exception as error:
