@@ -51,7 +51,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/kernel": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
     "engine/rounds": (f"test_lives {FOLLOW}", "test_engine test_faults test_traces"),
     "engine/watching": ("test_metric_files", "test_doors"),
-    "simulation/watching": ("test_metric_files", "test_doors"),
+    "simulation/watches": ("test_metric_files", "test_doors"),
     "engine/minds": ("test_lives test_walks", "test_engine test_faults test_moving"),
     "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
     "engine/riding": ("test_walks", "test_moving test_faults test_steering"),

@@ -13,7 +13,7 @@ from swarmcensus.results.values import Piece, columns
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, blame, run_batch, seconds, walk_seconds
-from swarmcensus.simulation.watching import MetricFails
+from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 

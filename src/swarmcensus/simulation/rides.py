@@ -10,7 +10,7 @@ from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.trials import Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
-from swarmcensus.simulation.watching import Watch, results_of
+from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 

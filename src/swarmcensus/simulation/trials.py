@@ -14,7 +14,7 @@ from swarmcensus.engine.draws import PART
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.metrics import right_bin
-from swarmcensus.simulation.watching import Watch, results_of
+from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
