@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import metrics
 from swarmcensus.cli.commands import COMMANDS, main, parser
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
@@ -250,6 +251,15 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
 def test_benchmarks_find_what_they_measure(script, monkeypatch):
     monkeypatch.syspath_prepend(script.parent)
     runpy.run_path(str(script), run_name="measured elsewhere")
+
+
+def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
+    page = ROOT / "docs" / "metrics.md"
+    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \|", page.read_text(encoding="utf-8"), re.M)
+    assert rows == [(name, metrics.load(name).unit) for name, _ in rows]
+    assert {name for name, _ in rows} == set(metrics.DOOR.shipped)
+    example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
+    assert example in list(blocks(page, "python"))
 
 
 def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():

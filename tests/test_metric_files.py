@@ -17,7 +17,6 @@ from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read
 from swarmcensus.simulation import trials
 from swarmcensus.simulation.metrics import right_bin
-from tests.test_docs import ROOT, blocks
 
 LIBRARY = metrics.DOOR.shipped
 STUDY = """
@@ -300,15 +299,6 @@ def test_names_of_the_results_are_taken():
     results = sc.run(sc.Study(**small(["time-right"])))
     names = {*EVERY, *map(str, results.variables), *map(str, results.dims)} - {"time_right"}
     assert names <= set(metrics.RESERVED)
-
-
-def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
-    page = ROOT / "docs" / "metrics.md"
-    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \|", page.read_text(encoding="utf-8"), re.M)
-    assert rows == [(name, metrics.load(name).unit) for name, _ in rows]
-    assert {name for name, _ in rows} == set(LIBRARY)
-    example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
-    assert example in list(blocks(page, "python"))
 
 
 BAD = {
