@@ -355,13 +355,15 @@ def test_bad_names_are_told(names, message, tmp_path, monkeypatch, capsys):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (("= estimate", "= 1.0 / (k - 7)"), "fails in trial 0 of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: "
-         "ZeroDivisionError: division by zero, at mine.py, line 13: my.last = 1.0 / (k - 7)"),
+        (("= estimate", "= 1.0 / (k - my.rounds)"), "of ring, N = 3, accuracy 0.8, f = 0.55, C = 20, R = 10: "
+         "ZeroDivisionError: division by zero, at mine.py, line 13: my.last = 1.0 / (k - my.rounds)"),
+        (("def result", "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"),
+         "ZeroDivisionError: division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
         (("return my.last", "return math.nan"), "its result is no number (of what never comes, infinity is right)"),
         (("= estimate", "= 'much'"), "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
         (("= estimate", "= begun + k"), "it cannot be compiled: NameError: name 'begun' is not defined, at mine.py"),
     ],
-    ids=["division", "nan", "uncompilable", "unknown"],
+    ids=["division", "after", "nan", "uncompilable", "unknown"],
 )  # fmt: skip
 def test_a_metric_that_fails_is_named(change, message, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
