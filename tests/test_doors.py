@@ -48,6 +48,11 @@ MORE = {
             if robots < 4:
                 raise ValueError("there should be four robots")
         """,
+    "dice": """
+        import random
+        def edges(robots):
+            return [(i, (i + random.randrange(1, robots)) % robots) for i in range(robots)]
+        """,
     "chain": """
         DIRECTED = True
         def edges(robots, *, steps: list[int] = [1]):
@@ -98,7 +103,7 @@ MORE = {
         """,
 }
 MORE_POINTS = {
-    "topologies": ["pairs", "chain", "broken", "gone", "empty"]
+    "topologies": ["pairs", "dice", "chain", "broken", "gone", "empty"]
     + [f"wrong:{name}" for name in ("far", "loop", "two", "number", "nan", "typo", "late", "unclear", "odd")],
     "floors": ["photo", "dots", "empty", *(f"wrong:{name}" for name in ("flat", "blank", "fickle", "failing"))],
     "spreads": ["empty", *(f"wrong:{name}" for name in ("wide", "hole", "one"))],
@@ -300,17 +305,17 @@ def test_a_run_goes_on_and_gives_what_it_would_have_given_at_once(package, done,
 
 def test_results_of_a_file_that_was_changed_are_not_mixed_with_others(package, done, tmp_path):
     shutil.copytree(package, tmp_path / "site")
-    for name, file in (("fixed", "torus"), ("moving", "hills"), ("fixed", "beta")):
+    for name, kind, file in (("fixed", "topology", "torus"), ("moving", "floor", "hills"), ("fixed", "spread", "beta")):
         path = tmp_path / "site" / "meadow" / f"{file}.py"
         before = path.read_text()
         path.write_text(before + "# a word more\n")
         shutil.copy(done / f"{name}.nc", tmp_path / "x.nc")
         code, said = swarmcensus(tmp_path / "site", "run", done / f"{name}.toml", "--out", tmp_path / "x.nc")
         assert (code, said.count("\n")) == (2, 1)
-        assert "file of another package been changed?" in said
+        assert f"the {kind} {file} of meadow was changed since these results were made" in said
         code, said = swarmcensus(tmp_path / "site", "replay", tmp_path / "x.nc", "--setting", 0, "--trial", 0)
         assert (code, said.count("\n")) == (2, 1)
-        assert "has a file of another package that it uses been changed?" in said
+        assert f"the {kind} {file} of meadow was changed since these results were made" in said
         path.write_text(before)
 
 
@@ -319,7 +324,10 @@ def test_results_without_the_package_can_be_looked_at_but_not_replayed(done, mon
     assert main(["show", str(done / "moving.nc")]) == 0
     capsys.readouterr()
     assert main(["replay", str(done / "moving.nc"), "--setting", "0", "--trial", "0"]) == 2
-    assert 'swarm.accuracy = "beta(8, 2)": a sensor accuracy is' in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert 'swarm.accuracy = "beta(8, 2)": a sensor accuracy is' in said
+    assert said.endswith(": these results were made with meadow 1.0, not installed here\n")
+    assert said.count("\n") == 1
 
 
 def test_what_is_drawn_depends_on_names_and_keys_and_the_fingerprint_on_the_file_too(installed):
@@ -365,7 +373,7 @@ WRONG = [
     ("topology", '{name = "ring", columns = 4}', "topology ring has no key columns: it has none"),
     ("topology", '{name = "pairs", share = nan}', "share = nan: should be a finite number"),
     ("topology", '"torus"', "topology 'torus' of 12 robots, columns = 10: a torus has three full rows or more"),
-    ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: SyntaxError"),
+    ("topology", '"broken"', "topology 'broken', meadow.broken of meadow: not Python: invalid syntax, at "),
     ("topology", '"gone"', "topology 'gone', meadow.gone of meadow: ModuleNotFoundError"),
     ("topology", '"empty"', "topology 'empty', meadow.empty: it has no function edges"),
     ("topology", '"far"', "its edge (0, 12) leads to a robot that is not there: they are numbered 0 to 11"),
@@ -373,7 +381,8 @@ WRONG = [
     ("topology", '"two"', "its edges should be pairs of robot numbers, from 0"),
     ("topology", '"nan"', "its edges should be pairs of robot numbers, from 0"),
     ("topology", '"number"', "topology 'number' of 12 robots: TypeError"),
-    ("topology", '"typo"', "topology 'typo' of 12 robots: NameError"),
+    ("topology", '"dice"', "its edges are others when they are asked for again: what differs from trial"),
+    ("topology", '"typo"', "topology 'typo' of 12 robots: NameError: name 'robot' is not defined, at "),
     ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
     ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be told: NameError"),
     # floors
@@ -428,6 +437,20 @@ def test_a_graph_that_is_not_made_in_one_trial_fails_that_trial_alone(installed,
     assert sc.load("s.nc").attrs["trials_done"] == 3
 
 
+def test_a_file_that_was_changed_under_way_is_told(installed, package):
+    study = sc.Study.parse(FIXED)
+    path = package / "meadow" / "torus.py"
+    before = path.read_text()
+    try:
+        path.write_text(before + "# a word more\n")
+        with pytest.raises(sc.InputError, match=r"topology 'torus': .*torus\.py was changed since it was imported"):
+            sc.run(sc.Study.parse(FIXED))
+    finally:
+        path.write_text(before)
+    assert len(study.additions) == 4
+    assert study.additions["topology torus"]["package"] == "meadow"
+
+
 # ---- brains, metrics and figures
 
 SMALL = """
@@ -469,7 +492,11 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
 def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (
-        ("stubborn", "a brain, body, fault", "brain 'stubborn': its source has changed since"),
+        (
+            "stubborn",
+            "the brain stubborn of meadow was changed since",
+            "brain 'stubborn': its source has changed since",
+        ),
         ("lowest", "is of another run: metrics is 'first_right (", "metric 'lowest': its source has changed since"),
     ):
         path = tmp_path / "site" / "meadow" / f"{file}.py"
@@ -535,7 +562,7 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
         capture_output=True, text=True, check=True,
     )  # fmt: skip
     rows = [line.split() for line in done.stdout.splitlines()]
-    assert [row[0] for row in rows if row[1:2] == ["what"]] == [
+    assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
         "brains", "metrics", "topologies", "floors", "spreads", "figures",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}
@@ -543,6 +570,8 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
     assert by["minimalistic"][-1] == by["scale-free"][-1] == by["scatter"][-1] == "swarmcensus"
     assert by["stubborn"][-1] == by["violins"][-1] == by["beta"][-1] == "meadow"
     assert by["broken"][1:4] == ["cannot", "be", "read:"]
+    assert by["torus"][1:3] == ["columns", "A"]
+    assert by["beta"][1:4] == ["a,", "b", "Beta:"]
     assert done.stderr == ""
 
 

@@ -7,12 +7,12 @@ import importlib.util
 import inspect
 import re
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.errors import InputError, line_of
 from swarmcensus.basics.hints import did_you_mean
 
 if TYPE_CHECKING:
@@ -32,6 +32,7 @@ class Door:
     what: str  # in messages: "topology"
     group: str  # "swarmcensus.topologies"
     package: str  # in whose folder ours lie: "swarmcensus.worlds.topologies"
+    loaded: dict[str, str] = field(default_factory=dict, repr=False)  # hashes of others' files as they were imported
 
     @functools.cached_property
     def shipped(self) -> tuple[str, ...]:
@@ -70,18 +71,33 @@ class Door:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
         entry = self.outside[name]
         try:
-            return entry.load()
+            found = entry.load()
         except Exception as error:
-            raise InputError(f"{self.what} {name!r}, {entry.value} of {_package(entry)}: {error!r}") from error
+            raise InputError(f"{self.what} {name!r}, {entry.value} of {_package(entry)}: {told(error)}") from error
+        self.loaded[name] = _hash(self.path(name))
+        return found
 
-    @functools.cache  # noqa: B019
     def digest(self, name: str) -> str:
-        """A hash of another package's file, so that results of two editions of it are told apart; of ours nothing."""
-        return "" if name in self.shipped else hashlib.sha256(self.path(name).read_bytes()).hexdigest()
+        """A hash of another package's file, so that results of two editions of it are told apart; of ours nothing.
+
+        Raises InputError where the file is not what was imported.
+        """
+        if name in self.shipped:
+            return ""
+        found = _hash(self.path(name))
+        if self.loaded.get(name, found) != found:
+            raise InputError(f"{self.what} {name!r}: {self.path(name)} was changed since it was imported: begin anew")
+        return found
 
     def giver(self, name: str) -> str:
         """The package that a name is of."""
         return "swarmcensus" if name in self.shipped else _package(self.outside[name])
+
+    def origin(self, name: str) -> dict[str, str]:
+        """Whose another package's addition is, and which edition: `package`, `version`, `sha256`."""
+        distribution = self.outside[name].dist
+        version = distribution.version if distribution is not None else ""
+        return {"package": self.giver(name), "version": version, "sha256": _hash(self.path(name))}
 
     def path(self, name: str) -> Path:
         """Where its file lies, which is not run. Raises InputError where there is none."""
@@ -94,6 +110,10 @@ class Door:
             package = _package(self.outside[name])
             raise InputError(f"{self.what} {name!r}: {package} names {module}: there is no such file")
         return Path(spec.origin)
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _package(entry: EntryPoint) -> str:
@@ -156,9 +176,16 @@ def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
     return {name: _frozen(field.default) for name, field in fields if not field.is_required()}
 
 
-def told(error: Exception) -> str:
-    """In a line what an addition raised: a ValueError is its own words, anything else a fault of its code."""
-    return " ".join((str(error) if isinstance(error, ValueError) else repr(error)).split())
+def told(error: Exception, path: Path | None = None) -> str:
+    """In a line what an addition raised: a ValueError is its own words, anything else a fault of its code.
+
+    Of its file, `path`, the line is told.
+    """
+    if isinstance(error, SyntaxError):
+        return f"not Python: {error.msg}, at {error.filename}, line {error.lineno}: {(error.text or '').strip()}"
+    if isinstance(error, ValueError) and not isinstance(error, UnicodeError):
+        return " ".join(str(error).split())
+    return f"{type(error).__name__}: {' '.join(str(error).split())}{line_of(error, path) if path else ''}"
 
 
 def text_of(value: Any) -> str:

@@ -1,12 +1,11 @@
 """What a plain file may hold: a brain's or a metric's. Constants and small functions, so that a robot can run it."""
 
 import ast
+import builtins
 import hashlib
 import keyword
-import linecache
 import math
 import operator
-import traceback
 import types
 from collections.abc import Callable
 from pathlib import Path
@@ -38,10 +37,9 @@ def find(door: Door, name: str, base: Path | None) -> Path:
     path = (base or Path()) / name
     if not path.is_file():
         known = ", ".join(door.names)
-        raise InputError(
-            f"{door.what} {name!r}: {did_you_mean(name, door.names)}neither a shipped {door.what} ({known}) nor a file "
-            f"at {path}"
-        )
+        file = path.with_name(f"{path.name}.py")
+        hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, door.names)
+        raise InputError(f"{door.what} {name!r}: {hint}neither a shipped {door.what} ({known}) nor a file at {path}")
     return path
 
 
@@ -83,20 +81,14 @@ def loaded(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
     return module
 
 
-def line_of(error: BaseException, path: Path) -> str:
-    """Where in this file an error came up, as ", at my_brain.py, line 12: x = 1 / me.n"; empty where it did not."""
-    for frame in reversed(traceback.extract_tb(error.__traceback__)):
-        if frame.filename == str(path):
-            line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
-            return f", at {frame.filename}, line {frame.lineno}: {line}"
-    return ""
-
-
 def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     def bad(node: ast.stmt | ast.expr, what: str) -> InputError:
         return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
 
     own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    known = {*own, *CALLS, *(n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))}
+    known |= {a.asname or a.name for n in tree.body if isinstance(n, ast.Import | ast.ImportFrom) for a in n.names}
+    known |= set(dir(math)) if "*" in known else set()
     constants: dict[str, Any] = {}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
@@ -131,7 +123,13 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             every = [*given.posonlyargs, *given.args]
             if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
                 raise bad(node, f"{node.name} has an annotation that is no plain name")
+            here = {a.arg for a in every} | {a.arg for a in given.kwonlyargs}
             for inner in (n for statement in node.body for n in ast.walk(statement)):
+                if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load) and inner.id not in known | here:
+                    if hasattr(builtins, inner.id):
+                        continue  # told below, if it is called
+                    hint = did_you_mean(inner.id, known | here)
+                    raise bad(inner, f"{node.name} uses {inner.id}, which is nowhere set: {hint}".rstrip(": "))
                 if isinstance(inner, ALLOCATES):
                     name = type(inner).__name__
                     raise bad(inner, f"{name} in {node.name}: a {kind} allocates and defines nothing")  # type: ignore[arg-type]

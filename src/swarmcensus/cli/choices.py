@@ -3,10 +3,12 @@
 import argparse
 import ast
 import importlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import DOORS
+
+MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments a study gives
 
 
 def choices(options: argparse.Namespace) -> int:
@@ -14,17 +16,29 @@ def choices(options: argparse.Namespace) -> int:
     from swarmcensus.basics.terminal import console, table
 
     for kind in [options.kind] if options.kind else DOORS:
-        heads = [(kind, False), ("what it is", False), ("from", False)]
+        heads = [(kind, False), ("keys", False), ("what it is", False), ("from", False)]
         console().print(table(heads, list(_rows(kind))))
     return 0
 
 
-def _rows(kind: str) -> Iterator[tuple[str, str, str]]:
-    """Each one's name, the first line of its file, which is not run, and the package that gives it."""
+def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
+    """Each one's name, its keys, the first line of its file, which is not run, and the package that gives it."""
     door = importlib.import_module(f"swarmcensus.{DOORS[kind]}").DOOR
     for name in door.names:
+        keys = ""
         try:
-            text = ast.get_docstring(ast.parse(door.path(name).read_text(encoding="utf-8-sig"))) or ""
+            tree = ast.parse(door.path(name).read_text(encoding="utf-8-sig"))
+            text = ast.get_docstring(tree) or ""
+            keys = ", ".join(_keys(tree, (*MAKERS, name.replace("-", "_"))))
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
-        yield name, text.partition("\n")[0], door.giver(name)
+        yield name, keys, text.partition("\n")[0], door.giver(name)
+
+
+def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
+    """What may be given to what a file makes."""
+    for node in tree.body:
+        if isinstance(node, ast.FunctionDef) and node.name in makers:
+            yield from (one.arg for one in node.args.kwonlyargs)
+            if node.name == "quantile":
+                yield from (one.arg for one in node.args.args[1:])

@@ -65,8 +65,11 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     if options.local and options.delta is not None:
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
+    more = dict(map(_set, options.set))
+    for name in given.keys() & more:
+        raise InputError(f"--{name} and --set {name}=... say the same: give one of them")
     try:
-        return dict(read_keys(f"--kind {options.kind}", draw, given | dict(map(_set, options.set))))
+        return dict(read_keys(f"--kind {options.kind}", draw, given | more))
     except ValueError as error:
         raise InputError(str(error)) from None
 

@@ -79,6 +79,7 @@ def verify(options: argparse.Namespace) -> int:
         print(difference)
     what = f"{found.checked:,} of {found.stored:,} trials run again" + ("" if options.all else f" (--seed {seed})")
     same = "the numbers are the same to the last bit" if found.labels or found.notes else "the same to the last bit"
+    same = same if found.checked else "none of them is of a study that can be run"
     differ = f"{len(found.differences):,} differ" if found.differences else same
     labels = [f"{len(found.labels):,} of the file's labels are not its study's"] if found.labels else []
     print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))

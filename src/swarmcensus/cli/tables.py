@@ -18,11 +18,13 @@ from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
 from swarmcensus.results.values import metrics_in
+from swarmcensus.worlds.networks import MOVING
 
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
 DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # that are named
 FOLDED = 12  # characters for what a setting is, where it is folded into one column
+MOST_DECIMALS = 6
 DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
 
 
@@ -127,12 +129,15 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
     usual = max(places(widths.median(), digits), int(name == "right"))  # a column's decimals, where they tell enough
+    if name not in TIMES:  # a metric's numbers may be whole, never come, or be nothing but rounding
+        finite = ends[0][np.isfinite(ends[0])]
+        usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
     texts = []
     for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
             texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS.get(name, 4)}f}", ""))
         else:
-            finest = places(high - low, digits) - 1 if np.isfinite(high - low) else 0
+            finest = min(places(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest)))
     head = f"{name} %" if name == "right" else name
     if not any(interval for _, interval in texts):
@@ -145,11 +150,12 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
 
 def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
-    when = f"after round {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
+    unit = "tick" if (data["topology"].values == MOVING).all() else "round"
+    when = f"after {unit} {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
-        f"K: round of convergence, error: |x - f| at K (medians over robots and trials){floor}",
+        f"K: {unit} of convergence, error: |x - f| at K (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
         *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),

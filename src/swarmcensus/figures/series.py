@@ -15,6 +15,7 @@ from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.clouds import by_trial
 from swarmcensus.figures.coordinates import coordinates_of, texts_of
 from swarmcensus.results.selecting import require
+from swarmcensus.results.values import bounds_in
 
 Statistic = Literal["median", "mean"]
 SIDES = {"setting", "checkpoint", "trial", "robot"}
@@ -81,6 +82,8 @@ def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: 
         value, low, high = _estimated(mine[name].values, statistic, share)
         if name == "convergence_round":  # none is after the last round, though a median's interval may reach on
             high = min(high, float(mine["rounds"].max()))
+        least, most = bounds_in(part, name)
+        low, high = max(low, least), min(high, most)
         points.append(Point(text, value, low, high))
     return points
 

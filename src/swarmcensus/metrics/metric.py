@@ -2,6 +2,7 @@
 
 import ast
 import functools
+import math
 import types
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,9 +21,10 @@ RESERVED = (  # names of the dataset
     "setting", "trial", "robot", "checkpoint", "brain", "topology", "robots", "density", "side", "accuracy",
     "assumed_accuracy", "fill_ratio", "floor", "link_success", "rounds", "observations_per_round", "fingerprint",
     "half_width", "convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio",
-    "local_convergence_step", "local_convergence_error", "estimates", "trials", "failed", "end",
-)  # fmt: skip
+    "local_convergence_step", "local_convergence_error", "estimates", "trials", "failed", "end", "K", "error", "right",
+)  # fmt: skip  # and of its summary
 PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other names of the dataset
+SUFFIXES = ("_low", "_high")  # of those of the summary
 
 
 @dataclass(frozen=True)
@@ -35,6 +37,7 @@ class Metric:
     fields: tuple[str, ...]  # of its record, beside GIVEN
     unit: str
     meaning: str
+    bounds: tuple[float, float]  # the least and the largest number that it can be
     of_swarm: bool  # one record a swarm, not one a robot
     uses: frozenset[str]  # which of GIVEN it looks at
 
@@ -106,10 +109,13 @@ def parse(source: str, name: str, path: Path) -> Metric:
         if not isinstance(value, str) or not value.strip() or not value.isprintable():
             raise bad(f"{key} is missing: a text such as {example}")
         says[key] = value
+    bounds = constants.get("BOUNDS", (-math.inf, math.inf))
+    if not _are_bounds(bounds):
+        raise bad("BOUNDS should be two numbers, the least and the largest that the metric can be: (0.0, 1.0)")
     variable = variable_of(name)
     if not plain.is_name(variable):
-        raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can")
-    if variable in RESERVED or variable.startswith(PREFIXES):
+        raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can, and .py after them")
+    if variable in RESERVED or variable.startswith(PREFIXES) or variable.endswith(SUFFIXES):
         raise bad(f"the name {variable!r} is taken in the results: call the file otherwise")
     fields = dict.fromkeys(attribute.attr for attribute in _of_record(functions["begin"], ast.Store))
     for known in (*FUNCTIONS, *MAY_HAVE):
@@ -121,7 +127,13 @@ def parse(source: str, name: str, path: Path) -> Metric:
                 raise bad(f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute)
     uses = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & {*GIVEN}
     of_swarm = "after" in functions
-    return Metric(name, path, source, tuple(fields), says["UNIT"], says["MEANING"], of_swarm, frozenset(uses))
+    unit, meaning, low, high = says["UNIT"], says["MEANING"], *map(float, bounds)
+    return Metric(name, path, source, tuple(fields), unit, meaning, (low, high), of_swarm, frozenset(uses))
+
+
+def _are_bounds(value: object) -> bool:
+    numbers = isinstance(value, tuple) and all(isinstance(v, int | float) and v == v for v in value)
+    return numbers and len(value) == 2 and value[0] < value[1]  # type: ignore[arg-type, index]
 
 
 def _of_record(function: ast.FunctionDef, kind: type = ast.expr_context) -> Iterator[ast.Attribute]:

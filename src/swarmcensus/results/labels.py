@@ -73,7 +73,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             raise InputError(f"two of the studies have two different {name}")
         else:
             variables[name] = one
-    sources = {key: text for key in ("brains", "metrics") if (text := _sources(parts, key)) is not None}
+    sources = {key: text for key in ("brains", "metrics", "additions") if (text := _sources(parts, key)) is not None}
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
 
 
@@ -142,7 +142,7 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         for key in sorted({*mine.attrs, *due.attrs} if ours else {"units"} & {*mine.attrs, *due.attrs}):
             if str(mine.attrs.get(key)) != str(due.attrs.get(key)):
                 yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
-    for key in sorted({*want.attrs} - {*MAKERS, "format"}):
+    for key in sorted({*want.attrs} - {*MAKERS, "format", "additions"}):
         mine_said, due_said = data.attrs.get(key), want.attrs[key]
         if key in ("brains", "metrics", "merged") and key in data.attrs:
             mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])

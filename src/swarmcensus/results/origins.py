@@ -8,6 +8,7 @@ works, where the study says, with the very source that the results hold.
 import contextlib
 import types
 from collections.abc import Iterable
+from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
 
 import xarray as xr
@@ -16,7 +17,7 @@ from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.results.checking import made_from
-from swarmcensus.results.values import metrics_in
+from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import MOVING
@@ -38,9 +39,8 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study
             if setting.fingerprint(study.seed) == mark:
                 must_be_read(setting.brain)
                 return study, setting
-    outside = any(setting.editions for study in studies_of(data, brain) for setting in study.settings())
-    why = ": has a file of another package that it uses been changed?" if outside else ""
-    raise InputError(f"setting {number}: it is not of the study that these results name{why}")
+    why = next(filter(None, (edited(data, study) for study in studies_of(data, brain))), "")
+    raise InputError(f"setting {number}: it is not of the study that these results name{': ' * bool(why)}{why}")
 
 
 def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> list[Study]:
@@ -67,11 +67,25 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
     named = {metric.name: metric for metric in watched}  # read, and not run
     context = {"base": None, "edges": edges, "brains": known, "images": images, "metrics": named, "kept": True}
-    studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
+    try:
+        studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
+    except InputError as error:
+        raise InputError(f"{error}{_lacking(data)}") from None
     for used in (brain for study in studies for brain in study.brains):
         if used.sha256 != sources.get(used.name, {}).get("sha256"):
             raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
     return studies
+
+
+def _lacking(data: xr.Dataset) -> str:
+    """Which packages that results were made with are not installed here."""
+    absent = set()
+    for one in additions_in(data).values():
+        try:
+            distribution(one["package"])
+        except PackageNotFoundError:
+            absent.add(f"{one['package']} {one['version']}".strip())
+    return f": these results were made with {', '.join(sorted(absent))}, not installed here" if absent else ""
 
 
 def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None:

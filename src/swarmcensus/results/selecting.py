@@ -31,7 +31,8 @@ class TooMuch(InputError):
     def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
         """Say `what` is too much, and to select settings by coordinates, as these values of theirs do."""
         advice = f"{what}: select some of the settings"
-        masks = [f"(results.{name} == {value!r})" for name, value in chosen.items()]
+        masks = [f"results.{name} == {value!r}" for name, value in chosen.items()]
+        masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
         terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
         python = f", as results.isel(setting=({' & '.join(masks)}).values)" if chosen else ""
         super().__init__(advice + python)

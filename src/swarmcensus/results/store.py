@@ -82,6 +82,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
+        **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),

@@ -14,7 +14,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import selecting
 from swarmcensus.results.store import load
-from swarmcensus.results.values import metrics_in
+from swarmcensus.results.values import bounds_in, metrics_in
 
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
@@ -201,7 +201,7 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
         else:
             _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
     most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
-    return np.asarray(ends if name in metrics_in(data) else np.clip(ends, 0.0, most))
+    return np.asarray(np.clip(ends, *(bounds_in(data, name) if name in metrics_in(data) else (0.0, most))))
 
 
 def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:

@@ -3,12 +3,13 @@
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.metrics import Metric
+from swarmcensus.metrics import Metric, parse
 from swarmcensus.simulation.trials import Batch
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -66,6 +67,29 @@ def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metrics that a dataset names, by their variables: `name`, `sha256` and `source`."""
     found: dict[str, dict[str, Any]] = json.loads(data.attrs.get("metrics", "{}"))
     return found
+
+
+def bounds_in(data: Any, name: str) -> tuple[float, float]:
+    """The least and the largest number that a metric's variable can be; of other variables nothing is said."""
+    source = metrics_in(data).get(name)
+    return (-np.inf, np.inf) if source is None else parse(source["source"], source["name"], Path(source["name"])).bounds
+
+
+def additions_in(data: Any) -> dict[str, dict[str, str]]:
+    """What of other packages a dataset says that it used, as `Study.additions`; nothing where that is not legible."""
+    try:
+        said = json.loads(data.attrs.get("additions", "{}"))
+        return {str(name): {k: str(one[k]) for k in ("package", "version", "sha256")} for name, one in said.items()}
+    except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
+        return {}
+
+
+def edited(data: Any, study: Study) -> str:
+    """Which of them is of another edition here, as a sentence; empty where none is."""
+    for name, one in additions_in(data).items():
+        if study.additions.get(name, one)["sha256"] != one["sha256"]:
+            return f"the {name} of {one['package']} was changed since these results were made"
+    return ""
 
 
 def sources_of(metrics: Iterable[Metric]) -> dict[str, dict[str, Any]]:

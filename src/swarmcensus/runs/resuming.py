@@ -22,6 +22,7 @@ from swarmcensus.results.values import (
     MISSING,
     Columns,
     Values,
+    edited,
     kinds_in,
     metrics_in,
     sources_of,
@@ -129,6 +130,8 @@ class Holding:
         }  # fmt: skip
         about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
         self.parts.identity.check(about, str(self.out), HINT)
+        if said := edited(old, self.study):
+            raise InputError(f"{self.out}: {said}. {HINT}")
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
         old = old.isel(setting=_has_any(old))
         rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values], np.intp)

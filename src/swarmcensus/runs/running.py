@@ -149,7 +149,8 @@ def _tell(state: State, data: xr.Dataset) -> None:
         raise InputError(first)
     numbers = {f.setting for f in state.failures}
     warnings.warn(
-        f"{len(state.failures)} trials of {len(numbers)} settings failed; the others are kept. The first: "
+        f"{len(state.failures)} trials of {len(numbers)} setting{'s' * (len(numbers) > 1)} failed; the others are "
+        "kept. The first: "
         f"setting {state.failures[0].setting}: {first}",
         stacklevel=3,
     )

@@ -23,8 +23,8 @@ from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-COUNTED = ("trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
-           "cpu_seconds")  # fmt: skip
+COUNTED = ("additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished",
+           "wall_seconds", "cpu_seconds")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.brains.plain import line_of
+from swarmcensus.basics.errors import line_of
 from swarmcensus.engine.compiler import compile_brain
 from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation.inputs import inputs_of

@@ -4,8 +4,7 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
-from swarmcensus.brains.plain import line_of
+from swarmcensus.basics.errors import InputError, line_of
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
 from swarmcensus.simulation.metrics import right_bin
@@ -75,7 +74,16 @@ class Watch:
 def _told(text: str) -> str:
     """What of Numba's message tells most: its first line that is not of how it works or of a place."""
     lines = [line.strip(" -\t") for line in text.splitlines()]
-    idle = ("Failed in nopython", "No implementation of function", "There are", "During:", "File ", "<source", "^")
+    idle = (
+        "Failed in nopython",
+        "No implementation of function",
+        "There are",
+        ">>>",
+        "During:",
+        "File ",
+        "<source",
+        "^",
+    )
     said = [line for line in lines if line and not line.startswith(idle)]
     return said[0] if said else text
 

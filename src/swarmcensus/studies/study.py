@@ -1,5 +1,6 @@
 """A study: a grid of settings, from a study file or from Python."""
 
+import functools
 import itertools
 import warnings
 from collections.abc import Iterator, Mapping
@@ -8,6 +9,7 @@ from typing import Any, Self
 
 from pydantic import ValidationError
 
+from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.studies.checks import all_settings, check
@@ -16,8 +18,10 @@ from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables, explain
 from swarmcensus.studies.toml_text import plain, read_toml, to_toml
+from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
 MOST_VALUES = 2**31  # of each variable in a dataset, all robots of all trials
 MOST_SETTINGS = 1_000_000
@@ -119,6 +123,26 @@ class Study:
     def brains(self) -> list[Brain]:
         """The brains of all settings, each once."""
         return list({b.name: b for grid in self.grids for b in grid.swarm.brain}.values())
+
+    @functools.cached_property
+    def additions(self) -> dict[str, dict[str, str]]:
+        """What of other packages its settings use, as "topology torus": its package, version and hash."""
+        spreads = [s for a in self._accuracies for s in a.spreads]
+        floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
+        used = [
+            *((brains.DOOR, brain.name) for brain in self.brains),
+            *((metrics.DOOR, metric.name) for metric in self.measure.metrics),
+            *((wiring.DOOR, topology.named) for topology in self.topologies if topology.named),
+            *((patterns.DOOR, floor.kind) for floor in floors),
+            *((spreading.DOOR, spread.kind) for spread in spreads if spread.kind),
+        ]
+        others = {(door.what, name): door for door, name in used if name not in door.shipped and name in door}
+        return {f"{what} {name}": door.origin(name) for (what, name), door in others.items()}
+
+    @property
+    def _accuracies(self) -> list[Accuracy | Misjudgement]:
+        swarms = [grid.swarm for grid in self.grids]
+        return [a for swarm in swarms for a in (*swarm.accuracy, *(swarm.assumed_accuracy or ()))]
 
     @property
     def topologies(self) -> list[Topology]:

@@ -114,8 +114,8 @@ class Topology:
             generators.check(*self.generator, robots)
         if self.named:
             wiring.check(self.named, self.keys, robots)
-            if self.edition:  # tried once, so that what is wrong is told before anything runs
-                self.links(robots, 0, 0, 1, True, True)
+            if self.edition:  # tried, so that what is wrong is told before anything runs
+                wiring.check_repeats(self.named, self.keys, robots)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""

@@ -73,7 +73,8 @@ class Floor:
             colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
             half = arena.across // 2
             some = np.array([[[-half, -half], [0, 0], [half - 1, 1 - half]]], np.int32)
-            if (colours(some) != colours(some[:, ::-1])[:, ::-1]).any():
+            again: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
+            if (colours(some) != again(some[:, ::-1])[:, ::-1]).any():
                 raise self._wrong("what it says of a tile should not depend on when it is asked")
 
     def most_counted(self, arena: Arena) -> int:
@@ -102,7 +103,7 @@ class Floor:
         try:
             return ask()
         except Exception as error:
-            raise self._wrong(told(error)) from error
+            raise self._wrong(told(error, DOOR.path(self.kind))) from error
 
     def _wrong(self, said: object) -> InputError:
         return InputError(f"floor {self}: {said}")

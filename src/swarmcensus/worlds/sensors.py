@@ -53,10 +53,15 @@ class Accuracy:
         fixed = self.black.is_number and white.is_number
         return fixed and math.isclose(self.black.numbers[0] + white.numbers[0], 1.0)
 
+    @property
+    def spreads(self) -> tuple[Spread, ...]:
+        """What it is drawn from."""
+        return (self.black, self.white) if self.white else (self.black,)
+
     @functools.cached_property
     def edition(self) -> str:
         """What its results depend on beside its text: hashes of other packages' files."""
-        return self.black.edition + (self.white.edition if self.white else "")
+        return "".join(spread.edition for spread in self.spreads)
 
 
 @dataclass(frozen=True)
@@ -73,6 +78,11 @@ class Misjudgement:
     def form(self) -> object:
         """As in a study file."""
         return {"error": self.error.form}
+
+    @property
+    def spreads(self) -> tuple[Spread, ...]:
+        """What it is drawn from."""
+        return (self.error,)
 
     @property
     def edition(self) -> str:

@@ -92,6 +92,8 @@ class Spread:
         if values.shape != uniform.shape:
             raise InputError(f"{self}: of {uniform.shape} numbers it gives {values.shape}")
         self._bounded(values, least)
+        if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
+            raise InputError(f"{self}: it gives others when it is asked again: what is random is in u")
         return values
 
     def _bounded(self, values: np.ndarray, least: float) -> None:
@@ -103,7 +105,7 @@ class Spread:
         try:
             return ask()
         except Exception as error:
-            raise InputError(f"{head}{told(error)}") from error
+            raise InputError(f"{head}{told(error, DOOR.path(self.kind))}") from error
 
 
 def bounds(least: float) -> str:

@@ -51,6 +51,17 @@ def check(name: str, keys: Keys, robots: int) -> None:
         _asked(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
 
+def check_repeats(name: str, keys: Keys, robots: int) -> None:
+    """Raise InputError where a graph fails, or is another when it is asked for again."""
+    chances = [Chance(np.zeros(2, np.uint64), 0) if varies(name) else None]
+    one, other = (graphs(name, keys, robots, chances)[0] for _ in range(2))
+    if not all(map(np.array_equal, one, other)):
+        raise InputError(
+            f"topology {name!r}: its edges are others when they are asked for again: what differs from trial to trial "
+            "is drawn from chance.generator(), with edges(robots, chance)"
+        )
+
+
 def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
     """Who hears whom, trial by trial; chance is None where all have one graph. Raises InputError where one fails."""
     module, function, own = DOOR.module(name), _function(name), dict(keys)
@@ -70,7 +81,7 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: o
         return ask(given)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error)}") from error
+        raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error, DOOR.path(name))}") from error
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import get_args
 
 import numpy as np
 import xarray as xr
@@ -22,6 +23,7 @@ from swarmcensus.figures.series import Point, Statistic, measured, points_of
 from swarmcensus.figures.sheets import LEFT, NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
 
 SIZE = 5.0  # points: a dot
+ENDLESS = r"$\infty$"
 BESIDE = 5.0  # points between dots of one x: of many lines less
 ROOM = 60.0  # points that all dots of one x take together at the most where x has names, and of
 NEAR = 9.0  # numbers
@@ -47,7 +49,7 @@ def lines(
     else varies, the accuracy first; for a variable of checkpoints `checkpoint` is one too, and otherwise the last that
     a setting reaches is meant. There is a panel for each combination of the coordinates `panels`, by default of all
     others that vary; settings that differ in nothing else are pooled. A thin upright line is the 95 % interval over
-    trials, where there are 6 or more. A hollow triangle at the top says that the statistic is infinite, as where half
+    trials, where there are 6 or more. A sign of infinity at the top says that the statistic is infinite, as where half
     of the robots never do what is measured. Lines join numbers, not names, and break where nothing has been run. Axes
     of your own, `ax`, hold one panel: leave room for the key on their right.
 
@@ -60,6 +62,8 @@ def lines(
     check_coordinates(data, x=x, color=color, panels=panels)
     x, color = _axes_of(data, x, color, panels or ())
     statistic = statistic or ("mean" if y == "correct" else "median")
+    if statistic not in get_args(Statistic):
+        raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
     every = [point for found in series for points in found.values() for point in points]
@@ -83,7 +87,8 @@ def lines(
             continue
         coordinate_axis(place, x, across, under, step * middle)
         for k, (value, look) in enumerate(looks.items()):
-            _draw(place, found.get(value, []), across, look, step * (k - middle), apart * (k - middle))
+            aside = k - middle if x != color else 0.0  # else no two dots are of one x
+            _draw(place, found.get(value, []), across, look, step * aside, apart * aside)
         name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
     heading = ""
     entries: dict[str, Artist] = {}
@@ -141,8 +146,8 @@ def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Lo
         edge: Transform = blended_transform_factory(axes.transData, axes.transAxes)
         edge += ScaledTranslation(apart / 72, 0, axes.figure.dpi_scale_trans)
         axes.plot(
-            x[endless], np.ones(endless.sum()), linestyle="", marker="^", markersize=SIZE + 1, color=look.colour,
-            markerfacecolor="white", transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
+            x[endless], np.ones(endless.sum()), linestyle="", marker=ENDLESS, markersize=SIZE + 3, color=look.colour,
+            markeredgewidth=0.4, transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
         )  # fmt: skip
 
 
@@ -155,5 +160,5 @@ def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: S
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
     if any(np.isposinf(point.value) for point in points):
         entries[f"the {statistic} is infinite"] = Line2D(
-            [], [], linestyle="", marker="^", markersize=SIZE + 1, color="0.3", markerfacecolor="white"
+            [], [], linestyle="", marker=ENDLESS, markersize=SIZE + 3, color="0.3", markeredgewidth=0.4
         )
