@@ -10,12 +10,12 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus import metrics
+from swarmcensus import brains, metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read
-from swarmcensus.simulation import trials
+from swarmcensus.simulation import trials, watches
 from swarmcensus.simulation.metrics import right_bin
 
 LIBRARY = metrics.DOOR.shipped
@@ -235,6 +235,8 @@ def test_shares_and_studies_that_ask_for_other_metrics_are_merged(fixed):
     np.testing.assert_array_equal(both["time_right"], fixed["time_right"])
     np.testing.assert_array_equal(both["swarm_right"].values[:, :3], fixed["swarm_right"].values[:, :3])
     assert both["swarm_right"].isel(trial=slice(3, None)).isnull().all()
+    assert sc.summary(both)["time_right_low"].equals(sc.summary(some)["time_right_low"])
+    assert sc.summary(both)["swarm_right"].equals(sc.summary(others)["swarm_right"])
     assert sc.verify(both, 1.0).differences == []
     assert sc.verify(both, 1.0).labels == []
 
@@ -365,15 +367,71 @@ def test_bad_names_are_told(names, message, tmp_path, monkeypatch, capsys):
          "ZeroDivisionError: division by zero, at mine.py, line 13: my.last = 1.0 / (k - my.rounds)"),
         (("def result", "def after(our, k):\n    our.last = 1.0 / (k - our.rounds)\n\n\ndef result"),
          "ZeroDivisionError: division by zero, at mine.py, line 17: our.last = 1.0 / (k - our.rounds)"),
+        (("return my.last", "return 1.0 / (my.robots - 3)"), "ZeroDivisionError: division by zero, at mine.py, line"),
         (("return my.last", "return math.nan"), "its result is no number (of what never comes, infinity is right)"),
         (("= estimate", "= 'much'"), "it cannot be compiled: Cannot cast Literal[str](much) to float64"),
     ],
-    ids=["division", "after", "nan", "uncompilable"],
+    ids=["division", "after", "result", "nan", "uncompilable"],
 )  # fmt: skip
-def test_a_metric_that_fails_is_named(change, message, tmp_path, monkeypatch):
+@pytest.mark.parametrize("checked", [1, 2000])  # estimates that CPython looks at beforehand
+def test_a_metric_that_fails_is_named(change, message, checked, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(watches, "MOST_CHECKED", checked)
     Path("mine.py").write_text(MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace(*change))
     with pytest.raises(sc.InputError) as error:
         sc.run(sc.Study(**small(["mine.py"])))
     assert "metric 'mine.py' fails in trial 0" in str(error.value)
+    assert message in str(error.value).replace("float division", "division")
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("math.exp(1000.0)", "OverflowError: math range error, at mine.py, line 13: my.last = math.exp(1000.0)"),
+        ("math.sqrt(-k)", "ValueError: math domain error, at mine.py, line 13"),
+        ("-math.log(estimate - estimate)", "ValueError: math domain error, at mine.py, line 13"),
+        ("float(9223372036854775807 + k)", "last is -9.223372036854"),
+    ],
+)
+def test_what_python_refuses_or_finds_otherwise_is_refused(line, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace("= estimate", f"= {line}"))
+    with pytest.raises(sc.InputError) as error:
+        sc.run(sc.Study(**small(["mine.py"])))
     assert message in str(error.value)
+
+
+def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = brains.load("minimalistic").source
+    head, _, tail = text.partition("def estimate(me):\n")
+    Path("nan.py").write_text(f"import math\n{head}def estimate(me):\n    return math.nan if me.t > 50.0 else 0.5\n")
+    assert tail
+    asked = small(["mean-error"])
+    asked["swarm"]["brain"] = "nan.py"
+    with pytest.raises(sc.InputError, match=r"brain 'nan\.py' fails in trial.*: an estimate is no finite number"):
+        sc.run(sc.Study(**asked))
+
+
+def test_any_name_will_do_for_a_metric_that_is_not_of_the_results(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
+    names = ["items.py", "about.py", "file.py", "metrics.py", "self.py"]
+    for name in names:
+        Path(name).write_text(MINE)
+    results = sc.run(sc.Study(**small(names)), out="a.nc")
+    for name in names:
+        np.testing.assert_array_equal(results[name[:-3]], results["final_estimate"])
+
+
+def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("sub").mkdir()
+    Path("sub/mine.py").write_text(MINE)
+    Path("sub/s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
+    assert main(["run", "sub/s.toml", "--out", "a.nc"]) == 0
+    assert main(["verify", "a.nc"]) == 2
+    assert "give it yourself (--brain FILE" in capsys.readouterr().err
+    assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 0
+    Path("sub/mine.py").write_text(MINE + "\n")
+    assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 2

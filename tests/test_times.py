@@ -107,7 +107,7 @@ def test_times_come_out_as_they_go_in(tmp_path, monkeypatch, capsys):
         return capsys.readouterr().out
 
     assert printed("show", "m.nc", "--checkpoint", "6 s") == printed("show", "m.nc", "--checkpoint", "12")
-    assert "after round 12" in printed("show", "m.nc", "--checkpoint", "0.1 min")
+    assert "after tick 12" in printed("show", "m.nc", "--checkpoint", "0.1 min")
     plot = ["plot", "m.nc", "--kind"]
     printed(*plot, "arena", "--tick", "4 s", "--out", "a.png")
     printed(*plot, "arena", "--tick", "8", "--out", "b.png")

@@ -6,6 +6,7 @@ import importlib
 import importlib.util
 import inspect
 import re
+import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import EntryPoint, entry_points
@@ -32,6 +33,7 @@ class Door:
     what: str  # in messages: "topology"
     group: str  # "swarmcensus.topologies"
     package: str  # in whose folder ours lie: "swarmcensus.worlds.topologies"
+    clashes: dict[str, str] = field(default_factory=dict, repr=False)  # names that two packages give
     loaded: dict[str, str] = field(default_factory=dict, repr=False)  # hashes of others' files as they were imported
 
     @functools.cached_property
@@ -45,15 +47,22 @@ class Door:
 
     @functools.cached_property
     def outside(self) -> Mapping[str, EntryPoint]:
-        """Those of other installed packages by name; ours come first. Raises InputError where two have one name."""
+        """Those of other installed packages by name; ours come first."""
         found: dict[str, EntryPoint] = {}
         for entry in entry_points(group=self.group):
             if entry.name in self.shipped:
                 continue
             known = found.setdefault(entry.name, entry)
             if known.value != entry.value:
-                raise InputError(f"two packages give a {self.what} named {entry.name!r}: {known.value}, {entry.value}")
+                self.clashes[entry.name] = f"{known.value}, {entry.value}"
         return found
+
+    def entry(self, name: str) -> EntryPoint:
+        """Where another package has it. Raises InputError where two packages do."""
+        entry = self.outside[name]
+        if name in self.clashes:
+            raise InputError(f"two packages give a {self.what} named {name!r}: {self.clashes[name]}")
+        return entry
 
     @property
     def names(self) -> list[str]:
@@ -69,7 +78,7 @@ class Door:
         """What the name stands for, imported. Raises InputError where it cannot be."""
         if name in self.shipped:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
-        entry = self.outside[name]
+        entry = self.entry(name)
         try:
             found = entry.load()
         except Exception as error:
@@ -101,14 +110,18 @@ class Door:
 
     def path(self, name: str) -> Path:
         """Where its file lies, which is not run. Raises InputError where there is none."""
-        module = f"{self.package}.{name.replace('-', '_')}" if name in self.shipped else self.outside[name].module
+        ours = f"{self.package}.{name.replace('-', '_')}"
         try:
+            module = ours if name in self.shipped else self.entry(name).module
             spec = importlib.util.find_spec(module)
+        except InputError:
+            raise
         except ImportError:
             spec = None
+        except Exception as error:  # what a package's __init__ does, or an entry point that cannot be read
+            raise InputError(f"{self.what} {name!r} of {self.giver(name)}: {told(error)}") from error
         if spec is None or spec.origin is None or not Path(spec.origin).is_file():
-            package = _package(self.outside[name])
-            raise InputError(f"{self.what} {name!r}: {package} names {module}: there is no such file")
+            raise InputError(f"{self.what} {name!r}: {self.giver(name)} names {module}: there is no such file")
         return Path(spec.origin)
 
 
@@ -135,7 +148,9 @@ def keys_of(function: Callable[..., Any]) -> "type[BaseModel]":
             for p in inspect.signature(function).parameters.values()
             if p.kind is p.KEYWORD_ONLY
         }
-        return create_model("Keys", __config__=config, **fields)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", UserWarning)  # of keys that have the name of a method of pydantic's
+            return create_model("Keys", __config__=config, **fields)
     except Exception as error:
         name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
         raise InputError(f"the keys of {name} cannot be told: {told(error)}") from error
@@ -151,7 +166,7 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
     except ValidationError as error:
         # what may be a slip of the pen comes first
         first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "literal_error": 1}.get(e["type"], 2))
-        key, known = ".".join(map(str, first["loc"])), ", ".join(model.model_fields)
+        key, known = str(first["loc"][0]), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
             has = f"{did_you_mean(key, model.model_fields)}it has {known}" if known else "it has none"
             raise ValueError(f"{what} has no key {key}: {has}") from None

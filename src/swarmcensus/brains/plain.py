@@ -32,9 +32,9 @@ ALLOCATES = (
 
 def find(door: Door, name: str, base: Path | None) -> Path:
     """Where the file of a name lies, or that of a path relative to `base`. Raises InputError where there is none."""
-    if name in door:
-        return door.path(name)
     path = (base or Path()) / name
+    if name in door.shipped or (not path.is_file() and name in door):
+        return door.path(name)
     if not path.is_file():
         known = ", ".join(door.names)
         file = path.with_name(f"{path.name}.py")

@@ -98,7 +98,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
         "--sample", type=float, default=0.01, metavar="SHARE", help="of the trials (default: %(default)s)"
     )
     which.add_argument("--all", action="store_true", help="every trial")
-    sub.add_argument("--brain", action="append", default=[], metavar="FILE", help="a brain file of one's own, if used")
+    sub.add_argument(
+        "--brain", action="append", default=[], metavar="FILE", help="a brain or metric file, if any is used"
+    )
     sub.add_argument("--seed", type=_from_zero, help="of the choice, to make the same one again")
     sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core)")
 

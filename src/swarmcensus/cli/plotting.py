@@ -66,6 +66,8 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
         raise InputError("--local does not go with --delta: the local estimate is not kept at checkpoints")
     given = {name: str(value) if isinstance(value, Time) else value for name, value in given.items()}
     more = dict(map(_set, options.set))
+    if len(more) < len(options.set):
+        raise InputError("--set gives an option twice")
     for name in given.keys() & more:
         raise InputError(f"--{name} and --set {name}=... say the same: give one of them")
     try:

@@ -12,6 +12,7 @@ from rich.table import Table
 from rich.text import Text
 
 from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
@@ -214,7 +215,11 @@ def shipped() -> None:
 
     rows = []
     for name in brains.DOOR.names:
-        brain = brains.load(name)
+        try:
+            brain = brains.load(name)
+        except InputError as error:
+            rows.append((name, "-", "-", str(error)))
+            continue
         what = (brain.functions.__doc__ or "").strip().splitlines()[0]
         rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))
     heads = [("brain", False), ("memory", True), ("message", True), ("what it does", False)]

@@ -11,7 +11,8 @@ from .gauge import after, begin, entry, result, watch
 def follow(blank, records, rows, first, truth, out):
     """Show a metric the estimates `rows` (round, robot), from round `first` on; `out` holds what it then says.
 
-    `records` has one a robot, or one for all where the metric is of a swarm; `blank` is what each begins from.
+    `records` has one a robot, or one for all where the metric is of a swarm; `blank` is what each begins from. Without
+    room in `out` nothing is asked for.
     """
     last = records.size - 1
     if first == 1:
@@ -22,5 +23,5 @@ def follow(blank, records, rows, first, truth, out):
         for i in range(rows.shape[1]):
             watch(records[min(i, last)], first + k, rows[k, i], truth)
         after(records[0], first + k)
-    for i in range(records.size):
+    for i in range(out.size):
         out[i] = result(records[i])

@@ -56,7 +56,10 @@ def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset
     whole = results[name].dtype.kind == "i"
     found = results[name].astype(float)
     found = found.where(found >= 0) if whole else found
-    if "robot" not in found.dims:
+    if name == "correct":  # a share of robots: larger swarms weigh more
+        exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < results["robots"]
+        found = found.where(exists)
+    elif "robot" not in found.dims:
         found = found.expand_dims("robot")
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
     if "checkpoint" in found.dims:
@@ -98,4 +101,4 @@ def _estimated(values: NDArray[np.float64], statistic: Statistic, share: bool) -
         return float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan
     endless = statistic == "mean" and not np.isfinite(kept).all()
     value, low, high = (math.inf, math.nan, math.nan) if endless else interval_of(kept, statistic, share)
-    return (value, max(low, 0.0), high) if (kept >= 0).all() else (value, low, high)
+    return value, low, high

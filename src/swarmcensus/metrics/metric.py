@@ -117,11 +117,13 @@ def parse(source: str, name: str, path: Path) -> Metric:
         raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can, and .py after them")
     if variable in RESERVED or variable.startswith(PREFIXES) or variable.endswith(SUFFIXES):
         raise bad(f"the name {variable!r} is taken in the results: call the file otherwise")
+    for function in functions.values():
+        for node in ast.walk(function):
+            if isinstance(node, ast.Attribute) and isinstance(node.ctx, ast.Store) and node.attr in GIVEN:
+                raise bad(f"{function.name} sets {node.attr}, which is given", node)
     fields = dict.fromkeys(attribute.attr for attribute in _of_record(functions["begin"], ast.Store))
     for known in (*FUNCTIONS, *MAY_HAVE):
         for attribute in _of_record(functions[known]) if known in functions else ():
-            if isinstance(attribute.ctx, ast.Store) and attribute.attr in GIVEN:
-                raise bad(f"{known} sets {attribute.attr}, which is given", attribute)
             if attribute.attr not in fields and attribute.attr not in GIVEN:
                 where = f"its record has {', '.join((*fields, *GIVEN))}"
                 raise bad(f"{known} uses {attribute.attr}, which begin does not set: {where}", attribute)

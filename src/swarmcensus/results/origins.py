@@ -56,6 +56,8 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         place = brains.find(path)
         given = brains.read_source("brain", place)
         names = [n for n, s in sources.items() if s["sha256"] == brains.digest(given)]
+        if any(one["sha256"] == brains.digest(given) for one in metrics_in(data).values()):
+            continue
         if not names:
             raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
         known |= {n: brains.parse(given, n, place) for n in names}
@@ -111,16 +113,20 @@ def must_be_read(brain: brains.Brain) -> None:
         )
 
 
-def metrics_may_run(study: Study) -> None:
-    """Raise InputError for a metric that is not here with the very source that results hold."""
+def metrics_may_run(study: Study, given: Brains = ()) -> None:
+    """Raise InputError for a metric that is not here, or given as a file, with the very source that results hold."""
+    paths = [given] if isinstance(given, str | Path) else given or ()
+    known = {brains.digest(brains.read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:
         name, here = metric.name, False
+        if metric.sha256 in known:
+            continue
         if name in metrics.DOOR:
             here = brains.read_source("metric", metrics.DOOR.path(name)) == metric.source
         elif not (here := _lies_here("metric", name, metric.source)):
             raise InputError(
                 f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
-                "below the current folder as it was"
+                "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
             )
         if not here:
             raise InputError(f"metric {name!r}: its source has changed since these results were made")

@@ -30,6 +30,7 @@ FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without a trial: see `early`
 OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
+METRIC = "metric "  # before the name of a metric's column
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
 SKETCH_AFTER = 1.0, 3e-3  # seconds, and for each setting: shorter runs need no early picture, at some 40 us a setting
 AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
@@ -259,12 +260,17 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
     about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
     out = io.BytesIO()
-    np.savez(out, about=text, items=items, **{k: np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
+    np.savez(out, about=text, items=items, **{_stored(k): np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
     return out.getvalue()
 
 
+def _stored(name: str) -> str:
+    """A column's name in the archive, which has other names too."""
+    return name if name in EVERY else METRIC + name
+
+
 def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> Iterator[Found]:
-    flat = {name: arrays[name] for name in arrays if name not in ("about", "items")}
+    flat = {name.removeprefix(METRIC): arrays[name] for name in arrays if name not in ("about", "items")}
     used = dict.fromkeys(flat, 0)
     for setting, first, trials, robots, local in arrays["items"].astype(ITEM, casting="equiv").tolist():
         if min(first, trials - 1, robots - 1) < 0:

@@ -188,7 +188,7 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[np.float64]:
-    """The ends of a column's intervals over trials, (setting, 2); none of the paper's columns is ever below 0.
+    """The ends of a column's intervals over those trials that have it, (setting, 2), within what it can be.
 
     No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
     """
@@ -199,9 +199,11 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
         if name == "correct":
             _, *ends[row] = interval_of(array[row, place[row], trials, np.newaxis], "mean", share=True)
         else:
-            _, *ends[row] = interval_of(array[row, trials, : robots[row]].astype(np.float64), "median")
-    most = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else np.inf
-    return np.asarray(np.clip(ends, *(bounds_in(data, name) if name in metrics_in(data) else (0.0, most))))
+            kept = array[row, trials, : robots[row]].astype(np.float64)
+            _, *ends[row] = interval_of(kept[~np.isnan(kept[:, 0])], "median")
+    least, most = bounds_in(data, name)
+    last = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else most
+    return np.asarray(np.clip(ends, least, last))
 
 
 def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:

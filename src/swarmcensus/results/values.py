@@ -1,5 +1,6 @@
 """A study's numbers as they come in: which variables there are, and arrays that fill up piece by piece."""
 
+import functools
 import json
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -65,14 +66,19 @@ def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metrics that a dataset names, by their variables: `name`, `sha256` and `source`."""
-    found: dict[str, dict[str, Any]] = json.loads(data.attrs.get("metrics", "{}"))
+    return _read(data.attrs.get("metrics", "{}"))
+
+
+@functools.lru_cache(maxsize=16)
+def _read(text: str) -> dict[str, dict[str, Any]]:
+    found: dict[str, dict[str, Any]] = json.loads(text)
     return found
 
 
 def bounds_in(data: Any, name: str) -> tuple[float, float]:
-    """The least and the largest number that a metric's variable can be; of other variables nothing is said."""
+    """The least and the largest number that a variable can be: of a metric what it says, of others none is below 0."""
     source = metrics_in(data).get(name)
-    return (-np.inf, np.inf) if source is None else parse(source["source"], source["name"], Path(source["name"])).bounds
+    return (0.0, np.inf) if source is None else parse(source["source"], source["name"], Path(source["name"])).bounds
 
 
 def additions_in(data: Any) -> dict[str, dict[str, str]]:

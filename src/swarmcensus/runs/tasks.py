@@ -12,7 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.results.values import Piece, columns
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.rides import run_ride
-from swarmcensus.simulation.trials import Metrics, blame, run_batch, seconds, walk_seconds
+from swarmcensus.simulation.trials import NOT_FINITE, Metrics, blame, run_batch, seconds, walk_seconds
 from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -190,7 +190,7 @@ def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, s
             setting, kept = settings[number], batch.kept
             looked = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
             if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
-                what = ArithmeticError("an estimate is no finite number")
+                what = ArithmeticError(NOT_FINITE)
                 raise blame(setting, task.first, task.trials, what)
         pieces.append(Piece(number, task.first, columns(batch, local), local))
     return pieces

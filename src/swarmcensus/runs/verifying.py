@@ -17,7 +17,7 @@ from swarmcensus.results import checking
 from swarmcensus.results.labels import settings_of, unlike
 from swarmcensus.results.origins import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
-from swarmcensus.results.values import MISSING, VARIABLES, Values, kinds_in
+from swarmcensus.results.values import MISSING, VARIABLES, Values, edited, kinds_in
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
@@ -80,7 +80,8 @@ def verify(
     if wrong := checking.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
-    labels = [*unlike(data, studies), *_ended(data, studies)]
+    changed = (said for study in studies if (said := edited(data, study)))
+    labels = [*changed, *unlike(data, studies), *_ended(data, studies)]
     tried = data["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
@@ -96,7 +97,7 @@ def verify(
     for study in (_looking(data, study) for study in studies):
         places, settings = _ours(data, study, left)
         if settings:
-            metrics_may_run(study)
+            metrics_may_run(study, brain)
             left[places] = False
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
     wanted[left] = False  # of no setting of these studies, as the labels say

@@ -1,6 +1,7 @@
 """What chance gives some trials of a setting, looked up once: from here on no setting is asked for random numbers."""
 
-from typing import NamedTuple
+from dataclasses import replace
+from typing import NamedTuple, Self
 
 import numpy as np
 
@@ -24,6 +25,17 @@ class Inputs(NamedTuple):
     loss_threshold: np.uint64  # a message gets through where a uniform uint64 is below it; 0 stands for always
     walk: np.ndarray  # of robots that move
     links: Links | None  # who hears whom; None where robots move
+
+    def of(self, k: int) -> Self:
+        """Those of the k-th of these trials alone."""
+        one = slice(k, k + 1)
+        links = self.links
+        if links is not None and links.starts.size > 2:
+            links = replace(links, starts=links.starts[k : k + 2])
+        b, w, assumed_b, assumed_w = (a[one] for a in (*self.sensors, *self.beliefs))
+        return self._replace(
+            first=self.first + k, sensors=(b, w), beliefs=(assumed_b, assumed_w), stops=self.stops[one], links=links
+        )
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:

@@ -1,5 +1,6 @@
 """Trials of moving robots: one walk, and all the minds that ride along on it."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -8,7 +9,7 @@ import numpy as np
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
-from swarmcensus.simulation.trials import Batch, Metrics, blame
+from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
@@ -71,6 +72,8 @@ class Rider:
         filled = np.array([true_fill_ratio])
         estimates = kept if metrics.estimates else None
         watches = [Watch(m, self.setting, self.trial, truth, metrics.delta, metrics.bins) for m in metrics.watched]
+        if watches and not math.isfinite(self.rows.sum()):
+            raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE))
         for watch in watches:
             watch.see(self.rows, 1)
         watched = results_of(watches)

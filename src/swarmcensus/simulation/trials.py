@@ -12,7 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.draws import PART
 from swarmcensus.metrics import Metric
-from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
@@ -20,6 +20,7 @@ from swarmcensus.studies.settings import Setting
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
 CROWD_BYTES = 1_000_000_000
+NOT_FINITE = "an estimate is no finite number"
 
 
 @dataclass(frozen=True)
@@ -70,10 +71,22 @@ def run_batch(
 
     With `local`, the metrics are of the local estimate by single observation.
     """
-    watched = () if local else metrics.watched
-    if watched and trials > 1:  # their estimates are seen one trial at a time
-        batches = [run_batch(setting, seed, first + k, 1, metrics, stop) for k in range(trials)]
-        return _joined([batch for batch in batches if batch is not None]) if None not in batches else None
+    given = inputs_of(setting, seed, first, trials, order=local)
+    if local or not metrics.watched:
+        return _live(setting, given, trials, metrics, stop, local)
+    batches = []
+    for k in range(trials):  # their estimates are seen one trial at a time
+        batch = _live(setting, given.of(k), 1, metrics, stop, local)
+        if batch is None:
+            return None
+        batches.append(batch)
+    return _joined(batches)
+
+
+def _live(
+    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool
+) -> Batch | None:
+    first = given.first
     blank = compiler.blank(setting.brain)
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
@@ -82,7 +95,6 @@ def run_batch(
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
     kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
-    given = inputs_of(setting, seed, first, trials, order=local)
     links = given.links
     assert links is not None
     segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
@@ -102,6 +114,7 @@ def run_batch(
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
         where, value, final, correct, kept, np.empty((3, setting.robots)),
     )  # fmt: skip
+    watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
@@ -111,9 +124,12 @@ def run_batch(
             raise blame(setting, first, trials, error) from error
         if not finished:
             return None
-        if begin < segments:
+        seen = rows[: rounds - begin * segment]
+        if watches and begin < segments:
+            if not math.isfinite(seen.sum()):
+                raise blame(setting, first, trials, ArithmeticError(NOT_FINITE))
             for watch in watches:
-                watch.see(rows[: rounds - begin * segment], begin * segment + 1)
+                watch.see(seen, begin * segment + 1)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
     return Batch(where, errors, final, correct, kept=estimates, watched=results_of(watches))

@@ -1,6 +1,7 @@
 """Metrics of files, as they watch one trial: its estimates go by, and what each metric then says is kept."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,8 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.studies.settings import Setting
 
 MOST_SHOWN = 1_000_000  # estimates, to CPython
+MOST_CHECKED = 2_000  # by it, of each metric that this process has not met: some milliseconds
+CHECKED: set[Metric] = set()
 
 
 class MetricFails(InputError):
@@ -32,42 +35,68 @@ class Watch:
     def see(self, rows: np.ndarray, first: int) -> None:
         """Look at estimates (round, robot) from round `first` on. Raises MetricFails."""
         try:
-            module = compile_metric(self.metric)
-            module.follow(self.blank, self.records, rows, first, self.truth, self.out)
+            follow = compile_metric(self.metric).follow
+            if first == 1 and self.metric not in CHECKED:
+                self._check(rows[: MOST_CHECKED // rows.shape[1] + 1], follow)
+                CHECKED.add(self.metric)
+            follow(self.blank, self.records, rows, first, self.truth, self.out)
+        except MetricFails:
+            raise
         except Exception as error:
             text = str(error).strip()
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
                 what = f"it cannot be compiled: {_told(text)}"
-            where = f"{self.where}: {what}{self._line(rows) if first == 1 else ''}"
-            raise MetricFails(f"metric {self.metric.name!r} fails in {where}") from error
+            raise self._wrong(f"{what}{self._line(rows) if first == 1 else ''}") from error
+
+    def _wrong(self, what: str) -> "MetricFails":
+        return MetricFails(f"metric {self.metric.name!r} fails in {self.where}: {what}")
+
+    def _check(self, rows: np.ndarray, follow: Callable[..., None]) -> None:
+        """Raise MetricFails where CPython refuses these estimates, or finds others of them than machine code."""
+        try:
+            slow = self._lived(rows, whole=False)
+        except Exception as error:
+            raise self._wrong(f"{type(error).__name__}: {error}{line_of(error, self.metric.path)}") from error
+        fast = self.records.copy()
+        follow(self.blank, fast, rows, 1, self.truth, self.out[:0])
+        for i, mine in enumerate(slow):
+            for name in self.metric.fields:
+                due = float(getattr(mine, name))
+                if not np.isclose(fast[name][i], due, rtol=1e-9, atol=0.0, equal_nan=True):
+                    raise self._wrong(
+                        f"after {len(rows)} rounds {name} is {fast[name][i]} in machine code and {due} in Python: are "
+                        "there whole numbers that grow beyond 64 bits?"
+                    )
 
     def _line(self, rows: np.ndarray) -> str:
         """Where in its file the metric fails, by CPython, which is not asked for very much."""
-        functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
         try:
-            records = [self.metric.record(**given) for _ in self.records]
-            for my in records:
-                functions.begin(my)
-            for k, row in enumerate(rows[: MOST_SHOWN // rows.shape[1] + 1].tolist(), start=1):
-                for i, x in enumerate(row):
-                    functions.watch(records[min(i, len(records) - 1)], k, x, self.truth)
-                if self.metric.of_swarm:
-                    functions.after(records[0], k)
-            for my in records:
-                functions.result(my)
+            self._lived(rows[: MOST_SHOWN // rows.shape[1] + 1])
         except Exception as error:
             return line_of(error, self.metric.path)
         return ""
 
+    def _lived(self, rows: np.ndarray, whole: bool = True) -> list[Any]:
+        """The metric's records after these estimates, by CPython; `whole`: their results are asked for too."""
+        functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
+        records = [self.metric.record(**given) for _ in self.records]
+        for my in records:
+            functions.begin(my)
+        for k, row in enumerate(rows.tolist(), start=1):
+            for i, x in enumerate(row):
+                functions.watch(records[min(i, len(records) - 1)], k, x, self.truth)
+            if self.metric.of_swarm:
+                functions.after(records[0], k)
+        for my in records if whole else ():
+            functions.result(my)
+        return records
+
     @property
     def result(self) -> np.ndarray:
         """What came of it: (1, robot), or (1,) of a swarm. Raises MetricFails where it is no number."""
-        if np.isnan(self.out).any():
-            raise MetricFails(
-                f"metric {self.metric.name!r} fails in {self.where}: its result is no number (of what never comes, "
-                "infinity is right)"
-            )
+        if (np.isnan(self.out) | np.isneginf(self.out)).any():
+            raise self._wrong("its result is no number (of what never comes, infinity is right)")
         return self.out if self.metric.of_swarm else self.out[np.newaxis]
 
 

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.doors import Door, Keys, defaults_of, read_keys, text_of, told
+from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.worlds.chance import Chance
 
 DOOR = Door("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")
+TAKEN = {"name", "edges", "file", "networkx", "directed"}  # keys of other forms of topologies
 Heard = tuple[np.ndarray, np.ndarray]  # receivers and senders, sorted by them
 
 
@@ -31,6 +32,8 @@ def _function(name: str) -> Callable[..., Any]:
 def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
     """A named topology's text, such as torus(columns=5), and its keys. Raises ValueError."""
     function = _function(name)
+    for key in keys_of(function).model_fields.keys() & TAKEN:
+        raise InputError(f"topology {name!r}: it has a key {key}, which means something else in study files")
     keys = read_keys(f"topology {name}", function, given)
     usual = defaults_of(function)
     shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in usual or usual[key] != value)
