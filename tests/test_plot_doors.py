@@ -62,7 +62,7 @@ def unknown(results, *, size: "Missing" = 1):
 
 
 @pytest.fixture
-def elsewhere(tmp_path, small_file):
+def elsewhere(tmp_path, small_file, untraced_processes):
     """Runs Python where another package is installed that has kinds of its own."""
     info = tmp_path / "site" / "others_figures-1.0.dist-info"
     info.mkdir(parents=True)
