@@ -5,6 +5,7 @@ Out: a Brain: its functions, memory, message and source.
 Must not know: how brains are compiled, worlds, studies.
 """
 
+from swarmcensus.basics.plain import digest, read_source
 from swarmcensus.brains.brain import (
     BELIEFS,
     DOOR,
@@ -17,7 +18,6 @@ from swarmcensus.brains.brain import (
     parse,
     shipped,
 )
-from swarmcensus.brains.plain import digest, read_source
 
 __all__ = [
     "BELIEFS",

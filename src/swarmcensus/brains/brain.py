@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics import plain
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains import plain
 
 DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}

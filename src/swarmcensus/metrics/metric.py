@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics import plain
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains import plain
 
 DOOR = Door("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
