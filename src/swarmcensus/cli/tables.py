@@ -136,7 +136,8 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     texts = []
     for value, low, high in zip(*ends, strict=True):
         if np.isnan(low):
-            texts.append(("-" if np.isnan(value) else f"{value:.{DECIMALS.get(name, 4)}f}", ""))
+            form = f".{DECIMALS[name]}f" if name in DECIMALS else ",.5g"
+            texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
         else:
             finest = min(places(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest)))

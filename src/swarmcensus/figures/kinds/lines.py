@@ -79,7 +79,8 @@ def lines(
     axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
     middle = (len(looks) - 1) / 2
-    apart = min(BESIDE, ROOM / max(len(looks) - 1, 1))
+    room = ROOM / max(len(looks) - 1, 1)
+    apart = min(BESIDE, room)
     step = min(apart, NEAR / max(len(looks) - 1, 1)) if places_of(across)[1] else apart
     for found, place in zip(series, axes, strict=True):
         if all(np.isnan(point.value) for points in found.values() for point in points):
@@ -88,7 +89,7 @@ def lines(
         coordinate_axis(place, x, across, under, step * middle)
         for k, (value, look) in enumerate(looks.items()):
             aside = k - middle if x != color else 0.0  # else no two dots are of one x
-            _draw(place, found.get(value, []), across, look, step * aside, apart * aside)
+            _draw(place, found.get(value, []), across, look, step * aside, min(2 * apart, room) * aside)
         name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
     heading = ""
     entries: dict[str, Artist] = {}
@@ -144,7 +145,7 @@ def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Lo
     endless = np.isposinf(value)
     if endless.any():
         edge: Transform = blended_transform_factory(axes.transData, axes.transAxes)
-        edge += ScaledTranslation(apart / 72, 0, axes.figure.dpi_scale_trans)
+        edge += ScaledTranslation(apart / 72, -SIZE / 72, axes.figure.dpi_scale_trans)
         axes.plot(
             x[endless], np.ones(endless.sum()), linestyle="", marker=ENDLESS, markersize=SIZE + 3, color=look.colour,
             markeredgewidth=0.4, transform=edge, clip_on=False, label=f"infinite {label}", zorder=4,
