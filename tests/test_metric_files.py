@@ -435,3 +435,11 @@ def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
     assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 0
     Path("sub/mine.py").write_text(MINE + "\n")
     assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 2
+
+
+def test_a_result_that_is_to_be_had_in_the_end_alone_is_not_asked_for_before(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(watches, "MOST_CHECKED", 9)
+    late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
+    Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
+    assert (sc.run(sc.Study(**small(["late.py"])))["late"] == 0.5).all()
