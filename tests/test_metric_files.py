@@ -443,3 +443,20 @@ def test_a_result_that_is_to_be_had_in_the_end_alone_is_not_asked_for_before(tmp
     late = MINE.replace("my.last = estimate", "my.last = 2.0 if k == my.rounds else 0.0")
     Path("late.py").write_text(late.replace("return my.last", "return 1.0 / my.last"))
     assert (sc.run(sc.Study(**small(["late.py"])))["late"] == 0.5).all()
+
+
+def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
+    """Python and machine code may differ in the last bit of a power, and by more where like numbers are taken away."""
+    monkeypatch.chdir(tmp_path)
+    skew = MINE.replace("my.last = 0.0", "my.last = 0.0\n    my.cubes = 0.0")
+    skew = skew.replace(
+        "my.last = estimate", "my.cubes += (estimate - truth) ** 3.0\n    my.last = my.cubes - estimate**3"
+    )
+    for power in ("** 3.0", "** 2.5 * 1e-6"):
+        Path("skew.py").write_text(skew.replace("** 3.0", power).replace("(estimate - truth)", "abs(estimate - truth)"))
+        sc.run(sc.Study(**small(["skew.py"])))
+
+
+def test_a_name_in_an_annotation_is_not_looked_for(tmp_path):
+    (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", "now: Number = estimate\n    my.last = now"))
+    assert metrics.load("mine.py", tmp_path).fields == ("last",)

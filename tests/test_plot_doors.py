@@ -307,6 +307,17 @@ def test_settings_that_are_pooled_count_a_trial_once():
     assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
 
 
+def test_intervals_end_where_a_variable_can_go_no_further():
+    results = study(["0.6"], trials=12)
+    below = results.assign(final_estimate=results["convergence_error"] - 1.0)
+    (ax,) = sc.plot.lines(below, y="final_estimate", x="accuracy", color="accuracy").axes
+    ((low, high),) = intervals(ax, "0.6")
+    assert -1.0 <= low < drawn(ax, "0.6")[0, 1] < high < 0.0
+    same = results.assign(convergence_error=0.0 * results["convergence_error"])
+    (ax,) = sc.plot.lines(same, x="accuracy", color="accuracy").axes
+    assert intervals(ax, "0.6")[0, 0] == 0.0
+
+
 def test_a_heatmap_has_any_two_coordinates():
     parts = [
         study(["0.6"], topology=t, robots=n, seed=n) for t in ("ring", "a_long_name_of_a_network") for n in (4, 1200)

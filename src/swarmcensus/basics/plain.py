@@ -123,11 +123,12 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             every = [*given.posonlyargs, *given.args]
             if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
                 raise bad(node, f"{node.name} has an annotation that is no plain name")
+            notes = [n for a in ast.walk(node) if isinstance(a, ast.AnnAssign) for n in ast.walk(a.annotation)]
             here = {a.arg for a in every} | {a.arg for a in given.kwonlyargs}
             for inner in (n for statement in node.body for n in ast.walk(statement)):
                 if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load) and inner.id not in known | here:
-                    if hasattr(builtins, inner.id):
-                        continue  # told below, if it is called
+                    if hasattr(builtins, inner.id) or inner in notes:
+                        continue  # told below, if it is called; annotations are not looked at
                     hint = did_you_mean(inner.id, known | here)
                     raise bad(inner, f"{node.name} uses {inner.id}, which is nowhere set: {hint}".rstrip(": "))
                 if isinstance(inner, ALLOCATES):

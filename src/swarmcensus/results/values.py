@@ -76,9 +76,11 @@ def _read(text: str) -> dict[str, dict[str, Any]]:
 
 
 def bounds_in(data: Any, name: str) -> tuple[float, float]:
-    """The least and the largest number that a variable can be: of a metric what it says, of others none is below 0."""
+    """The least and the largest number that a variable can be: of a metric what it says; estimates can be anything."""
     source = metrics_in(data).get(name)
-    return (0.0, np.inf) if source is None else parse(source["source"], source["name"], Path(source["name"])).bounds
+    if source is None:
+        return (-np.inf if "estimate" in name else 0.0), np.inf
+    return parse(source["source"], source["name"], Path(source["name"])).bounds
 
 
 def additions_in(data: Any) -> dict[str, dict[str, str]]:
