@@ -460,3 +460,40 @@ def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
 def test_a_name_in_an_annotation_is_not_looked_for(tmp_path):
     (tmp_path / "mine.py").write_text(MINE.replace("my.last = estimate", "now: Number = estimate\n    my.last = now"))
     assert metrics.load("mine.py", tmp_path).fields == ("last",)
+
+
+@pytest.mark.parametrize(
+    ("body", "message"),
+    [
+        ("n = 1\n    for i in range(k):\n        n *= 3\n    my.last = float(n)", "in machine code and"),
+        (
+            "if k > 2:\n        my.last = math.sqrt(estimate - 2.0)",
+            "ValueError: math domain error, at mine.py, line 14",
+        ),
+    ],
+)
+def test_what_differs_after_some_rounds_only_is_seen_too(body, message, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    source = MINE.replace('UNIT = "1"', 'UNIT = "1"\nimport math').replace("my.last = estimate", body)
+    Path("mine.py").write_text(source)
+    asked = small(["mine.py"])
+    asked["schedule"]["rounds"] = 60
+    with pytest.raises(sc.InputError) as error:
+        sc.run(sc.Study(**asked))
+    assert message in str(error.value)
+
+
+def test_a_result_beyond_its_bounds_is_refused(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE.replace("def begin", "BOUNDS = (0.0, 0.1)\n\n\ndef begin"))
+    with pytest.raises(sc.InputError, match=r"its result 0\.\d+ is outside its BOUNDS, 0 to 0\.1"):
+        sc.run(sc.Study(**small(["mine.py"])))
+
+
+def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
+    caught = MINE.replace("my.last = estimate", "match int(estimate):\n        case n:\n            my.last = n")
+    (tmp_path / "good.py").write_text(caught)
+    assert metrics.load("good.py", tmp_path).fields == ("last",)
+    (tmp_path / "bad.py").write_text(MINE.replace("my.last = estimate", "slope = 1.0").replace("my.last\n", "slope\n"))
+    with pytest.raises(sc.InputError, match="result uses slope, which is nowhere set"):
+        metrics.load("bad.py", tmp_path)

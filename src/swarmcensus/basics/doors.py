@@ -106,7 +106,11 @@ class Door:
         """Whose another package's addition is, and which edition: `package`, `version`, `sha256`."""
         distribution = self.outside[name].dist
         version = distribution.version if distribution is not None else ""
-        return {"package": self.giver(name), "version": version, "sha256": _hash(self.path(name))}
+        return {
+            "package": self.giver(name),
+            "version": version,
+            "sha256": self.loaded.get(name) or _hash(self.path(name)),
+        }
 
     def path(self, name: str) -> Path:
         """Where its file lies, which is not run. Raises InputError where there is none."""

@@ -7,7 +7,7 @@ import keyword
 import math
 import operator
 import types
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -86,7 +86,8 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
         return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
 
     own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    known = {*own, *CALLS, *(n.id for n in ast.walk(tree) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))}
+    known = {*own, *CALLS, *(t.id for n in tree.body if isinstance(n, ast.Assign) for t in n.targets
+                             if isinstance(t, ast.Name))}  # fmt: skip
     known |= {a.asname or a.name for n in tree.body if isinstance(n, ast.Import | ast.ImportFrom) for a in n.names}
     known |= set(dir(math)) if "*" in known else set()
     constants: dict[str, Any] = {}
@@ -124,7 +125,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
                 raise bad(node, f"{node.name} has an annotation that is no plain name")
             notes = [n for a in ast.walk(node) if isinstance(a, ast.AnnAssign) for n in ast.walk(a.annotation)]
-            here = {a.arg for a in every} | {a.arg for a in given.kwonlyargs}
+            here = {a.arg for a in (*every, *given.kwonlyargs)} | {name for n in ast.walk(node) for name in _set_by(n)}
             for inner in (n for statement in node.body for n in ast.walk(statement)):
                 if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load) and inner.id not in known | here:
                     if hasattr(builtins, inner.id) or inner in notes:
@@ -193,6 +194,16 @@ def _may_call(function: ast.expr, own: set[str]) -> bool:
     if isinstance(function, ast.Lambda):
         return True  # refused as such
     return isinstance(function, ast.Name) and (function.id in own or function.id in CALLS or hasattr(math, function.id))
+
+
+def _set_by(node: ast.AST) -> Iterator[str]:
+    """The names that a piece of a function gives values to."""
+    if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
+        yield node.id
+    elif isinstance(node, ast.MatchAs | ast.MatchStar) and node.name:
+        yield node.name
+    elif isinstance(node, ast.MatchMapping) and node.rest:
+        yield node.rest
 
 
 def is_name(value: object) -> bool:

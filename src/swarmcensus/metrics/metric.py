@@ -56,9 +56,13 @@ class Metric:
         """The file itself, run by CPython. Raises InputError."""
         return plain.loaded(plain.checked(self.source, "metric", self.path)[0], "metric", self.path)
 
+    @functools.cached_property
+    def _record(self) -> type:
+        return type("Record", (), {"__slots__": (*GIVEN, *self.fields)})
+
     def record(self, **given: float) -> Any:
         """A record for CPython, of what is GIVEN: it can hold the metric's fields and nothing else."""
-        one = type("Record", (), {"__slots__": (*GIVEN, *self.fields)})()
+        one = self._record()
         for name, value in given.items():
             setattr(one, name, value)
         return one

@@ -121,15 +121,17 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         name, here = metric.name, False
         if metric.sha256 in known:
             continue
-        if name in metrics.DOOR:
+        known_here = name in metrics.DOOR
+        if known_here:
             here = brains.read_source("metric", metrics.DOOR.path(name)) == metric.source
-        elif not (here := _lies_here("metric", name, metric.source)):
-            raise InputError(
-                f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
-                "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
-            )
-        if not here:
+        if here or _lies_here("metric", name, metric.source):
+            continue
+        if known_here:
             raise InputError(f"metric {name!r}: its source has changed since these results were made")
+        raise InputError(
+            f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
+            "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
+        )
 
 
 def _found(name: str, source: str) -> brains.Brain | None:

@@ -80,7 +80,8 @@ def verify(
     if wrong := checking.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
-    changed = (said for study in studies if (said := edited(data, study)))
+    own = ("brain", "metric")  # of which the results hold the source
+    changed = (said for study in studies if (said := edited(data, study, apart_from=own)))
     labels = [*changed, *unlike(data, studies), *_ended(data, studies)]
     tried = data["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():

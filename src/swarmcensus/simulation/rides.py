@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
@@ -72,11 +73,14 @@ class Rider:
         filled = np.array([true_fill_ratio])
         estimates = kept if metrics.estimates else None
         watches = [Watch(m, self.setting, self.trial, truth, metrics.delta, metrics.bins) for m in metrics.watched]
-        if watches and not math.isfinite(self.rows.sum()):
-            raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE))
         for watch in watches:
             watch.see(self.rows, 1)
-        watched = results_of(watches)
+        try:
+            watched = results_of(watches)
+        except InputError as wrong:
+            if math.isfinite(self.rows.sum()):
+                raise
+            raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
         return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates, watched)
 
 

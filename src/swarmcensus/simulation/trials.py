@@ -116,6 +116,7 @@ def _live(
     )  # fmt: skip
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
+    sound = True
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         try:
@@ -125,14 +126,18 @@ def _live(
         if not finished:
             return None
         seen = rows[: rounds - begin * segment]
-        if watches and begin < segments:
-            if not math.isfinite(seen.sum()):
-                raise blame(setting, first, trials, ArithmeticError(NOT_FINITE))
-            for watch in watches:
-                watch.see(seen, begin * segment + 1)
+        for watch in watches if begin < segments else ():
+            sound &= math.isfinite(seen.sum())
+            watch.see(seen, begin * segment + 1)
+    try:
+        found = results_of(watches)
+    except InputError as error:
+        if sound:
+            raise
+        raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
-    return Batch(where, errors, final, correct, kept=estimates, watched=results_of(watches))
+    return Batch(where, errors, final, correct, kept=estimates, watched=found)
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:

@@ -12,6 +12,7 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.studies.settings import Setting
 
 MOST_SHOWN = 1_000_000  # estimates, to CPython
+WIDEST_CHECKED = 100  # robots
 MOST_CHECKED = 2_000  # by it, of each metric that this process has not met: some milliseconds
 CHECKED: set[Metric] = set()
 
@@ -36,8 +37,9 @@ class Watch:
         """Look at estimates (round, robot) from round `first` on. Raises MetricFails."""
         try:
             follow = compile_metric(self.metric).follow
-            if first == 1 and self.metric not in CHECKED:
-                self._check(rows[: MOST_CHECKED // rows.shape[1] + 1], follow)
+            if first == 1 and len(rows) > 1 and self.metric not in CHECKED:  # a single round only compiles it
+                few = rows[:, :WIDEST_CHECKED]
+                self._check(np.ascontiguousarray(few[: MOST_CHECKED // few.shape[1] + 2]), follow)
                 CHECKED.add(self.metric)
             follow(self.blank, self.records, rows, first, self.truth, self.out)
         except MetricFails:
@@ -58,7 +60,7 @@ class Watch:
             slow = self._lived(rows, whole=False)
         except Exception as error:
             raise self._wrong(f"{type(error).__name__}: {error}{line_of(error, self.metric.path)}") from error
-        fast = self.records.copy()
+        fast = np.repeat(self.blank, len(slow))
         follow(self.blank, fast, rows, 1, self.truth, self.out[:0])
         for i, mine in enumerate(slow):
             for name in self.metric.fields:
@@ -81,7 +83,7 @@ class Watch:
     def _lived(self, rows: np.ndarray, whole: bool = True) -> list[Any]:
         """The metric's records after these estimates, by CPython; `whole`: their results are asked for too."""
         functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
-        records = [self.metric.record(**given) for _ in self.records]
+        records = [self.metric.record(**given) for _ in range(1 if self.metric.of_swarm else rows.shape[1])]
         for my in records:
             functions.begin(my)
         for k, row in enumerate(rows.tolist(), start=1):
@@ -98,6 +100,10 @@ class Watch:
         """What came of it: (1, robot), or (1,) of a swarm. Raises MetricFails where it is no number."""
         if (np.isnan(self.out) | np.isneginf(self.out)).any():
             raise self._wrong("its result is no number (of what never comes, infinity is right)")
+        low, high = self.metric.bounds
+        beyond = self.out[(self.out < low - 1e-9) | (self.out > high + 1e-9)]
+        if beyond.size:
+            raise self._wrong(f"its result {beyond[0]:g} is outside its BOUNDS, {low:g} to {high:g}")
         return self.out if self.metric.of_swarm else self.out[np.newaxis]
 
 

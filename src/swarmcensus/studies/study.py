@@ -10,6 +10,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.studies.checks import all_settings, check
@@ -130,8 +131,8 @@ class Study:
         spreads = [s for a in self._accuracies for s in a.spreads]
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
-            *((brains.DOOR, brain.name) for brain in self.brains),
-            *((metrics.DOOR, metric.name) for metric in self.measure.metrics),
+            *((brains.DOOR, brain.name) for brain in self.brains if _of(brains.DOOR, brain)),
+            *((metrics.DOOR, metric.name) for metric in self.measure.metrics if _of(metrics.DOOR, metric)),
             *((wiring.DOOR, topology.named) for topology in self.topologies if topology.named),
             *((patterns.DOOR, floor.kind) for floor in floors),
             *((spreading.DOOR, spread.kind) for spread in spreads if spread.kind),
@@ -169,3 +170,8 @@ class Study:
         """Those of the full grid, in which brain, topology, robots and accuracy vary slowest; then each case's."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
+
+
+def _of(door: Door, one: Brain | metrics.Metric) -> bool:
+    """Whether a brain or metric is another package's, and no file that has the name of one."""
+    return one.name not in door.shipped and one.name in door and door.path(one.name) == one.path
