@@ -3,6 +3,7 @@
 The package is made of the files that docs/adding.md shows, and of some that are wrong.
 """
 
+import json
 import math
 import os
 import re
@@ -173,6 +174,28 @@ def swarmcensus(package, *arguments):
     return done.returncode, done.stderr
 
 
+TOLD = """
+import contextlib, io, json, sys
+from swarmcensus.cli.commands import main
+said = []
+for command in json.loads(sys.argv[1]):
+    with contextlib.redirect_stderr(io.StringIO()) as error:
+        said.append((main(command), error.getvalue()))
+json.dump(said, sys.stderr)
+"""
+
+
+def one_by_one(package, *commands):
+    """Run commands in one process, which takes seconds to begin, with the package. Gives what each does."""
+    text = json.dumps([[str(word) for word in command] for command in commands])
+    path = os.pathsep.join([str(package), *sys.path])
+    done = subprocess.run(
+        [sys.executable, "-c", TOLD, text], env=os.environ | {"PYTHONPATH": path}, capture_output=True, text=True,
+        check=True,
+    )  # fmt: skip
+    return json.loads(done.stderr)
+
+
 # ---- topologies, kinds of floor and spreads
 
 FIXED = """
@@ -310,12 +333,13 @@ def test_results_of_a_file_that_was_changed_are_not_mixed_with_others(package, d
         before = path.read_text()
         path.write_text(before + "# a word more\n")
         shutil.copy(done / f"{name}.nc", tmp_path / "x.nc")
-        code, said = swarmcensus(tmp_path / "site", "run", done / f"{name}.toml", "--out", tmp_path / "x.nc")
-        assert (code, said.count("\n")) == (2, 1)
-        assert f"the {kind} {file} of meadow was changed since these results were made" in said
-        code, said = swarmcensus(tmp_path / "site", "replay", tmp_path / "x.nc", "--setting", 0, "--trial", 0)
-        assert (code, said.count("\n")) == (2, 1)
-        assert f"the {kind} {file} of meadow was changed since these results were made" in said
+        old = tmp_path / "x.nc"
+        replay = ("replay", old, "--setting", 0, "--trial", 0)
+        commands = [("run", done / f"{name}.toml", "--out", old), replay, ("merge", old, "--out", tmp_path / "y.nc")]
+        for code, said in one_by_one(tmp_path / "site", *commands):
+            assert (code, said.count("\n")) == (2, 1)
+            assert f"the {kind} {file} of meadow was changed since these results were made" in said
+        assert not (tmp_path / "y.nc").exists()
         path.write_text(before)
 
 
@@ -503,12 +527,16 @@ def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(packag
         before = path.read_text()
         path.write_text(before + "# a word more\n")
         shutil.copy(measured / "s.nc", tmp_path / "x.nc")
-        code, said = swarmcensus(tmp_path / "site", "run", measured / "s.toml", "--out", tmp_path / "x.nc")
-        assert (code, said.count("\n")) == (2, 1)
-        assert said_of_run in said
-        code, said = swarmcensus(tmp_path / "site", "verify", tmp_path / "x.nc", "--sample", 1)
-        assert (code, said.count("\n")) == (2, 1)
-        assert said_of_verify in said
+        old = tmp_path / "x.nc"
+        commands = [("run", measured / "s.toml", "--out", old), ("verify", old, "--sample", 1)]
+        found = one_by_one(tmp_path / "site", *commands)
+        for (code, said), due in zip(found, (said_of_run, said_of_verify), strict=True):
+            assert (code, said.count("\n")) == (2, 1)
+            assert due in said
+        given = tmp_path / f"{file}.py"
+        given.write_text(before)
+        ((code, said),) = one_by_one(tmp_path / "site", ("verify", old, "--sample", 1, "--brain", given))
+        assert (code, said) == (0, "")
         path.write_text(before)
 
 

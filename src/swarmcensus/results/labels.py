@@ -16,7 +16,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, failures, finished, is_old
 from swarmcensus.results.store import dataset, widths_of_rule
-from swarmcensus.results.values import MISSING, Values, metrics_in
+from swarmcensus.results.values import MISSING, Values, edited, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -94,7 +94,8 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     want = outline(studies, "merged" in data.attrs)
     size = _size(data, studies, want) if whole else ()
     trials = _trials(data, studies, "merged" in data.attrs)
-    return [*_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
+    changed = (said for study in studies if (said := edited(data, study)))
+    return [*changed, *_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
 
 
 def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:

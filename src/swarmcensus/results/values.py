@@ -92,11 +92,10 @@ def additions_in(data: Any) -> dict[str, dict[str, str]]:
         return {}
 
 
-def edited(data: Any, study: Study, *, apart_from: tuple[str, ...] = ()) -> str:
-    """Which of them, but for some kinds, is of another edition here, as a sentence; empty where none is."""
+def edited(data: Any, study: Study) -> str:
+    """Which of them is of another edition here, as a sentence; empty where none is."""
     for name, one in additions_in(data).items():
-        kind = name.partition(" ")[0]
-        if kind not in apart_from and study.additions.get(name, one)["sha256"] != one["sha256"]:
+        if study.additions.get(name, one)["sha256"] != one["sha256"]:
             return f"the {name} of {one['package']} was changed since these results were made"
     return ""
 

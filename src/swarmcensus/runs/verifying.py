@@ -17,7 +17,7 @@ from swarmcensus.results import checking
 from swarmcensus.results.labels import settings_of, unlike
 from swarmcensus.results.origins import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
-from swarmcensus.results.values import MISSING, VARIABLES, Values, edited, kinds_in
+from swarmcensus.results.values import MISSING, VARIABLES, Values, kinds_in
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
@@ -80,9 +80,7 @@ def verify(
     if wrong := checking.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
-    own = ("brain", "metric")  # of which the results hold the source
-    changed = (said for study in studies if (said := edited(data, study, apart_from=own)))
-    labels = [*changed, *unlike(data, studies), *_ended(data, studies)]
+    labels = [*unlike(data, studies), *_ended(data, studies)]
     tried = data["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
