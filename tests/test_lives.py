@@ -146,10 +146,10 @@ def failing_engine(error, *, only="kernel"):
     def fail(*_):
         raise error
 
-    def compile_brain(brain, name="kernel"):
-        return SimpleNamespace(simulate=fail, live=fail) if name == only else compiler.compile_brain(brain, name)
+    def compile_world(name="world"):
+        return SimpleNamespace(simulate=fail, live=fail) if name == only else compiler.compile_world(name)
 
-    return SimpleNamespace(**{**vars(compiler), "compile_brain": compile_brain})
+    return SimpleNamespace(**{**vars(compiler), "compile_world": compile_world})
 
 
 def test_a_brain_that_fails_is_named_with_its_trials(monkeypatch):
@@ -183,7 +183,7 @@ def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
     asked = []
     monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
     (setting,) = settings_of(robots=2, rounds=3, looks=4)
-    size = compiler.blank(setting.brain).itemsize
+    size = compiler.blank(setting.brain).nbytes
     for local, expected in ((False, (2, 3, size, 1)), (True, (2, 12, size, 4))):
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO, local)
         assert asked.pop() == expected

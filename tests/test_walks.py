@@ -229,9 +229,9 @@ def test_a_brain_that_fails_on_a_walk_is_named_with_its_trial(folder, monkeypatc
     monkeypatch.setattr(rides.Rider, "ride", fail)
     with pytest.raises(sc.InputError, match=r"^brain 'minimalistic' fails in trial 2 of moving.*: division by zero$"):
         run_ride([plain], SEED, 2, Metrics(0.02, 5, (3,)), GO)
-    compiled = rides.compiler.compile_brain
-    steered = lambda brain, name: SimpleNamespace(live=fail) if name == "steering" else compiled(brain, name)  # noqa: E731
-    monkeypatch.setattr(rides, "compiler", SimpleNamespace(**{**vars(rides.compiler), "compile_brain": steered}))
+    compiled = rides.compiler.compile_world
+    steered = lambda name: SimpleNamespace(live=fail) if name == "steering" else compiled(name)  # noqa: E731
+    monkeypatch.setattr(rides, "compiler", SimpleNamespace(**{**vars(rides.compiler), "compile_world": steered}))
     with pytest.raises(sc.InputError, match=r"fails in trial 2 of moving.*: division by zero$"):
         run_ride([steering], SEED, 2, Metrics(0.02, 5, (3,)), GO)
 

@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import xarray as xr
 
-from swarmcensus.brains import FUNCTIONS, Brain
+from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
 from swarmcensus.conformance.promises import is_wish
 from swarmcensus.engine import compiler
@@ -24,22 +24,10 @@ EVERY = 5  # readings a round
 
 def compiles(brain: Brain) -> None:
     """Make machine code of all that `agrees` runs, and run none of it: what it does is for that check."""
-    kernel = compiler.compile_brain(brain)
-    blank = compiler.blank(brain)
-    history = np.empty((2, 2), blank.dtype)
-    nobody = np.zeros(0, np.uint32)
-    sure = np.full(2, 0.9)
-    given: list[tuple[Any, tuple[Any, ...]]] = [
-        (kernel.follow, (blank, sure, sure, np.ones((1, 2)), 1, True, np.zeros(1, np.int64), nobody, nobody, history)),
-        (kernel.believe, (history, np.empty((2, 2)))),
-    ]
-    if brain.steers:
-        riding = compiler.compile_brain(brain, "riding")
-        given.append((riding.wish, (history[0], Body().numbers, np.empty((3, 2)))))
     try:
-        for function, arguments in given:
-            if hasattr(function, "compile"):  # not where Numba is switched off
-                function.compile(tuple(map(numba.typeof, arguments)))
+        compiler.compile_brain(brain, "recorded")
+        if brain.steers:
+            compiler.compile_brain(brain, "moving")
     except MemoryError:
         raise
     except Exception as error:
@@ -81,24 +69,24 @@ def agrees(brain: Brain) -> None:
 
 
 def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
-    """What compiled minds (robot) want, (what, robot): whether anything, speed and turn, on wheels without a limit."""
+    """What minds (robot, field) want, compiled: (what, robot): whether anything, speed, turn; wheels have no limit."""
     body = Body(tick=1.0).numbers
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
-    compiler.compile_brain(brain, "riding").wish(minds, body, wishes)
+    compiler.compile_world("riding").wish(compiler.compile_brain(brain, "moving"), minds, body, wishes)
     return wishes
 
 
 def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
     """Ask the minds of a trace (round, robot) where they want to go, in CPython and in machine code."""
     for k in range(trace.sizes["round"]):
-        minds = np.empty(len(b), compiler.record_type(brain))
+        minds = np.empty((len(b), len(compiler.blank(brain))))
         said = []
         for i in range(len(b)):
             me = brain.robot(float(b[i]), float(w[i]))
             for name in brain.memory:
                 setattr(me, name, float(trace[name].values[k, i]))
-            minds[i] = tuple(getattr(me, name) for name in minds.dtype.names or ())
+            minds[i] = [getattr(me, name) for name in (*brain.memory, *BELIEFS)]
             said.append(brain.functions.steer(me))
         if not all(map(is_wish, said)):
             return  # which is another check's to say
@@ -119,19 +107,19 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     All is compiled before this returns, nothing run.
     """
     b, w, readings, ring = history()
-    kernel = compiler.compile_brain(brain)
+    module = compiler.phases_of(brain)
     real = numba.float64
     record = numba.from_dtype(compiler.record_type(brain))
     message = numba.typeof((0.0,) * len(brain.message))  # type: ignore[no-untyped-call]
     given = {"observe": (real, real), "receive": (message,)}
 
     def robot(b: float, w: float) -> Any:
-        minds = compiler.blank(brain)
+        minds = compiler.records(brain, compiler.blank(brain)[np.newaxis])
         minds["b"], minds["w"] = b, w
         return minds[0]
 
     def told(name: str) -> Any:
-        function = getattr(kernel, name)
+        function = getattr(module, name)
         function.compile((record, *given.get(name, ())))
 
         def one(me: Any, *values: Any) -> Any:

@@ -1,8 +1,8 @@
-"""From a brain file to machine code: the kernel is compiled around the very file, once per machine.
+"""From sources to machine code that is kept: the engine's loops once a machine, few short functions for every brain.
 
 Numba caches machine code beside a source file and does not see what that file imports. So each brain gets
 a folder of its own, named by the hash of all that the code depends on, with a copy of the brain, of the
-kernel, and of a few lines that fit the brain's fields to the kernel's arrays.
+phases of a round, and of a few lines that fit the brain's fields to the engine's rows; and so do the loops.
 """
 
 import atexit
@@ -27,12 +27,20 @@ import numpy as np
 from swarmcensus.brains import BELIEFS, Brain
 from swarmcensus.engine import glue
 from swarmcensus.engine.keeping import sealed
+from swarmcensus.engine.modes import PHASES
 from swarmcensus.metrics import GIVEN, Metric
 
 HERE = Path(__file__).parent
-SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "compiler.py")  # what every kernel depends on
-PARTS = {"walk": ("motion.py", "neighbours.py")}  # what it imports from its own folder
-STEERING = ("steering.py", "walk.py", *PARTS["walk"])  # beside the kernel of a brain that steers
+SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "calling.py", "compiler.py")  # what all code depends on
+WALK = ("motion.py", "neighbours.py")
+PARTS = {  # what a file imports from its own folder
+    "kernel": ("rounds.py", "minds.py"),
+    "riding": ("minds.py",),
+    "walk": WALK,
+    "steering": ("riding.py", "minds.py", "walk.py", *WALK),
+}
+NETWORK = ("sense", "hear", "end_round", "believe")  # what of a brain is needed on a network; where it has SUMS too
+SUMS_OF = {"network": "hear_all", "moving": "hear_sums"}
 
 
 def compiled(function: types.FunctionType) -> Any:
@@ -53,11 +61,13 @@ def record_type(brain: Brain) -> np.dtype:
 
 
 def blank(brain: Brain) -> np.ndarray:
-    """One mind before its first observation, shape (1,)."""
-    mind = np.zeros(1, record_type(brain))
-    for name, value in brain.memory.items():
-        mind[name] = value
-    return mind
+    """A mind before its first observation: MEMORY's values, then room for the BELIEFS, shape (field,)."""
+    return np.array([*brain.memory.values(), *(0.0 for _ in BELIEFS)])
+
+
+def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
+    """Minds (..., field) as records with the brain's names, shape (...)."""
+    return minds.view(record_type(brain))[..., 0]
 
 
 def blank_record(metric: Metric, **given: float) -> np.ndarray:
@@ -108,10 +118,33 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
-@functools.lru_cache(maxsize=64)
-def compile_brain(brain: Brain, name: str = "kernel") -> types.ModuleType:
-    """The "kernel", "riding" or "steering" around a brain: a module whose functions are the engine's entry points."""
-    return _module(_brain_files(brain), name)
+@functools.lru_cache(maxsize=256)
+def compile_brain(brain: Brain, use: str = "network") -> Any:
+    """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
+
+    Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded".
+    """
+    module = phases_of(brain)
+    needed = needs(brain, use)
+    with _LOCK:
+        found = [getattr(module, name).address() if name in needed else None for name in PHASES]
+    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+        return tuple(found)
+    return np.array([address or 0 for address in found], np.uint64)
+
+
+def needs(brain: Brain, use: str) -> set[str]:
+    """Which of a brain's functions a use calls."""
+    if use == "alone":
+        return {"go_alone", "believe"}
+    sums = {SUMS_OF[use]} if use in SUMS_OF and brain.sums else set()
+    asked = {"ask"} if use == "moving" and brain.steers else set()
+    return {*NETWORK, *sums, *asked}
+
+
+def phases_of(brain: Brain) -> types.ModuleType:
+    """The module `phases.py` around a brain, none of it compiled yet."""
+    return _module(_brain_files(brain), "phases")
 
 
 @functools.lru_cache(maxsize=64)
@@ -123,16 +156,16 @@ def compile_metric(metric: Metric) -> types.ModuleType:
 
 @functools.cache
 def compile_world(name: str = "world") -> types.ModuleType:
-    """The entry points that know of no brain: `world.py` or `walk.py`."""
+    """The engine's entry points of one file, which know of no brain."""
     parts = (f"{name}.py", *PARTS.get(name, ()))
     return _module({"__init__.py": "", **{part: _source(part) for part in parts}}, name)
 
 
-def is_compiled(brain: Brain, function: str = "kernel.simulate") -> bool:
-    """Whether a function around a brain is on disk as machine code."""
+def is_compiled(brain: Brain, use: str = "network") -> bool:
+    """Whether all that a use needs of a brain is on disk as machine code."""
     with contextlib.suppress(OSError):
-        folder = cache_root() / _digest(_brain_files(brain))
-        return any((folder / "__pycache__").glob(f"{function}-*.nbc"))
+        kept = cache_root() / _digest(_brain_files(brain)) / "__pycache__"
+        return all(any(kept.glob(f"phases.{name}-*.nbc")) for name in needs(brain, use))
     return False
 
 
@@ -145,8 +178,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
         "__init__.py": "",
         "brain.py": brain.source,
         "mind.py": glue.of_brain(brain),
-        **{part: _source(part) for part in ("minds.py", "rounds.py", "kernel.py", "riding.py")},
-        **({part: _source(part) for part in STEERING} if brain.steers else {}),
+        "phases.py": _source("phases.py"),
     }
 
 

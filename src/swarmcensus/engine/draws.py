@@ -102,7 +102,7 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
         words(key, trial, tick, part, first, last - first, bits)
         kind = 0 if (part + 1) * PART <= looks else tables.shape[0] - 1
         for i in range(np.uint64(0), last - first):
-            drawn = pick(tables[kind, (first + i) * stride], bits[i])
+            drawn = float(pick(tables[kind, (first + i) * stride], bits[i]))
             blacks[i] = drawn if part == 0 else blacks[i] + drawn
 
 
@@ -113,4 +113,4 @@ def arrange(reading, blacks, bits, left, key, trial, step):
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]
         reading[i] = 1.0 if black else 0.0
-        blacks[i] -= 1 if black else 0
+        blacks[i] -= reading[i]

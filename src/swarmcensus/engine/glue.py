@@ -1,13 +1,17 @@
 """The few lines that fit one brain, or one metric, to the compiled loops: a module that is written for it."""
 
-from swarmcensus.brains import FUNCTIONS, Brain
+from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 from swarmcensus.metrics import Metric
 
-MIND = '''"""Fits one brain to the kernel. Made by swarmcensus; edits are lost."""
+MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
+import numpy as np
+
+from swarmcensus.engine.compiler import compiled
 
 from . import brain
+
+record = np.dtype((np.record, [(name, np.float64) for name in {fields}]))
 
 for name, value in list(vars(brain).items()):
     if isinstance(value, type(lambda: None)):
@@ -16,7 +20,6 @@ for name, value in list(vars(brain).items()):
 steer = {steer}
 outbox_width = {width}
 no_sums = {no_sums}
-additive = {additive}
 
 
 @compiled
@@ -68,7 +71,7 @@ def of_brain(brain: Brain) -> str:
         additions="\n    ".join(f"me.{name} += sums[{j}]" for j, name in enumerate(brain.sums)) or "pass",
         sums="".join(f"sums[{j}] + scratch.{name}, " for j, name in enumerate(brain.sums)).strip() or "sums",
         clearing="\n    ".join(f"scratch.{name} = 0.0" for name in brain.sums) or "pass",
-        additive=bool(brain.sums),
+        fields=(*brain.memory, *BELIEFS),
         no_sums=(0.0,) * max(1, len(brain.sums)),
     )
 

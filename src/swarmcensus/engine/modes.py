@@ -8,3 +8,7 @@ MOVING, SENSING, TALKING = 0, 1, 2
 NEVER = 1 << 62
 
 TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
+
+# what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
+PHASES = ("sense", "hear", "hear_sums", "hear_all", "end_round", "go_alone", "believe", "ask")
+SENSE, HEAR, HEAR_SUMS, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, ASK = range(8)

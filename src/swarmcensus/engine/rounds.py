@@ -1,35 +1,23 @@
 """A round on fixed networks: minds observe, say what they hold, hear each other and fuse.
 
-Like the kernel, which calls it, this file is compiled anew for every brain (see `compiler.py`): `.mind` is that brain.
+`minds` are the addresses of a brain's functions (see `calling.py`).
 """
 
 import numpy as np
 from numba import njit
 
+from swarmcensus.engine.calling import call
 from swarmcensus.engine.draws import arrange, count_blacks
-from swarmcensus.engine.modes import FULL, LISTED, SENSING, TALKING
+from swarmcensus.engine.modes import END_ROUND, FULL, GO_ALONE, HEAR, HEAR_ALL, LISTED, SENSE, SENSING
 
-from .mind import (
-    add_sums,
-    broadcast,
-    compiled,
-    estimate,
-    fuse,
-    no_sums,
-    observe,
-    pack,
-    receive,
-    sums_with,
-    unpack,
-)
-from .minds import ZERO, fuse_some, heard_by, works
+from .minds import ZERO, arrives, works
 
 # Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
 # inner loops: Numba then need not ask whether an index counts from the end.
 BLOCK = np.uint64(256)
 
 
-@njit(nogil=True, error_model="python")
+@njit(nogil=True)
 def blocks(receivers, robots):
     """Where each block's links begin, and where the last one's end; links are sorted by receiver."""
     count = (robots + 255) // 256
@@ -42,89 +30,58 @@ def blocks(receivers, robots):
     return out
 
 
-@njit(nogil=True, error_model="python")
-def observe_where_able(memory, outbox, said, blacks, looks, tick, first, last, stops):
-    """The same of robots of which some fail: apart, so that the loop of sound robots stays bare."""
-    for i in range(first, last):
-        if works(stops, SENSING, i, tick):
-            observe(memory[i], float(blacks[i - first]), float(looks))
-        pack(outbox, said + i, broadcast(memory[i]))
+@njit(nogil=True)
+def most_links(reach, links, robots):
+    """How many messages may arrive in one call: at a block of robots, or of a full network at one robot."""
+    most = robots if links != LISTED else 0
+    for place in range(reach.size - 1):
+        most = max(most, np.int64(reach[place + 1] - reach[place]))
+    return most
 
 
-@compiled
-def observe_some(memory, outbox, said, blacks, bits, tables, looks, key, trial, tick, first, last, stops):
-    """Robots first ... last - 1 make their round's observations and say what they hold then."""
-    count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last)
-    if stops.shape[1] > 0:
-        observe_where_able(memory, outbox, said, blacks, looks, tick, first, last, stops)
-        return
-    for i in range(first, last):
-        observe(memory[i], float(blacks[i - first]), float(looks))
-        pack(outbox, said + i, broadcast(memory[i]))
-
-
-@compiled
-def hear_all(memory, outbox, said, scratch, rows, r):
-    """Everyone hears everyone and fuses, in O(N), for a brain whose `receive` only adds.
-
-    What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
-    unlike "all minus own".
-    """
-    n = np.uint64(memory.size)
-    before = no_sums
-    for i in range(ZERO, n):
-        add_sums(memory[i], before)
-        before = sums_with(before, unpack(outbox, said + i), scratch[0])
-    after = no_sums
-    for below in range(ZERO, n):
-        i = n - np.uint64(1) - below
-        add_sums(memory[i], after)
-        after = sums_with(after, unpack(outbox, said + i), scratch[0])
-        fuse(memory[i])
-        rows[r, i] = estimate(memory[i])
-
-
-@njit(nogil=True, error_model="python")
-def hear_what_arrives(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
+@njit(nogil=True)
+def hear_what_arrives(
+    minds, memory, outbox, said, receivers, senders, first, last, arrivals, key, trial, tick, threshold, stops
+):  # fmt: skip
     """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
+    count = 0
     for link in range(first, last):
-        if works(stops, TALKING, senders[link], tick) and (
-            threshold == 0 or heard_by(key, trial, tick, receivers[link], senders[link], threshold)
-        ):
-            receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
+        if arrives(key, trial, tick, tick, receivers[link], senders[link], threshold, stops):
+            arrivals[0, count] = receivers[link]
+            arrivals[1, count] = senders[link]
+            count += 1
+    call(minds[HEAR], memory, outbox, said, arrivals[0], arrivals[1], ZERO, count, memory.shape[0])
 
 
-@compiled
-def hear_listed(memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops):
-    """Messages pass along links first ... last - 1; `threshold` 0 means that none is lost."""
-    if threshold > 0 or stops.shape[1] > 0:
-        hear_what_arrives(
-            memory, outbox, said, receivers, senders, first, last, key, trial, tick, threshold, stops
-        )  # fmt: skip
-        return
-    for link in range(first, last):
-        receive(memory[receivers[link]], unpack(outbox, said + senders[link]))
-
-
-@njit(nogil=True, error_model="python")
-def hear_pairs(memory, outbox, said, key, trial, tick, threshold, stops, stop):
+@njit(nogil=True)
+def hear_pairs(minds, memory, outbox, said, arrivals, key, trial, tick, threshold, stops, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
-    for i in range(memory.size):
+    robots = memory.shape[0]
+    for i in range(robots):
         if stop[0] != 0:
             return
-        for j in range(memory.size):
-            if (
-                i != j
-                and works(stops, TALKING, j, tick)
-                and (threshold == 0 or heard_by(key, trial, tick, i, j, threshold))
-            ):
-                receive(memory[i], unpack(outbox, said + np.uint64(j)))
+        count = 0
+        for j in range(robots):
+            if i != j and arrives(key, trial, tick, tick, i, j, threshold, stops):
+                arrivals[0, count] = i
+                arrivals[1, count] = j
+                count += 1
+        call(minds[HEAR], memory, outbox, said, arrivals[0], arrivals[1], ZERO, count, memory.shape[0])
 
 
-@njit(nogil=True, error_model="python")
+@njit(nogil=True, forceinline=True)
+def silence_failed(readings, stops, tick, first, last):
+    """No reading for robots whose sensor has failed."""
+    if stops.shape[1] > 0:
+        for i in range(first, last):
+            if not works(stops, SENSING, i, tick):
+                readings[i - first] = -1.0
+
+
+@njit(nogil=True)
 def advance(
-    memory, outbox, scratch, blacks, bits, tables, first, last, looks, trial,
-    read_key, link_key, links, receivers, senders, reach, threshold, rows, stops, stop,
+    minds, memory, outbox, scratch, readings, bits, tables, first, last, looks, trial,
+    read_key, link_key, links, receivers, senders, reach, arrivals, threshold, rows, stops, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
@@ -132,46 +89,52 @@ def advance(
     swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
     `said` is where this round's messages begin.
     """
-    n = np.uint64(memory.size)
+    n = np.uint64(memory.shape[0])
     said, next_said = ZERO, n
+    sound = threshold == 0 and stops.shape[1] == 0
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
         r = k - first
+        here = np.uint64(max(r, 0)) * n
         if r >= 0 and links == FULL:
-            hear_all(memory, outbox, said, scratch, rows, r)
+            call(minds[HEAR_ALL], memory, outbox, said, scratch, rows, here, n)
         elif r >= 0 and links != LISTED:
-            hear_pairs(memory, outbox, said, link_key, trial, k, threshold, stops, stop)
-        for start in range(ZERO, n, BLOCK):
+            hear_pairs(minds, memory, outbox, said, arrivals, link_key, trial, k, threshold, stops, stop)
+        for block in range(ZERO, np.uint64(reach.size - 1)):
+            start = block * BLOCK
             end = min(start + BLOCK, n)
             if r >= 0 and links == LISTED:
-                one, other = reach[start // BLOCK], reach[start // BLOCK + np.uint64(1)]
-                hear_listed(memory, outbox, said, receivers, senders, one, other, link_key, trial, k, threshold, stops)
+                one, other = reach[block], reach[block + np.uint64(1)]
+                if sound:
+                    call(minds[HEAR], memory, outbox, said, receivers, senders, one, other, n)
+                else:
+                    hear_what_arrives(
+                        minds, memory, outbox, said, receivers, senders, one, other, arrivals, link_key, trial, k,
+                        threshold, stops,
+                    )  # fmt: skip
             if r >= 0 and links != FULL:
-                fuse_some(memory, start, end, rows, r)
+                call(minds[END_ROUND], memory, rows, here, start, end)
             if k + 1 < last:
-                observe_some(
-                    memory, outbox, next_said, blacks, bits, tables, looks, read_key, trial, k + 1, start, end, stops
-                )
+                count_blacks(readings, bits, tables, looks, read_key, trial, k + 1, start, end)
+                silence_failed(readings, stops, k + 1, start, end)
+                call(minds[SENSE], memory, outbox, next_said, readings, float(looks), start, end)
         said, next_said = next_said, said
 
 
-@njit(nogil=True, error_model="python")
+@njit(nogil=True)
 def advance_alone(
-    memory, reading, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stops, stop
+    minds, memory, readings, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stops, stop
 ):  # fmt: skip
     """Run single observations first ... last - 1 of robots that hear nobody; their estimates go to `rows`."""
+    n = np.uint64(memory.shape[0])
     for k in range(first, last):
         if stop[0] != 0:
             return
         left = looks - (k - 1) % looks
+        tick = (k - 1) // looks + 1
         if left == looks:
-            count_blacks(
-                blacks, bits, tables, looks, read_key, trial, (k - 1) // looks + 1, ZERO, np.uint64(memory.size)
-            )
-        arrange(reading, blacks, bits, left, order_key, trial, k)
-        for i in range(memory.size):
-            if works(stops, SENSING, i, (k - 1) // looks + 1):
-                observe(memory[i], reading[i], 1.0)
-            fuse(memory[i])
-            rows[k - first, i] = estimate(memory[i])
+            count_blacks(blacks, bits, tables, looks, read_key, trial, tick, ZERO, n)
+        arrange(readings, blacks, bits, left, order_key, trial, k)
+        silence_failed(readings, stops, tick, ZERO, n)
+        call(minds[GO_ALONE], memory, readings, rows, np.uint64(k - first) * n, n)

@@ -1,6 +1,6 @@
 """Robots whose brains steer: bodies and minds live tick by tick together, for where one goes the other decides.
 
-This file is compiled anew for every brain that steers (see `compiler.py`), beside its kernel.
+Compiled once on a machine, like all of the engine's loops.
 """
 
 import numpy as np
@@ -14,13 +14,13 @@ from .walk import walk
 @entry
 def live(
     state, body, half, walk_key, trial, around, senders, wishes, floor,
-    memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
+    minds, additive, memory, blank, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
 ):  # fmt: skip
     """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
 
     `around` is what `walk` takes from anchors to following, `kept` the empty room of `ride` for what is recorded.
     """
-    n = memory.size
+    n = memory.shape[0]
     looked = np.zeros((1, n), np.bool_)
     black = np.zeros((1, n), np.bool_)
     tiles = np.zeros((1, n, 2), np.int32)
@@ -36,7 +36,7 @@ def live(
         for i in range(n):
             black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
         ride(
-            memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay, looked, black, heard,
-            senders, *kept, stops, stop,
+            minds, additive, memory, blank, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+            looked, black, heard, senders, *kept, stops, stop,
         )  # fmt: skip
-        wish(memory, body, wishes)
+        wish(minds, memory, body, wishes)

@@ -87,7 +87,7 @@ def threads(jobs: int | None) -> int:
 def compile_for(study: Study, settings: list[Setting], show: Callable[[str], None]) -> None:
     """Compile here what all settings of a study need, so that threads do not wait for one another."""
     for setting in smallest(settings):
-        if not compiler.is_compiled(setting.brain, "riding.ride" if setting.body else "kernel.simulate"):
+        if not compiler.is_compiled(setting.brain, "moving" if setting.body else "network"):
             what = "robots that move" if setting.body else "fixed networks"
             show(f"compiling {setting.brain.name} for {what}, once on this machine")
         task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)

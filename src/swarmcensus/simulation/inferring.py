@@ -61,16 +61,19 @@ def infer(
     used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
     if compiled:
         blank = compiler.blank(used)
-        kernel = compiler.compile_brain(used)
-        history = np.empty((-(-len(readings) // every) + 1, robots), blank.dtype)
+        shape = (-(-len(readings) // every) + 1, robots)
+        history, estimates = np.empty((*shape, blank.size)), np.empty(shape)
+        outbox = np.empty((robots, len(used.message)))
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
-            kernel.follow(blank, b, w, readings, int(every), periodic, first, senders, receivers, history)
+            compiler.compile_world("kernel").follow(
+                compiler.compile_brain(used, "recorded"), blank, outbox, b, w, readings, int(every), periodic, first,
+                senders, receivers, history, estimates,
+            )  # fmt: skip
         except Exception as error:
             raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
-        estimates = np.empty(history.shape)
-        kernel.believe(history, estimates)
-        fields = {name: history[name] for name in used.memory}
+        minds = compiler.records(used, history)
+        fields = {name: minds[name] for name in used.memory}
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
         fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps)

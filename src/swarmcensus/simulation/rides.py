@@ -16,6 +16,7 @@ from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 
+NOTHING = np.zeros((0, 0, 0)), np.zeros((0, 0))  # what of a ride is recorded where nothing is
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
@@ -26,27 +27,30 @@ class Rider:
         """Wake the minds of one trial."""
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
-        self.kernel = compiler.compile_brain(setting.brain, "riding")
+        self.kernel = compiler.compile_world("riding")
+        self.minds = compiler.compile_brain(setting.brain, "moving")
         self.delay = setting.body.message_delay
         robots = setting.robots
-        blank = compiler.blank(setting.brain)
-        self.memory = np.empty(robots, blank.dtype)
+        self.blank = compiler.blank(setting.brain)
+        self.memory = np.empty((robots, self.blank.size))
         self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
         self.stops = given.stops[0]
         self.keys = given.readings, given.losses
         self.sensors = [a[0] for a in given.sensors]
-        self.kernel.wake(self.memory, blank, *(a[0] for a in given.beliefs), self.outbox, self.start)
+        beliefs = (a[0] for a in given.beliefs)
+        self.kernel.wake(self.minds, self.memory, self.blank, *beliefs, self.outbox, self.start)
 
     def ride(
         self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
     ) -> None:
         """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
-        kept = keep or (np.empty((0, 0), self.memory.dtype), np.zeros((0, 0)))
         self.kernel.ride(
-            self.memory, self.outbox, self.rows, self.trial, chunk.tick, *self.sensors, *self.keys,
-            self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders, *kept,
+            self.minds, bool(self.setting.brain.sums), self.memory, self.blank, self.outbox, self.rows, self.trial,
+            chunk.tick, *self.sensors, *self.keys,
+            self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders,
+            *(keep or NOTHING),
             self.stops, stop,
         )  # fmt: skip
 
@@ -54,7 +58,7 @@ class Rider:
         """Say where the minds want to go in the next tick, if they steer."""
         if wishes.size:
             assert self.setting.body is not None
-            self.kernel.wish(self.memory, self.setting.body.numbers, wishes)
+            self.kernel.wish(self.minds, self.memory, self.setting.body.numbers, wishes)
 
     def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
         """The trial's metrics, as a batch of one."""
@@ -120,12 +124,11 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     given = inputs_of(setting, seed, trial)
     rider, ground = Rider(setting, given), setting.ground(seed, trial)
     state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, given.walk, trial)
-    nothing = np.empty((0, 0), rider.memory.dtype), np.zeros((0, 0))
     try:
-        compiler.compile_brain(setting.brain, "steering").live(
+        compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
-            ground.all_tiles(), rider.memory, rider.outbox, rider.rows, *rider.sensors, *rider.keys,
-            given.loss_threshold, rider.delay, nothing, rider.stops, stop,
+            ground.all_tiles(), rider.minds, bool(setting.brain.sums), rider.memory, rider.blank, rider.outbox,
+            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING, rider.stops, stop,
         )  # fmt: skip
     except Exception as error:
         raise blame(setting, trial, 1, error) from error
@@ -175,7 +178,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     stop = np.zeros(1, np.uint8)
     rider, ground = Rider(setting, inputs_of(setting, seed, trial)), setting.ground(seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty(shape, rider.memory.dtype)
+    history = np.empty((*shape, rider.blank.size))
     history[0] = rider.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)
@@ -193,7 +196,8 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
     joined = np.concatenate(links)
-    return Ride(history, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
+    minds = compiler.records(setting.brain, history)
+    return Ride(minds, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
 
 
 def links_of(chunk: Chunk) -> np.ndarray:

@@ -97,18 +97,19 @@ def _live(
     kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
     links = given.links
     assert links is not None
-    segment = segment_length(setting.robots, rounds, blank.itemsize, looks if local else 1)
+    segment = segment_length(setting.robots, rounds, blank.nbytes, looks if local else 1)
     segments = -(-rounds // segment)
-    kernel = compiler.compile_brain(setting.brain)
+    kernel = compiler.compile_world("kernel")
+    minds = compiler.compile_brain(setting.brain, "alone" if local else "network")
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
-        np.empty(setting.robots, blank.dtype),
+        np.empty((setting.robots, blank.size)),
         np.empty((2 * setting.robots, len(setting.brain.message))),
         rows,
-        np.empty((segments, setting.robots if segments > 1 else 0), blank.dtype),
+        np.empty((segments, setting.robots if segments > 1 else 0, blank.size)),
     )
     arguments = (
-        blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
+        minds, blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
@@ -169,19 +170,18 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot)."""
     blank = compiler.blank(setting.brain)
-    kernel = compiler.compile_brain(setting.brain)
     shape = (setting.rounds + 1, setting.robots)
-    history, estimates, blacks = np.empty(shape, blank.dtype), np.empty(shape), np.zeros(shape, np.int64)
+    history, estimates, blacks = np.empty((*shape, blank.size)), np.empty(shape), np.zeros(shape)
     given = inputs_of(setting, seed, trial)
     links = given.links
     assert links is not None
-    kernel.record(
-        blank, trial, *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio,
-        setting.observations_per_round, history, blacks, given.readings, given.losses,
+    compiler.compile_world("kernel").record(
+        compiler.compile_brain(setting.brain), blank, np.empty((2 * setting.robots, len(setting.brain.message))),
+        trial, *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio,
+        setting.observations_per_round, history, estimates, blacks, given.readings, given.losses,
         links.mode, links.receivers, links.senders, given.loss_threshold, given.stops[0],
     )  # fmt: skip
-    kernel.believe(history, estimates)
-    return history, estimates, blacks
+    return compiler.records(setting.brain, history), estimates, blacks
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

@@ -1,0 +1,89 @@
+"""How the engine's loops, which are compiled once on a machine, call what is compiled anew for every brain.
+
+A brain's functions are called by their addresses. Arrays go as the addresses of their first items, so that a call
+costs a few nanoseconds and the loops need not know a mind's type. Where Numba is switched off the same lines pass
+functions and arrays of CPython.
+"""
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numba
+import numpy as np
+from numba import types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+from swarmcensus.engine.keeping import sealed
+
+ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
+
+
+def passed(kind):
+    """As what an argument of this Numba type goes: an address, a whole number or a real one."""
+    if isinstance(kind, types.Array):
+        return ARRAY
+    return REAL if isinstance(kind, types.Float) else WHOLE
+
+
+@intrinsic
+def _machine_call(typing, function, *arguments):
+    goes_as = [passed(kind) for kind in arguments]
+
+    def generate(context, builder, signature, values):
+        given = []
+        for kind, target, value in zip(arguments, goes_as, cgutils.unpack_tuple(builder, values[1]), strict=True):
+            if isinstance(kind, types.Array):
+                data = context.make_array(kind)(context, builder, value).data
+                given.append(builder.bitcast(data, cgutils.voidptr_t))
+            else:
+                given.append(context.cast(builder, value, kind, target))
+        shape = context.call_conv.get_function_type(types.void, goes_as)
+        callee = builder.inttoptr(values[0], shape.as_pointer())
+        status, _ = context.call_conv.call_function(builder, callee, types.void, goes_as, given)
+        with cgutils.if_unlikely(builder, status.is_error):
+            context.call_conv.return_status_propagate(builder, status)
+        return context.get_dummy_value()
+
+    return types.void(types.uint64, types.StarArgTuple(arguments)), generate
+
+
+def _plain_call(function, *arguments):
+    function(*arguments)
+
+
+def _plain_view(items, shape, dtype):
+    return items.reshape(-1).view(dtype)[: np.prod(shape, dtype=int)].reshape(shape)
+
+
+# call(function, *arguments) calls by an address; seen_as(items, shape, dtype) is what was passed, as an array again
+PLAIN = bool(numba.config.DISABLE_JIT)
+call = _plain_call if PLAIN else _machine_call
+seen_as = _plain_view if PLAIN else numba.carray
+
+
+class Phase(NamedTuple):
+    """A function that is compiled anew for every brain, and as what it takes its arguments."""
+
+    function: Any
+    takes: tuple[Any, ...]
+
+    def address(self) -> Any:
+        """Where its machine code lies, made or loaded now; the function itself where Numba is switched off."""
+        if not hasattr(self.function, "compile"):
+            return self.function
+        self.function.compile(self.takes)
+        made = self.function.overloads[self.takes]
+        return made.library.get_pointer_to_function(made.fndesc.llvm_func_name)
+
+
+def phase(*takes: Any) -> Callable[[Any], Phase]:
+    """Make a Phase of a function, kept on disk; it divides as CPython does: by zero is an error, not infinity."""
+
+    def made(function: Any) -> Phase:
+        machine = numba.njit(
+            nogil=True, error_model="python", cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
+        )(function)
+        return Phase(sealed(machine, function), takes)
+
+    return made
