@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.simulation.trials import Metrics, run_batch
 
 SIZES = {10: (1000, 150), 100: (1000, 20), 10_000: (100, 2), 1_000_000: (100, 1)}  # robots: rounds, trials

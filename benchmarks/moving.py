@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.paper.reproducing import studies_folder
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.inputs import inputs_of

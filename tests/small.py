@@ -3,7 +3,7 @@
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from tests import reference
 
 GO = np.zeros(1, np.uint8)

@@ -8,9 +8,10 @@ import pytest
 from scipy import stats
 
 from swarmcensus import brains
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, black_tables
-from swarmcensus.engine.random import address, block, counter, words
+from swarmcensus.engine.random import block, counter, words
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance

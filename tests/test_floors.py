@@ -11,8 +11,9 @@ from PIL import Image
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.random import address, block, counter, unit
+from swarmcensus.engine.random import block, counter, unit
 from swarmcensus.figures import panels
 from swarmcensus.results import selecting
 from swarmcensus.results.replaying import recording

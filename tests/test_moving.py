@@ -10,7 +10,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.engine import motion
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
 from swarmcensus.simulation.walking import walk

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, alias_row, binomial_row, pick
-from swarmcensus.engine.random import address, block, unit, words
+from swarmcensus.engine.random import block, unit, words
 
 ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
 ZERO = np.uint64(0)

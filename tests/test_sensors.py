@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.random import address
 from swarmcensus.worlds import sensors, spreading
 from swarmcensus.worlds.spreads import uniform
 

@@ -9,9 +9,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.motion import STATE
 from swarmcensus.engine.neighbours import have_strayed
-from swarmcensus.engine.random import address
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics

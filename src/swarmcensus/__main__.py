@@ -1,5 +1,5 @@
 """python -m swarmcensus: the command line."""
 
-from swarmcensus.cli.commands import main
+from swarmcensus.cli.program import program
 
-raise SystemExit(main())
+program()

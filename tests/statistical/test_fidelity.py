@@ -9,7 +9,7 @@ from decimal import Decimal
 import numpy as np
 import pytest
 
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.simulation.walking import walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body

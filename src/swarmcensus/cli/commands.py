@@ -1,9 +1,11 @@
 """The command line: parses the options, calls a command, and says in one line what went wrong."""
 
+import argparse
 import os
 import sys
 import warnings
 from collections.abc import Sequence
+from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.choices import choices
@@ -12,6 +14,7 @@ from swarmcensus.cli.options import parser
 from swarmcensus.cli.plotting import plot
 from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.tracing import infer, replay
+from swarmcensus.results.presence import check_there
 
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 
@@ -23,6 +26,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)
             warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
+            _look_for_results(options)
             code = int(options.run(options) or 0)
             sys.stdout.flush()  # a full disk should be told of here
             return code
@@ -53,6 +57,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+
+
+def _look_for_results(options: argparse.Namespace) -> None:
+    """Raise InputError for results that are not there, before a command imports what it needs to open them."""
+    given = getattr(options, "results", [])
+    for path in [given] if isinstance(given, Path) else given:
+        if options.run is not status:  # which has more to say
+            check_there(path)
 
 
 def _complain(what: object) -> None:

@@ -31,10 +31,6 @@ def reproduce(options: argparse.Namespace) -> int:
 def run(options: argparse.Namespace) -> int:
     """Run a study file."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.cli.tables import failures, settings
-    from swarmcensus.results.cautions import warn_of_edges, warn_of_start
-    from swarmcensus.runs.progress import reporting
-    from swarmcensus.runs.running import run as run_study
     from swarmcensus.studies.study import Study
 
     study = Study.load(options.study)
@@ -43,6 +39,11 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--out {out}: results are written as .nc")
     check_writable(out, options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
+    from swarmcensus.cli.tables import failures, settings  # once all is well: these take long
+    from swarmcensus.results.cautions import warn_of_edges, warn_of_start
+    from swarmcensus.runs.progress import reporting
+    from swarmcensus.runs.running import run as run_study
+
     begun = time.monotonic()
 
     def say(line: str) -> None:

@@ -10,6 +10,7 @@ import contextlib
 import functools
 import hashlib
 import importlib
+import importlib.metadata
 import importlib.util
 import os
 import shutil
@@ -21,7 +22,6 @@ import warnings
 from pathlib import Path
 from typing import Any
 
-import numba
 import numpy as np
 
 from swarmcensus.brains import BELIEFS, Brain
@@ -45,12 +45,23 @@ SUMS_OF = {"network": "hear_all", "moving": "hear_sums"}
 
 def compiled(function: types.FunctionType) -> Any:
     """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
+    import numba
+
     return numba.njit(nogil=True, error_model="python", forceinline=True)(function)
 
 
 def entry(function: types.FunctionType) -> Any:
     """The same, kept on disk: what CPython calls."""
+    import numba
+
     return sealed(numba.njit(nogil=True, error_model="python", cache=True)(function), function)
+
+
+def not_compiled() -> bool:
+    """Whether Numba is switched off, and CPython runs all of the engine."""
+    import numba
+
+    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]
 
 
 @functools.lru_cache(maxsize=64)
@@ -128,7 +139,7 @@ def compile_brain(brain: Brain, use: str = "network") -> Any:
     needed = needs(brain, use)
     with _LOCK:
         found = [getattr(module, name).address() if name in needed else None for name in PHASES]
-    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if not_compiled():
         return tuple(found)
     return np.array([address or 0 for address in found], np.uint64)
 
@@ -184,7 +195,7 @@ def _brain_files(brain: Brain) -> dict[str, str]:
 
 @functools.cache
 def _engine() -> tuple[str, ...]:
-    return (*map(_source, SOURCES), sys.version, numba.__version__, np.__version__)
+    return (*map(_source, SOURCES), sys.version, importlib.metadata.version("numba"), np.__version__)
 
 
 def _digest(files: dict[str, str]) -> str:
@@ -217,7 +228,7 @@ def _load(files: dict[str, str], main: str) -> types.ModuleType:
 
 def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
     # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
-    homes = [HERE, folder] if numba.config.DISABLE_JIT else [folder]  # type: ignore[attr-defined]
+    homes = [HERE, folder] if not_compiled() else [folder]
     spec = importlib.util.spec_from_file_location(
         name, folder / "__init__.py", submodule_search_locations=list(map(str, homes))
     )

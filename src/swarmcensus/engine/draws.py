@@ -8,10 +8,9 @@ than `PART` observations are drawn as several binomials that add up.
 import numpy as np
 from numba import njit
 
+from swarmcensus.engine.modes import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
-COLUMNS = 16  # a power of two, so that the word's top bits pick a column without bias
-PART = COLUMNS - 1  # the most observations that one word can stand for
 LOW = np.uint64(COLUMNS - 1)
 SHIFT = np.uint64(60)
 BITS = np.uint64(4)

@@ -9,6 +9,18 @@ NEVER = 1 << 62
 
 TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero
 
+COLUMNS = (
+    16  # of the tables that readings are drawn by: a power of two, so that a word's top bits pick one without bias
+)
+PART = COLUMNS - 1  # the most observations that one word can stand for
+
+ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
+
+# rows of robots' states: SPEED is in metres and TURN in radians a tick, with the cosine and sine of the part of
+# it that comes before new wheel speeds take hold, and of the part after
+X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING = range(13)
+STATE = 13
+
 # what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
 PHASES = ("sense", "hear", "hear_sums", "hear_all", "end_round", "go_alone", "believe", "ask")
 SENSE, HEAR, HEAR_SUMS, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, ASK = range(8)

@@ -8,6 +8,21 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.modes import (
+    AVOIDING,
+    COS,
+    COS_LATE,
+    COS_THEN,
+    LEFT_TICKS,
+    MOVE,
+    SIN,
+    SIN_LATE,
+    SIN_THEN,
+    SPEED,
+    TURN,
+    X,
+    Y,
+)
 from swarmcensus.engine.random import block, counter, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
@@ -20,11 +35,6 @@ CONTACT_OF_RADIUS = 2e-5
 TINY = 1e-12  # keeps a ray along a wall from dividing by zero
 SWEEPS = 400
 STRAIGHT_SWEEPS = 100  # after these, pushes are tilted by 45 degrees: so a row that is jammed along a wall bends
-
-# rows of robots' states: SPEED is in metres and TURN in radians a tick, with the cosine and sine of the part of
-# it that comes before new wheel speeds take hold, and of the part after
-X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING = range(13)
-STATE = 13
 
 
 @compiled

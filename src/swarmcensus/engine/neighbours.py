@@ -9,10 +9,8 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.modes import ALL_PAIRS, X, Y
 
-from .motion import X, Y
-
-ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
 SURE = 0.99  # of the square of the skin, so that rounding loses nobody
 
 

@@ -1,25 +1,15 @@
 """Addressed random numbers: the Threefry-2x64-13 block cipher of a key and a counter.
 
-Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. A key is the hash of a seed, a
+Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. A key (`addresses.py`) is the hash of a seed, a
 purpose and the content that the draw depends on; the counter holds trial, tick and robot. Nothing is
 ever drawn in turn, so no result depends on order, threads or batches.
 """
-
-import hashlib
-import json
 
 import numpy as np
 from numba import njit, uint64
 
 PARITY = np.uint64(0x1BD11BDAA9FC1A22)
 U = np.uint64
-
-
-def address(seed: int, purpose: str, **content: object) -> np.ndarray:
-    """The 128-bit key, two uint64, of all draws for one purpose of one content."""
-    text = json.dumps([seed, purpose, content], sort_keys=True)
-    digest = hashlib.blake2b(text.encode(), digest_size=16).digest()
-    return np.frombuffer(digest, dtype="<u8").astype(np.uint64)
 
 
 @njit(nogil=True, inline="always")

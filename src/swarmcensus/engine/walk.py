@@ -9,31 +9,10 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.modes import MOVING
+from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, SIN, SIN_LATE, SIN_THEN, X, Y
 from swarmcensus.engine.random import block, counter, unit
 
-from .motion import (
-    COS,
-    COS_LATE,
-    COS_THEN,
-    LEFT,
-    LEFT_TICKS,
-    RAYS,
-    RIGHT,
-    SIN,
-    SIN_LATE,
-    SIN_THEN,
-    STAND,
-    STRAIGHT,
-    SWEEPS,
-    X,
-    Y,
-    decide,
-    go,
-    keep_inside,
-    part,
-    set_wheels,
-)
+from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels
 from .neighbours import cell, listen, look_around
 
 PLACINGS = 10_000  # tries to place one robot

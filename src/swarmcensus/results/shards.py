@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
+from swarmcensus.results.presence import folder_of as folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 
 FORMAT = "swarmcensus shard 1"
@@ -73,12 +74,6 @@ class Shard:
 
     about: dict[str, Any]
     found: list[Found] = field(default_factory=list)
-
-
-def folder_of(out: Path) -> Path:
-    """Where the shards of a run that writes `out` are: one folder for all links to one file."""
-    out = Path(os.path.realpath(out)) if out.is_symlink() else out
-    return out.with_name(out.name + ".parts")
 
 
 def read(path: Path) -> Shard | None:

@@ -15,6 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
+from swarmcensus.results.presence import check_there
 from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -111,9 +112,9 @@ def save(data: xr.Dataset, path: str | Path) -> None:
 def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
     path = Path(path)
+    check_there(path)
     if not path.is_file():
-        what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else _absent(path)
-        raise InputError(f"results file {path}: {what}")
+        raise InputError(f"results file {path}: {_absent(path)}")
     try:
         with h5py.File(path) as file:
             elsewhere = _not_here(file["/"])  # h5netcdf would complain of a bad root once past all handlers

@@ -7,7 +7,6 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import line_of
-from swarmcensus.engine.minds import heard_by
 from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
@@ -34,6 +33,8 @@ def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
 
 def _live(setting: Setting, seed: int, trial: int) -> None:
     """The trial's minds, step by step, as the engine runs them."""
+    from swarmcensus.engine.minds import heard_by
+
     known = replace(setting, brain=brains.load("minimalistic"))
     given = inputs_of(setting, seed, trial)
     functions, stops = setting.brain.functions, given.stops[0]

@@ -10,7 +10,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.engine.draws import PART
+from swarmcensus.engine.modes import PART
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin

@@ -8,8 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.motion import COS, SIN, STATE, X, Y
-from swarmcensus.engine.neighbours import ALL_PAIRS
+from swarmcensus.engine.modes import ALL_PAIRS, COS, SIN, STATE, X, Y
 from swarmcensus.worlds.bodies import Body
 
 CHUNK_BYTES = 4_000_000  # of a walk kept at a time

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault, stops

@@ -6,9 +6,9 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
 from swarmcensus.basics.times import OR_TIME
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.modes import MOVING, NEVER, SENSING, TALKING
-from swarmcensus.engine.random import address
 
 PARTS = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"

@@ -15,8 +15,8 @@ import numpy as np
 
 from swarmcensus.basics.doors import Keys
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.engine.addresses import address
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
-from swarmcensus.engine.random import address
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, read_edges

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus.engine.random import address
+from swarmcensus.engine.addresses import address
 from swarmcensus.worlds.spreading import Spread, parse_spread
 
 
