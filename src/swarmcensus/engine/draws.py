@@ -78,7 +78,7 @@ def black_tables(b, w, fill_ratio, looks):
     for i in range(b.size):
         p = min(max(b[i] * fill_ratio + (1.0 - w[i]) * (1.0 - fill_ratio), 0.0), 1.0)
         if looks >= PART:
-            binomial_row(PART, p, tables[0, i])
+            binomial_row(np.int64(PART), p, tables[0, i])  # a type of its own would be compiled apart
         if rest > 0:
             binomial_row(rest, p, tables[kinds - 1, i])
     return tables
@@ -108,7 +108,7 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
 @njit(nogil=True)
 def arrange(reading, blacks, bits, left, key, trial, step):
     """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
-    words(key, trial, step, 0, 0, bits.size, bits)
+    words(key, trial, step, np.int64(0), np.uint64(0), np.uint64(bits.size), bits)
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]
         reading[i] = 1.0 if black else 0.0

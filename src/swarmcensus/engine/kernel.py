@@ -5,23 +5,14 @@ a mind is a row of numbers.
 """
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.compiler import entry
 from swarmcensus.engine.draws import black_tables, count_blacks
 from swarmcensus.engine.modes import BELIEVE, END_ROUND, HEAR, SENSE
 
-from .minds import ZERO, begin, settle
+from .minds import ZERO, begin, put, settle
 from .rounds import advance, advance_alone, blocks, most_links
-
-
-@njit(nogil=True)
-def put(into, minds):
-    """Copy minds (robot, field)."""
-    for i in range(minds.shape[0]):
-        for j in range(minds.shape[1]):
-            into[i, j] = minds[i, j]
 
 
 @entry
@@ -109,7 +100,7 @@ def simulate(
                 if not forward or s == segments - 1:
                     undecided = settle(rows[: last - first], first, delta, low, high, where[trial], value[trial])
         if undecided and last_step == 2 * segments - 1:
-            settle(start, 0, delta, low, high, where[trial], value[trial])
+            settle(start, np.int64(0), delta, low, high, where[trial], value[trial])
     return True
 
 

@@ -21,6 +21,14 @@ def begin(memory, blank, b, w):
         memory[i, fields - 1] = w[i % w.size]
 
 
+@njit(nogil=True)
+def put(into, minds):
+    """Copy minds (robot, field); an assignment of arrays takes two seconds to compile."""
+    for i in range(minds.shape[0]):
+        for j in range(minds.shape[1]):
+            into[i, j] = minds[i, j]
+
+
 @njit(nogil=True, forceinline=True)
 def works(stops, part, i, tick):
     """Whether a part of robot i has not failed yet; `stops` (part, robot) is empty where nothing ever fails."""

@@ -27,6 +27,7 @@ from swarmcensus.engine.random import block, counter, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
 RAYS = 8
+AHEAD = tuple(np.arange(4))  # the first of two opposite rays: for each literal number all would be compiled apart
 DIAGONAL = math.sqrt(0.5)
 RAY_X = np.array([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL])
 RAY_Y = np.array([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL])
@@ -70,10 +71,10 @@ def obstacle(state, i, body, half, first, last, gaps, rays, which):
     s = state[SIN, i]
     met = max(abs(x), abs(y)) > half - reach
     if met:
-        walls_along(0, c, s, x, y, half, rays)
-        walls_along(1, (c - s) * DIAGONAL, (s + c) * DIAGONAL, x, y, half, rays)
-        walls_along(2, -s, c, x, y, half, rays)
-        walls_along(3, -(s + c) * DIAGONAL, (c - s) * DIAGONAL, x, y, half, rays)
+        walls_along(AHEAD[0], c, s, x, y, half, rays)
+        walls_along(AHEAD[1], (c - s) * DIAGONAL, (s + c) * DIAGONAL, x, y, half, rays)
+        walls_along(AHEAD[2], -s, c, x, y, half, rays)
+        walls_along(AHEAD[3], -(s + c) * DIAGONAL, (c - s) * DIAGONAL, x, y, half, rays)
     for e in range(first, last):
         gx = gaps[0, e]
         gy = gaps[1, e]
@@ -84,10 +85,10 @@ def obstacle(state, i, body, half, first, last, gaps, rays, which):
                     rays[k] = np.inf
             forth = c * gx + s * gy
             left = c * gy - s * gx
-            disc_along(0, forth, left, body.radius, rays)
-            disc_along(1, (forth + left) * DIAGONAL, (left - forth) * DIAGONAL, body.radius, rays)
-            disc_along(2, left, forth, body.radius, rays)
-            disc_along(3, (left - forth) * DIAGONAL, (forth + left) * DIAGONAL, body.radius, rays)
+            disc_along(AHEAD[0], forth, left, body.radius, rays)
+            disc_along(AHEAD[1], (forth + left) * DIAGONAL, (left - forth) * DIAGONAL, body.radius, rays)
+            disc_along(AHEAD[2], left, forth, body.radius, rays)
+            disc_along(AHEAD[3], (left - forth) * DIAGONAL, (forth + left) * DIAGONAL, body.radius, rays)
     if met:
         hits = 0
         for k in range(RAYS):

@@ -11,7 +11,7 @@ from swarmcensus.engine.compiler import entry
 from swarmcensus.engine.modes import ASK, BELIEVE, END_ROUND, HEAR, HEAR_SUMS, SENSE, SENSING
 from swarmcensus.engine.random import unit, words
 
-from .minds import ZERO, arrives, begin, settle, works
+from .minds import ZERO, arrives, begin, put, settle, works
 
 
 @entry
@@ -70,7 +70,7 @@ def ride(
             return
         now = tick + k
         said, then = now % (delay + 1) * n, (now - delay) % (delay + 1) * n
-        words(read_key, trial, now, 0, 0, n, bits)
+        words(read_key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
         look(seen, looked[k], black[k], b, w, bits)
         if stops.shape[1] > 0:
             for i in range(n):
@@ -92,8 +92,7 @@ def ride(
                 )  # fmt: skip
         call(minds[END_ROUND], memory, rows, (now - 1) * n, ZERO, n)
         if history.shape[0] > 0:
-            for i in range(n):
-                history[k, i] = memory[i]
+            put(history[k], memory)
 
 
 @entry
@@ -128,5 +127,5 @@ def conclude(rows, start, delta, where, value):
         high[i] = -np.inf
         where[i] = rows.shape[0]
         value[i] = rows[rows.shape[0] - 1, i]
-    if settle(rows, 1, delta, low, high, where, value):
-        settle(start, 0, delta, low, high, where, value)
+    if settle(rows, np.int64(1), delta, low, high, where, value):
+        settle(start, np.int64(0), delta, low, high, where, value)

@@ -46,7 +46,7 @@ def hear_what_arrives(
     """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
     count = 0
     for link in range(first, last):
-        if arrives(key, trial, tick, tick, receivers[link], senders[link], threshold, stops):
+        if arrives(key, trial, tick, tick, np.int64(receivers[link]), np.int64(senders[link]), threshold, stops):
             arrivals[0, count] = receivers[link]
             arrivals[1, count] = senders[link]
             count += 1

@@ -7,18 +7,20 @@ the evaluation, add study files to studies/paper, figures to `paper_figures.FIGU
 import contextlib
 import shlex
 import time
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from pathlib import Path
 
 import xarray as xr
 
+from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.figures import FIGURES, PaperFigure
 from swarmcensus.paper.page import Reproduction, data_path
+from swarmcensus.runs.pools import compile_for
 from swarmcensus.runs.running import run, work_of
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.study import Study
@@ -90,7 +92,7 @@ def reproduce(
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
-            drawn = [(figure, _draw(figure, datasets, stem)) for figure, stem in zip(figures, stems, strict=True)]
+            drawn = list(zip(figures, _drawn(figures, datasets, stems), strict=True))
     if checks:
         with stage("claims"):
             outcomes = claims.check(datasets, checks)
@@ -135,6 +137,8 @@ def _simulate(
 ) -> dict[str, xr.Dataset]:
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
+    if any(not data_path(out, name).exists() for name in studies):  # of all studies at a time, as two can be compiled
+        compile_for([(study, settings[name]) for name, study in studies.items()], say)
     work = {name: work_of(study, settings[name]) for name, study in studies.items()}
     datasets: dict[str, xr.Dataset] = {}
     with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:
@@ -150,15 +154,26 @@ def _simulate(
     return datasets
 
 
-def _draw(figure: PaperFigure, datasets: Mapping[str, xr.Dataset], stem: Path) -> list[Path]:
+def _drawn(
+    figures: Sequence[PaperFigure], datasets: Mapping[str, xr.Dataset], stems: Sequence[Path]
+) -> list[list[Path]]:
+    """Draw all figures, every other one in a copy of this process, and return the files of each."""
     from swarmcensus.figures.files import save  # matplotlib: half a second, and not every part needs it
     from swarmcensus.figures.kinds.decisions import decisions_grid
     from swarmcensus.figures.kinds.scatter import scatter_grid
 
-    panels = [view.panel(datasets) for view in figure.views]
-    scatter = figure.kind == "scatter"
-    drawn = scatter_grid(panels, scale=figure.scale) if scatter else decisions_grid(panels)
-    return save(drawn, stem)
+    def draw(figure: PaperFigure, stem: Path) -> list[Path]:
+        panels = [view.panel(datasets) for view in figure.views]
+        scatter = figure.kind == "scatter"
+        drawn = scatter_grid(panels, scale=figure.scale) if scatter else decisions_grid(panels)
+        return save(drawn, stem)
+
+    asked = list(zip(figures, stems, strict=True))
+    others = beside(lambda: [draw(*one) for one in asked[1::2]])
+    done: list[list[Path]] = [[]] * len(asked)
+    done[::2] = [draw(*one) for one in asked[::2]]
+    done[1::2] = others()
+    return done
 
 
 def _write(path: Path, text: str) -> None:

@@ -1,13 +1,14 @@
 """Where bundles of trials are run: threads of this process here, the workers of a cluster in `clusters.py`."""
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
+from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
@@ -84,15 +85,41 @@ def threads(jobs: int | None) -> int:
     return jobs
 
 
-def compile_for(study: Study, settings: list[Setting], show: Callable[[str], None]) -> None:
-    """Compile here what all settings of a study need, so that threads do not wait for one another."""
-    for setting in smallest(settings):
-        if not compiler.is_compiled(setting.brain, "moving" if setting.body else "network"):
-            what = "robots that move" if setting.body else "fixed networks"
-            show(f"compiling {setting.brain.name} for {what}, once on this machine")
-        task = Task("batch" if setting.body is None else "ride", (0,), 0, 1, 0.0)
-        # a brain that fails is named by the real run
-        run_bundle([setting], 0, (task,), metrics_of(study), np.zeros(1, np.uint8))
+def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str], None]) -> None:
+    """Compile here what all settings of some studies need, so that threads do not wait for one another.
+
+    Where nobody else runs in this process, a copy of it compiles for robots that move while this one compiles for
+    networks, and leaves it on disk.
+    """
+    tiny = [(setting, study) for study, settings in studies for setting in smallest(settings)]
+    new = [one for one in tiny if not _is_compiled(*one)]
+    for name, moves in dict.fromkeys((setting.brain.name, bool(setting.body)) for setting, _ in new):
+        show(f"compiling {name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
+    moving = [one for one in new if one[0].body]
+    if moving and len(moving) < len(new):
+        ended = beside(lambda: _run_all(moving))
+        _run_all([one for one in new if not one[0].body])
+        ended()
+    _run_all(tiny)
+
+
+def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
+    for setting, study in tiny:
+        _run_once(setting, study)
+
+
+def _is_compiled(setting: Setting, study: Study) -> bool:
+    uses = ["moving"] if setting.body else ["network"] + ["alone"] * study.measure.local
+    return all(compiler.is_compiled(setting.brain, use) for use in uses)
+
+
+def _run_once(setting: Setting, study: Study) -> None:
+    """Run one trial of a tiny setting; a brain that fails is named by the real run."""
+    kinds: list[Literal["ride", "batch", "local"]] = ["ride"] if setting.body else ["batch"]
+    if study.measure.local and not setting.body:
+        kinds.append("local")
+    for kind in kinds:
+        run_bundle([setting], 0, (Task(kind, (0,), 0, 1, 0.0),), metrics_of(study), np.zeros(1, np.uint8))
 
 
 def smallest(settings: list[Setting]) -> list[Setting]:

@@ -162,12 +162,12 @@ def _pool(state: State, jobs: int, cluster: str | None) -> Iterator[pools.Pool]:
         from swarmcensus.runs.clusters import workers
 
         if "://" not in cluster:  # those workers use the cache of this machine, or of a home that they share
-            pools.compile_for(state.study, state.settings, state.show)
+            pools.compile_for([(state.study, state.settings)], state.show)
         with workers(cluster, state.study, state.show) as pool:
             yield pool
         return
     if not _everything_found(state):
-        pools.compile_for(state.study, state.settings, state.show)
+        pools.compile_for([(state.study, state.settings)], state.show)
     with ThreadPoolExecutor(jobs, thread_name_prefix="swarmcensus") as executor:
         threads = pools.Threads(executor, jobs, state.study, state.settings)
         try:
