@@ -9,6 +9,7 @@ from typing import Any
 import numba
 import numpy as np
 import xarray as xr
+from numba.core.errors import NumbaError
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
@@ -24,10 +25,14 @@ EVERY = 5  # readings a round
 
 def compiles(brain: Brain) -> None:
     """Make machine code of all that `agrees` runs, and run none of it: what it does is for that check."""
+    uses = ("recorded", "moving") if brain.steers else ("recorded",)
     try:
-        compiler.compile_brain(brain, "recorded")
-        if brain.steers:
-            compiler.compile_brain(brain, "moving")
+        try:
+            for use in uses:
+                compiler.compile_brain(brain, use)
+        except NumbaError:  # once more, for the line
+            for use in uses:
+                compiler.compile_brain(brain, use, exact=True)
     except MemoryError:
         raise
     except Exception as error:

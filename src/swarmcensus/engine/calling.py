@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
@@ -48,6 +49,23 @@ def _machine_call(typing, function, *arguments):
     return types.void(types.uint64, types.StarArgTuple(arguments)), generate
 
 
+@intrinsic
+def _machine_blank(typing, dtype):
+    record = dtype.dtype
+
+    def generate(context, builder, signature, values):
+        kind = ir.ArrayType(ir.IntType(8), record.size)
+        place = cgutils.alloca_once(builder, kind)
+        builder.store(ir.Constant(kind, None), place)
+        return builder.bitcast(place, context.get_value_type(record))
+
+    return record(dtype), generate
+
+
+def _plain_blank(dtype):
+    return np.zeros(1, dtype)[0]
+
+
 def _plain_call(function, *arguments):
     function(*arguments)
 
@@ -56,10 +74,12 @@ def _plain_view(items, shape, dtype):
     return items.reshape(-1).view(dtype)[: np.prod(shape, dtype=int)].reshape(shape)
 
 
-# call(function, *arguments) calls by an address; seen_as(items, shape, dtype) is what was passed, as an array again
+# call(function, *arguments) calls by an address; seen_as(items, shape, dtype) is what was passed, as an array again;
+# nobody(record) is a mind of zeros on the stack, which the compiler dissolves into the processor's registers
 PLAIN = bool(numba.config.DISABLE_JIT)
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
+nobody = _plain_blank if PLAIN else _machine_blank
 
 
 class Phase(NamedTuple):

@@ -39,8 +39,7 @@ PARTS = {  # what a file imports from its own folder
     "walk": WALK,
     "steering": ("riding.py", "minds.py", "walk.py", *WALK),
 }
-NETWORK = ("sense", "hear", "end_round", "believe")  # what of a brain is needed on a network; where it has SUMS too
-SUMS_OF = {"network": "hear_all", "moving": "hear_sums"}
+ALWAYS = ("sense", "hear", "end_round", "believe")  # what of a brain is needed with whatever neighbours
 
 
 def compiled(function: types.FunctionType) -> Any:
@@ -74,6 +73,11 @@ def record_type(brain: Brain) -> np.dtype:
 def blank(brain: Brain) -> np.ndarray:
     """A mind before its first observation: MEMORY's values, then room for the BELIEFS, shape (field,)."""
     return np.array([*brain.memory.values(), *(0.0 for _ in BELIEFS)])
+
+
+def outbox(brain: Brain, robots: int) -> np.ndarray:
+    """Room for what so many robots say in a round, as the loops keep it."""
+    return np.zeros((robots, glue.outbox_width(brain)))
 
 
 def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
@@ -130,12 +134,13 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
 
 
 @functools.lru_cache(maxsize=256)
-def compile_brain(brain: Brain, use: str = "network") -> Any:
+def compile_brain(brain: Brain, use: str = "network", exact: bool = False) -> Any:
     """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
 
-    Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded".
+    Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded". Brains that differ
+    in comments alone share machine code; `exact` is for messages that name a line of the very file.
     """
-    module = phases_of(brain)
+    module = phases_of(brain, exact)
     needed = needs(brain, use)
     with _LOCK:
         found = [getattr(module, name).address() if name in needed else None for name in PHASES]
@@ -148,14 +153,14 @@ def needs(brain: Brain, use: str) -> set[str]:
     """Which of a brain's functions a use calls."""
     if use == "alone":
         return {"go_alone", "believe"}
-    sums = {SUMS_OF[use]} if use in SUMS_OF and brain.sums else set()
+    sums = {"network": {"hear_sums", "hear_all"}, "moving": {"hear_sums"}}.get(use, set()) if brain.sums else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
-    return {*NETWORK, *sums, *asked}
+    return {*ALWAYS, *sums, *asked}
 
 
-def phases_of(brain: Brain) -> types.ModuleType:
+def phases_of(brain: Brain, exact: bool = False) -> types.ModuleType:
     """The module `phases.py` around a brain, none of it compiled yet."""
-    return _module(_brain_files(brain), "phases")
+    return _module(_brain_files(brain, exact or not_compiled()), "phases")  # a debugger wants the very file
 
 
 @functools.lru_cache(maxsize=64)
@@ -184,10 +189,10 @@ def _source(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _brain_files(brain: Brain) -> dict[str, str]:
+def _brain_files(brain: Brain, exact: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",
-        "brain.py": brain.source,
+        "brain.py": brain.source if exact else glue.essence(brain.source),
         "mind.py": glue.of_brain(brain),
         "phases.py": _source("phases.py"),
     }

@@ -12,13 +12,13 @@ from swarmcensus.engine.draws import black_tables, count_blacks
 from swarmcensus.engine.modes import BELIEVE, END_ROUND, HEAR, SENSE
 
 from .minds import ZERO, begin, put, settle
-from .rounds import advance, advance_alone, blocks, most_links
+from .rounds import advance, advance_alone, bounds_of, most_links
 
 
 @entry
 def simulate(
-    minds, blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local, looks,
-    rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
+    minds, additive, blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
+    looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
     delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, extremes, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
@@ -35,7 +35,6 @@ def simulate(
     robots = memory.shape[0]
     segment = rows.shape[0]
     segments = (rounds + segment - 1) // segment
-    scratch = blank.copy()
     blacks = np.zeros(robots if local else min(robots, 256))
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots if local else 0)
@@ -48,8 +47,8 @@ def simulate(
         receivers = all_receivers[starts[graph] : starts[graph + 1]]
         senders = all_senders[starts[graph] : starts[graph + 1]]
         stops = all_stops[trial]
-        reach = blocks(receivers, robots)
-        most = most_links(reach, links, robots)
+        bounds = bounds_of(receivers, robots)
+        most = most_links(bounds, links, robots)
         if most > arrivals.shape[1]:
             arrivals = np.zeros((2, most), np.uint32)
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
@@ -78,8 +77,8 @@ def simulate(
                     )  # fmt: skip
                 else:
                     advance(
-                        minds, memory, outbox, scratch, blacks, bits, tables, first, last, looks, number, read_key,
-                        link_key, links, receivers, senders, reach, arrivals, threshold, rows, stops, stop,
+                        minds, additive, memory, outbox, blacks, bits, tables, first, last, looks, number, read_key,
+                        link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
                     )  # fmt: skip
                 if stop[0] != 0:
                     return False
@@ -106,27 +105,26 @@ def simulate(
 
 @entry
 def record(
-    minds, blank, outbox, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, estimates, blacks_seen,
-    read_key, link_key, links, receivers, senders, threshold, stops,
+    minds, additive, blank, outbox, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, estimates,
+    blacks_seen, read_key, link_key, links, receivers, senders, threshold, stops,
 ):  # fmt: skip
     """Run one trial and keep every mind after every round in `history`, (round, robot, field), and its readings."""
     robots = history.shape[1]
     memory = np.empty((robots, blank.size))
-    scratch = blank.copy()
     readings = np.zeros(min(robots, 256))
     bits = np.zeros(robots, np.uint64)
     rows = np.empty((1, robots))
     stop = np.zeros(1, np.uint8)
     tables = black_tables(b, w, fill_ratio, looks)
-    reach = blocks(receivers, robots)
-    arrivals = np.zeros((2, most_links(reach, links, robots)), np.uint32)
+    bounds = bounds_of(receivers, robots)
+    arrivals = np.zeros((2, most_links(bounds, links, robots)), np.uint32)
     begin(memory, blank, assumed_b, assumed_w)
     put(history[0], memory)
     for k in range(1, history.shape[0]):
         count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, ZERO, np.uint64(robots))
         advance(
-            minds, memory, outbox, scratch, readings, bits, tables, k, k + 1, looks, trial, read_key, link_key, links,
-            receivers, senders, reach, arrivals, threshold, rows, stops, stop,
+            minds, additive, memory, outbox, readings, bits, tables, k, k + 1, looks, trial, read_key, link_key,
+            links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
         )  # fmt: skip
         put(history[k], memory)
     for k in range(history.shape[0]):

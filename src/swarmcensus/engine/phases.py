@@ -2,9 +2,9 @@
 
 `.mind` is that brain (see `compiler.py`). The loops of the other files call these functions by their addresses
 (`calling.py`), which costs little because each call is for many robots. Minds lie in rows of float64, one a robot, as
-`record` says; messages likewise, a round's from row `place` of the outbox on; estimates go to `rows` from place
-`start` on: offsets, for a view of an array is counted, and that costs more than such a call. Robots are counted in
-uint64: Numba then need not ask whether an index counts from the end.
+`record` says; messages likewise, a round's from row `place` of the outbox on (see `glue.py`); estimates go to `rows`
+from place `start` on: offsets, for a view of an array is counted, and that costs more than such a call. Robots are
+counted in uint64: Numba then need not ask whether an index counts from the end.
 """
 
 import numpy as np
@@ -14,18 +14,20 @@ from swarmcensus.engine.wishes import chosen
 
 from .mind import (
     add_sums,
-    broadcast,
+    broadcast,  # noqa: F401
     estimate,
     fuse,
     no_sums,
     observe,
-    outbox_width,
-    pack,
-    receive,
+    put_sums,
+    receive,  # noqa: F401
     record,
+    say,
     steer,
+    sums_of,
     sums_with,
-    unpack,
+    take,
+    width,
 )
 
 ZERO = np.uint64(0)
@@ -36,65 +38,63 @@ ONE = np.uint64(1)
 def sense(memory, outbox, place, readings, looks, first, last):
     """Robots first ... last - 1 see so many black of `looks` readings, below 0 for none made, and say what they hold.
 
-    Both branches pack, so that what was just computed need not be read back from memory: that halves the time.
+    Both branches say it, so that what was just computed need not be read back from memory: that halves the time.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + last, outbox_width), np.float64)
+    said = seen_as(outbox, (place + last, width), np.float64)
     seen = seen_as(readings, last - first, np.float64)
     for i in range(first, last):
         if seen[i - first] >= 0.0:
             observe(minds[i], seen[i - first], looks)
-            pack(said, place + i, broadcast(minds[i]))
+            say(said, place + i, minds[i])
         else:
-            pack(said, place + i, broadcast(minds[i]))
+            say(said, place + i, minds[i])
 
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
 def hear(memory, outbox, place, receivers, senders, first, last, robots):
     """Messages pass along links first ... last - 1."""
     minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, outbox_width), np.float64)
+    said = seen_as(outbox, (place + robots, width), np.float64)
     to = seen_as(receivers, last, np.uint32)
     by = seen_as(senders, last, np.uint32)
     for link in range(first, last):
-        receive(minds[np.uint64(to[link])], unpack(said, place + np.uint64(by[link])))
+        take(minds[np.uint64(to[link])], said, place + np.uint64(by[link]))
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, ARRAY, WHOLE, WHOLE)
-def hear_sums(memory, outbox, place, scratch, heard, senders, robots, messages):
-    """Robot i hears what senders[heard[i]: heard[i + 1]] said: where `receive` only adds, and no message is lost."""
-    minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, outbox_width), np.float64)
-    bounds = seen_as(heard, robots + ONE, np.int64)
-    by = seen_as(senders, messages, np.int32)
-    spare = seen_as(scratch, 1, record)
-    for i in range(ZERO, robots):
-        sums = no_sums
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
+def hear_sums(memory, outbox, place, heard, senders, first, last, robots, messages):
+    """Robots first ... last - 1 hear what senders[heard[i]: heard[i + 1]] said: where `receive` only adds."""
+    minds = seen_as(memory, last, record)
+    said = seen_as(outbox, (place + robots, width), np.float64)
+    bounds = seen_as(heard, last + ONE, np.int64)
+    by = seen_as(senders, messages, np.uint32)
+    for i in range(first, last):
+        sums = sums_of(minds[i])
         for e in range(np.uint64(bounds[i]), np.uint64(bounds[i + ONE])):
-            sums = sums_with(sums, unpack(said, place + np.uint64(by[e])), spare[0])
-        add_sums(minds[i], sums)
+            sums = sums_with(sums, said, place + np.uint64(by[e]))
+        put_sums(minds[i], sums)
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE)
-def hear_all(memory, outbox, place, scratch, rows, start, robots):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
+def hear_all(memory, outbox, place, rows, start, robots):
     """Everyone hears everyone and ends the round, in O(N), for a brain whose `receive` only adds.
 
     What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
     unlike "all minus own".
     """
     minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, outbox_width), np.float64)
-    spare = seen_as(scratch, 1, record)
+    said = seen_as(outbox, (place + robots, width), np.float64)
     estimates = seen_as(rows, start + robots, np.float64)
     before = no_sums
     for i in range(ZERO, robots):
         add_sums(minds[i], before)
-        before = sums_with(before, unpack(said, place + i), spare[0])
+        before = sums_with(before, said, place + i)
     after = no_sums
     for below in range(ZERO, robots):
         i = robots - ONE - below
         add_sums(minds[i], after)
-        after = sums_with(after, unpack(said, place + i), spare[0])
+        after = sums_with(after, said, place + i)
         fuse(minds[i])
         estimates[start + i] = estimate(minds[i])
 

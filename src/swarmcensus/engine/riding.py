@@ -51,7 +51,7 @@ def hear_each(minds, memory, outbox, then, arrivals, heard, senders, key, trial,
 
 @entry
 def ride(
-    minds, additive, memory, blank, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    minds, additive, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
     looked, black, heard, senders, history, readings, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
@@ -61,7 +61,6 @@ def ride(
     where a robot made none) are filled where they have rows.
     """
     n = memory.shape[0]
-    scratch = blank.copy()
     bits = np.zeros(n, np.uint64)
     seen = np.zeros(n)
     arrivals = np.empty((2, 0), np.uint32)
@@ -84,7 +83,7 @@ def ride(
         if now >= delay:
             bounds = heard[k * n : (k + 1) * n + 1]
             if additive and threshold == 0 and stops.shape[1] == 0:
-                call(minds[HEAR_SUMS], memory, outbox, then, scratch, bounds, senders, n, senders.size)
+                call(minds[HEAR_SUMS], memory, outbox, then, bounds, senders, ZERO, n, n, senders.size)
             else:
                 arrivals = hear_each(
                     minds, memory, outbox, then, arrivals, bounds, senders, link_key, trial, now, delay, threshold,

@@ -8,34 +8,33 @@ from numba import njit
 
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.draws import arrange, count_blacks
-from swarmcensus.engine.modes import END_ROUND, FULL, GO_ALONE, HEAR, HEAR_ALL, LISTED, SENSE, SENSING
+from swarmcensus.engine.modes import END_ROUND, FULL, GO_ALONE, HEAR, HEAR_ALL, HEAR_SUMS, LISTED, SENSE, SENSING
 
 from .minds import ZERO, arrives, works
 
 # Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
 # inner loops: Numba then need not ask whether an index counts from the end.
-BLOCK = np.uint64(256)
+BLOCK = 256
 
 
 @njit(nogil=True)
-def blocks(receivers, robots):
-    """Where each block's links begin, and where the last one's end; links are sorted by receiver."""
-    count = (robots + 255) // 256
-    out = np.empty(count + 1, np.uint64)
+def bounds_of(receivers, robots):
+    """Where each robot's links begin, and where the last one's end; links are sorted by receiver."""
+    out = np.empty(robots + 1, np.int64)
     link = 0
-    for place in range(count + 1):
-        while link < receivers.size and receivers[link] < place * 256:
+    for i in range(robots + 1):
+        while link < receivers.size and receivers[link] < i:
             link += 1
-        out[place] = link
+        out[i] = link
     return out
 
 
 @njit(nogil=True)
-def most_links(reach, links, robots):
+def most_links(bounds, links, robots):
     """How many messages may arrive in one call: at a block of robots, or of a full network at one robot."""
     most = robots if links != LISTED else 0
-    for place in range(reach.size - 1):
-        most = max(most, np.int64(reach[place + 1] - reach[place]))
+    for first in range(0, robots, BLOCK):
+        most = max(most, bounds[min(first + BLOCK, robots)] - bounds[first])
     return most
 
 
@@ -80,8 +79,8 @@ def silence_failed(readings, stops, tick, first, last):
 
 @njit(nogil=True)
 def advance(
-    minds, memory, outbox, scratch, readings, bits, tables, first, last, looks, trial,
-    read_key, link_key, links, receivers, senders, reach, arrivals, threshold, rows, stops, stop,
+    minds, additive, memory, outbox, readings, bits, tables, first, last, looks, trial,
+    read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
@@ -98,15 +97,16 @@ def advance(
         r = k - first
         here = np.uint64(max(r, 0)) * n
         if r >= 0 and links == FULL:
-            call(minds[HEAR_ALL], memory, outbox, said, scratch, rows, here, n)
+            call(minds[HEAR_ALL], memory, outbox, said, rows, here, n)
         elif r >= 0 and links != LISTED:
             hear_pairs(minds, memory, outbox, said, arrivals, link_key, trial, k, threshold, stops, stop)
-        for block in range(ZERO, np.uint64(reach.size - 1)):
-            start = block * BLOCK
-            end = min(start + BLOCK, n)
+        for start in range(ZERO, n, np.uint64(BLOCK)):
+            end = min(start + np.uint64(BLOCK), n)
             if r >= 0 and links == LISTED:
-                one, other = reach[block], reach[block + np.uint64(1)]
-                if sound:
+                one, other = bounds[start], bounds[end]
+                if sound and additive:
+                    call(minds[HEAR_SUMS], memory, outbox, said, bounds, senders, start, end, n, senders.size)
+                elif sound:
                     call(minds[HEAR], memory, outbox, said, receivers, senders, one, other, n)
                 else:
                     hear_what_arrives(

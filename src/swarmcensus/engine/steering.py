@@ -14,7 +14,7 @@ from .walk import walk
 @entry
 def live(
     state, body, half, walk_key, trial, around, senders, wishes, floor,
-    minds, additive, memory, blank, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
+    minds, additive, memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
 ):  # fmt: skip
     """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
 
@@ -36,7 +36,7 @@ def live(
         for i in range(n):
             black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
         ride(
-            minds, additive, memory, blank, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+            minds, additive, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
             looked, black, heard, senders, *kept, stops, stop,
         )  # fmt: skip
         wish(minds, memory, body, wishes)

@@ -63,7 +63,7 @@ def infer(
         blank = compiler.blank(used)
         shape = (-(-len(readings) // every) + 1, robots)
         history, estimates = np.empty((*shape, blank.size)), np.empty(shape)
-        outbox = np.empty((robots, len(used.message)))
+        outbox = compiler.outbox(used, robots)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
             compiler.compile_world("kernel").follow(

@@ -33,7 +33,7 @@ class Rider:
         robots = setting.robots
         self.blank = compiler.blank(setting.brain)
         self.memory = np.empty((robots, self.blank.size))
-        self.outbox = np.zeros(((self.delay + 1) * robots, len(setting.brain.message)))
+        self.outbox = compiler.outbox(setting.brain, (self.delay + 1) * robots)
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
         self.stops = given.stops[0]
@@ -47,7 +47,7 @@ class Rider:
     ) -> None:
         """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
         self.kernel.ride(
-            self.minds, bool(self.setting.brain.sums), self.memory, self.blank, self.outbox, self.rows, self.trial,
+            self.minds, bool(self.setting.brain.sums), self.memory, self.outbox, self.rows, self.trial,
             chunk.tick, *self.sensors, *self.keys,
             self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders,
             *(keep or NOTHING),
@@ -126,8 +126,8 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, given.walk, trial)
     try:
         compiler.compile_world("steering").live(
-            state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.int32), wishes_of(setting),
-            ground.all_tiles(), rider.minds, bool(setting.brain.sums), rider.memory, rider.blank, rider.outbox,
+            state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
+            ground.all_tiles(), rider.minds, bool(setting.brain.sums), rider.memory, rider.outbox,
             rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING, rider.stops, stop,
         )  # fmt: skip
     except Exception as error:

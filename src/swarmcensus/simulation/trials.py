@@ -104,12 +104,13 @@ def _live(
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
         np.empty((setting.robots, blank.size)),
-        np.empty((2 * setting.robots, len(setting.brain.message))),
+        compiler.outbox(setting.brain, 2 * setting.robots),
         rows,
         np.empty((segments, setting.robots if segments > 1 else 0, blank.size)),
     )
     arguments = (
-        minds, blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
+        minds, bool(setting.brain.sums), blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local,
+        looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
@@ -176,9 +177,10 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, n
     links = given.links
     assert links is not None
     compiler.compile_world("kernel").record(
-        compiler.compile_brain(setting.brain), blank, np.empty((2 * setting.robots, len(setting.brain.message))),
-        trial, *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio,
-        setting.observations_per_round, history, estimates, blacks, given.readings, given.losses,
+        compiler.compile_brain(setting.brain), bool(setting.brain.sums), blank,
+        compiler.outbox(setting.brain, 2 * setting.robots), trial,
+        *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio, setting.observations_per_round,
+        history, estimates, blacks, given.readings, given.losses,
         links.mode, links.receivers, links.senders, given.loss_threshold, given.stops[0],
     )  # fmt: skip
     return compiler.records(setting.brain, history), estimates, blacks

@@ -95,7 +95,7 @@ def walk(
     """
     module = compile_world("walk")
     state, numbers, half, around, listed = set_out(robots, side, body, key, trial)
-    senders = np.zeros(listed + SENDERS, np.int32)
+    senders = np.zeros(listed + SENDERS, np.uint32)
     tick = 1
     while tick <= ticks:
         length = 1 if wishes.size else min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))

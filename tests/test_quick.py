@@ -1,0 +1,188 @@
+"""What makes it quick to try something: what is not imported, not compiled again, and done beside something else."""
+
+import os
+import subprocess
+import sys
+import textwrap
+import threading
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.copies import beside
+from swarmcensus.engine import compiler, glue
+from swarmcensus.engine.modes import PHASES
+from tests.small import study
+
+SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
+
+
+def python(code, *words, **more):
+    return subprocess.run(
+        [sys.executable, "-c", textwrap.dedent(code), *words], capture_output=True, text=True, check=False, **more
+    )
+
+
+@pytest.mark.parametrize(
+    "code",
+    [
+        "import swarmcensus",
+        "import swarmcensus.studies.study",
+        "from swarmcensus.cli.commands import main; main(['show', 'nothing.nc'])",
+        "from swarmcensus.cli.commands import main; main(['run', 'wrong.toml'])",
+    ],
+)
+def test_what_takes_long_is_not_imported_before_it_is_needed(code, tmp_path):
+    (tmp_path / "wrong.toml").write_text("trial = 3")
+    done = python(f"{code}\nimport sys\nprint(*({SLOW} & sys.modules.keys()))".replace(str(SLOW), f"{{*{SLOW}}}"),
+                  cwd=tmp_path)  # fmt: skip
+    assert (done.returncode, done.stdout.strip()) == (0, ""), done.stderr
+
+
+@pytest.mark.parametrize(("words", "code"), [(["--version"], 0), (["show", "no.nc"], 2), (["nonsense"], 2), ([], 2)])
+def test_the_program_leaves_with_its_code_and_says_all(words, code, tmp_path):
+    done = subprocess.run(
+        [sys.executable, "-m", "swarmcensus", *words], capture_output=True, text=True, check=False, cwd=tmp_path
+    )
+    assert done.returncode == code
+    assert done.stdout + done.stderr
+
+
+def test_the_program_runs_what_was_registered_for_its_end_and_waits_for_threads():
+    code = """
+        import atexit, sys, threading, time
+        from swarmcensus.cli import commands, program
+        def late():
+            time.sleep(0.3)
+            print("thread")
+        def main():
+            if sys.argv[1] == "thread":
+                threading.Thread(target=late).start()
+            return 7
+        commands.main = main
+        atexit.register(lambda: print("end"))
+        program.program()
+    """
+    for word, said in (("none", ["end"]), ("thread", ["thread", "end"])):
+        done = python(code, word)
+        assert (done.returncode, done.stdout.split()) == (7, said)
+
+
+# ---- what a brain's machine code depends on
+
+SOURCE = brains.load("minimalistic").source
+
+
+def brain_of(source):
+    return brains.parse(source, "mine", brains.load("minimalistic").path)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SOURCE + "\n# more\n",
+        SOURCE.replace('"""The informed estimate."""', '"""What it thinks."""'),
+        SOURCE.replace("    return me.x\n", "\n\n    return (me.x)  # so\n"),
+        SOURCE.replace('"x": 0.5', '"x": 0.25'),
+    ],
+)
+def test_brains_that_differ_in_words_alone_share_machine_code(other):
+    assert other != SOURCE
+    assert glue.essence(other) == glue.essence(SOURCE)
+    assert compiler._brain_files(brain_of(other)) == compiler._brain_files(brain_of(SOURCE))
+    assert compiler.compile_brain(brain_of(other)).tolist() == compiler.compile_brain(brain_of(SOURCE)).tolist()
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        SOURCE.replace("1e-12", "1e-11"),
+        SOURCE.replace('"heard", "heard_alpha"', '"heard_alpha", "heard"'),
+        SOURCE.replace('"beta": 0.0', '"beta_": 0.0').replace("me.beta", "me.beta_"),
+    ],
+)
+def test_brains_that_differ_otherwise_do_not(other):
+    assert compiler._brain_files(brain_of(other)) != compiler._brain_files(brain_of(SOURCE))
+
+
+def test_what_memory_begins_with_is_no_part_of_machine_code_but_of_results(tmp_path):
+    (tmp_path / "mine.py").write_text(SOURCE.replace('"x": 0.5', '"x": 0.25'))
+    readings = np.full((1, 2), np.nan)
+    for name, first in (("minimalistic", 0.5), (str(tmp_path / "mine.py"), 0.25)):
+        for compiled in (True, False):
+            trace = sc.infer(readings, None, 0.7, 1, name, compiled=compiled)
+            assert trace["estimate"].values.tolist() == [[first] * 2] * 2
+
+
+def test_a_file_that_reads_what_it_declares_keeps_it():
+    reads = SOURCE.replace("def broadcast", 'FIRST = MEMORY["x"]\n\n\ndef broadcast')
+    assert "MEMORY" in glue.essence(reads)
+    assert "MEMORY" not in glue.essence(SOURCE)
+    assert '"""' not in glue.essence(SOURCE)
+
+
+def test_a_function_of_words_alone_still_compiles():
+    source = SOURCE.replace("def share", 'def nothing(me):\n    """Do nothing."""\n\n\ndef share')
+    assert "pass" in glue.essence(source)
+    compile(glue.essence(source), "mine", "exec")
+
+
+@pytest.mark.parametrize("use", ["network", "moving", "alone", "recorded"])
+def test_only_what_a_use_calls_is_compiled(use):
+    brain = brains.load("minimalistic")
+    there = {name for name, where in zip(PHASES, compiler.compile_brain(brain, use), strict=True) if where}
+    assert there == compiler.needs(brain, use)
+    assert ("hear_all" in there) == (use == "network")
+    assert ("hear_sums" in there) == (use == "moving")
+    assert ("go_alone" in there) == (use == "alone")
+    assert "ask" not in there  # it does not steer
+
+
+def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(tmp_path):
+    """Once in every function of a brain: it reaches Python as what it was, and the next run is sound."""
+    for function in ("observe", "broadcast", "receive", "fuse", "estimate"):
+        lines = SOURCE.split("\n")
+        at = next(k for k, line in enumerate(lines) if line.startswith(f"def {function}("))
+        lines.insert(at + 2, "    if me.t >= 20.0:\n        me.x / (me.t - me.t)")
+        (tmp_path / "mine.py").write_text("\n".join(lines))
+        with pytest.raises(sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine\.py, line"):
+            sc.run(study(brain_in_swarm=str(tmp_path / "mine.py"), robots_in_swarm=5, topology_in_world="ring"))
+    assert sc.run(study(robots_in_swarm=5, topology_in_world="ring")).attrs["trials_done"]
+
+
+# ---- work in a copy of the process
+
+
+def test_work_is_done_beside_and_its_result_or_error_comes_back():
+    code = """
+        import os
+        from swarmcensus.basics.copies import beside
+        here = os.getpid()
+        def fails():
+            raise ValueError("no")
+        assert beside(os.getpid)() not in (here, None)
+        try:
+            beside(fails)()
+        except ValueError as error:
+            print(error)
+        print(beside(lambda: os._exit(1) if os.getpid() != here else "here")())  # a copy that dies
+    """
+    done = python(code)
+    assert (done.returncode, done.stdout.split()) == (0, ["no", "here"]), done.stderr
+
+
+def test_beside_others_it_is_done_when_waited_for():
+    done = threading.Event()
+    other = threading.Thread(target=done.wait)
+    other.start()
+    try:
+        seen = []
+        ended = beside(lambda: seen.append(os.getpid()))
+        assert seen == []
+        ended()
+        assert seen == [os.getpid()]
+    finally:
+        done.set()
+        other.join()
