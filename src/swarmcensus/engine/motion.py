@@ -130,15 +130,31 @@ def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tic
 
 
 @compiled
-def set_wheels(state, i, body, speed, turn):
-    """From now on robot i goes `speed` metres and turns by `turn` radians a tick."""
+def turn_by(turn, lag, out):
+    """Fill `out` with the cosine and sine of the part of a turn before new wheel speeds take hold, and after."""
+    out[0] = math.cos(turn * lag)
+    out[1] = math.sin(turn * lag)
+    out[2] = math.cos(turn * (1.0 - lag))
+    out[3] = math.sin(turn * (1.0 - lag))
+
+
+@compiled
+def set_wheels(state, i, body, turns, speed, turn):
+    """From now on robot i goes `speed` metres and turns by `turn` radians a tick.
+
+    `turns` (which, 4) holds what `turn_by` says of the turn that most make, to the left and to the right: these take
+    as long as all else that a wheel does.
+    """
     state[SPEED, i] = speed
     if turn != state[TURN, i]:
         state[TURN, i] = turn
-        state[COS_LATE, i] = math.cos(turn * body.lag)
-        state[SIN_LATE, i] = math.sin(turn * body.lag)
-        state[COS_THEN, i] = math.cos(turn * (1.0 - body.lag))
-        state[SIN_THEN, i] = math.sin(turn * (1.0 - body.lag))
+        which = 0 if turn == body.turn else (1 if turn == -body.turn else 2)
+        if which == 2:
+            turn_by(turn, body.lag, turns[2])
+        state[COS_LATE, i] = turns[which, 0]
+        state[SIN_LATE, i] = turns[which, 1]
+        state[COS_THEN, i] = turns[which, 2]
+        state[SIN_THEN, i] = turns[which, 3]
 
 
 @compiled

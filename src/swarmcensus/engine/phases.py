@@ -62,18 +62,24 @@ def hear(memory, outbox, place, receivers, senders, first, last, robots):
         take(minds[np.uint64(to[link])], said, place + np.uint64(by[link]))
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
-def hear_sums(memory, outbox, place, heard, senders, first, last, robots, messages):
-    """Robots first ... last - 1 hear what senders[heard[i]: heard[i + 1]] said: where `receive` only adds."""
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
+def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, first, last, robots):
+    """Robots first ... last - 1 hear what senders[heard[i]: heard[i + 1]] said and end the round.
+
+    For a brain whose `receive` only adds: sums stay in the processor's registers.
+    """
     minds = seen_as(memory, last, record)
     said = seen_as(outbox, (place + robots, width), np.float64)
     bounds = seen_as(heard, last + ONE, np.int64)
     by = seen_as(senders, messages, np.uint32)
+    estimates = seen_as(rows, start + last, np.float64)
     for i in range(first, last):
         sums = sums_of(minds[i])
         for e in range(np.uint64(bounds[i]), np.uint64(bounds[i + ONE])):
             sums = sums_with(sums, said, place + np.uint64(by[e]))
         put_sums(minds[i], sums)
+        fuse(minds[i])
+        estimates[start + i] = estimate(minds[i])
 
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)

@@ -80,16 +80,19 @@ def ride(
                 if seen[i] >= 0.0:
                     readings[k, i] = seen[i]
         call(minds[SENSE], memory, outbox, said, seen, 1.0, ZERO, n)
-        if now >= delay:
-            bounds = heard[k * n : (k + 1) * n + 1]
-            if additive and threshold == 0 and stops.shape[1] == 0:
-                call(minds[HEAR_SUMS], memory, outbox, then, bounds, senders, ZERO, n, n, senders.size)
-            else:
+        bounds = heard[k * n : (k + 1) * n + 1]
+        here = (now - 1) * n
+        if now >= delay and additive and threshold == 0 and stops.shape[1] == 0:
+            call(
+                minds[HEAR_SUMS], memory, outbox, then, bounds, senders, senders.size, rows, here, ZERO, n, n
+            )  # fmt: skip
+        else:
+            if now >= delay:
                 arrivals = hear_each(
                     minds, memory, outbox, then, arrivals, bounds, senders, link_key, trial, now, delay, threshold,
                     stops,
                 )  # fmt: skip
-        call(minds[END_ROUND], memory, rows, (now - 1) * n, ZERO, n)
+            call(minds[END_ROUND], memory, rows, here, ZERO, n)
         if history.shape[0] > 0:
             put(history[k], memory)
 

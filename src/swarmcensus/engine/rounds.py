@@ -91,6 +91,7 @@ def advance(
     n = np.uint64(memory.shape[0])
     said, next_said = ZERO, n
     sound = threshold == 0 and stops.shape[1] == 0
+    in_sums = links == LISTED and sound and additive
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
@@ -102,18 +103,18 @@ def advance(
             hear_pairs(minds, memory, outbox, said, arrivals, link_key, trial, k, threshold, stops, stop)
         for start in range(ZERO, n, np.uint64(BLOCK)):
             end = min(start + np.uint64(BLOCK), n)
-            if r >= 0 and links == LISTED:
-                one, other = bounds[start], bounds[end]
-                if sound and additive:
-                    call(minds[HEAR_SUMS], memory, outbox, said, bounds, senders, start, end, n, senders.size)
-                elif sound:
-                    call(minds[HEAR], memory, outbox, said, receivers, senders, one, other, n)
-                else:
+            if r >= 0 and in_sums:
+                call(
+                    minds[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n
+                )  # fmt: skip
+            elif r >= 0 and links != FULL:
+                if links == LISTED and sound:
+                    call(minds[HEAR], memory, outbox, said, receivers, senders, bounds[start], bounds[end], n)
+                elif links == LISTED:
                     hear_what_arrives(
-                        minds, memory, outbox, said, receivers, senders, one, other, arrivals, link_key, trial, k,
-                        threshold, stops,
+                        minds, memory, outbox, said, receivers, senders, bounds[start], bounds[end], arrivals,
+                        link_key, trial, k, threshold, stops,
                     )  # fmt: skip
-            if r >= 0 and links != FULL:
                 call(minds[END_ROUND], memory, rows, here, start, end)
             if k + 1 < last:
                 count_blacks(readings, bits, tables, looks, read_key, trial, k + 1, start, end)

@@ -12,7 +12,7 @@ from swarmcensus.engine.compiler import entry
 from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, SIN, SIN_LATE, SIN_THEN, X, Y
 from swarmcensus.engine.random import block, counter, unit
 
-from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels
+from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels, turn_by
 from .neighbours import cell, listen, look_around
 
 PLACINGS = 10_000  # tries to place one robot
@@ -79,6 +79,9 @@ def walk(
     blind = body.line_of_sight == 0.0  # to what stands between two robots
     rays = np.empty(RAYS)
     which = np.empty(RAYS, np.uint8)
+    turns = np.empty((3, 4))
+    turn_by(body.turn, body.lag, turns[0])
+    turn_by(-body.turn, body.lag, turns[1])
     used = np.uint64(0)
     heard[0] = 0
     for k in range(looked.shape[0]):
@@ -104,7 +107,7 @@ def walk(
                 speed = wishes[1, i]
                 turn = wishes[2, i]
                 state[LEFT_TICKS, i] = 0.0
-            set_wheels(state, i, body, speed, turn)
+            set_wheels(state, i, body, turns, speed, turn)
             go(state, i, 1.0 - body.lag, state[COS_THEN, i], state[SIN_THEN, i])
             keep_inside(state, i, half - body.radius)
         sweep = 0
