@@ -14,7 +14,8 @@ from swarmcensus import brains
 from swarmcensus.basics.copies import beside
 from swarmcensus.engine import compiler, glue
 from swarmcensus.engine.modes import PHASES
-from tests.small import study
+from swarmcensus.simulation.trials import Metrics, run_batch
+from tests.small import GO, SEED, settings_of
 
 SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
 
@@ -135,21 +136,32 @@ def test_only_what_a_use_calls_is_compiled(use):
     there = {name for name, where in zip(PHASES, compiler.compile_brain(brain, use), strict=True) if where}
     assert there == compiler.needs(brain, use)
     assert ("hear_all" in there) == (use == "network")
-    assert ("hear_sums" in there) == (use == "moving")
+    assert ("hear_sums" in there) == (use in ("network", "moving"))
     assert ("go_alone" in there) == (use == "alone")
     assert "ask" not in there  # it does not steer
 
 
-def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(tmp_path):
-    """Once in every function of a brain: it reaches Python as what it was, and the next run is sound."""
-    for function in ("observe", "broadcast", "receive", "fuse", "estimate"):
-        lines = SOURCE.split("\n")
-        at = next(k for k, line in enumerate(lines) if line.startswith(f"def {function}("))
-        lines.insert(at + 2, "    if me.t >= 20.0:\n        me.x / (me.t - me.t)")
-        (tmp_path / "mine.py").write_text("\n".join(lines))
-        with pytest.raises(sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine\.py, line"):
-            sc.run(study(brain_in_swarm=str(tmp_path / "mine.py"), robots_in_swarm=5, topology_in_world="ring"))
-    assert sc.run(study(robots_in_swarm=5, topology_in_world="ring")).attrs["trials_done"]
+@pytest.mark.parametrize(
+    ("function", "does"),
+    [
+        ("observe", "me.x = 1.0 / (me.t - me.t)"),
+        ("broadcast", "return 1.0 / (me.t - me.t), 0.0"),
+        ("receive", "me.heard += 1.0 / (me.t - me.t)"),
+        ("fuse", "me.x = 1.0 / (me.t - me.t)"),
+        ("estimate", "return 1.0 / (me.t - me.t)"),
+    ],
+)
+def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, does, tmp_path):
+    """It reaches Python as what it was, and the next run is sound."""
+    lines = SOURCE.replace("SUMS = ", "NOTHING = ").split("\n")
+    at = next(k for k, line in enumerate(lines) if line.startswith(f"def {function}("))
+    lines.insert(at + 2, f"    if me.t >= 20.0:\n        {does}")
+    (tmp_path / "mine.py").write_text("\n".join(lines))
+    (setting,) = settings_of(brain=str(tmp_path / "mine.py"), rounds=8, looks=5)
+    with pytest.raises(sc.InputError, match=r"ZeroDivisionError: division by zero$"):
+        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+    (setting,) = settings_of(rounds=8, looks=5)
+    assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
 
 
 # ---- work in a copy of the process
