@@ -1,5 +1,7 @@
 """Doors: how an addition is found by its name, as a file of ours or as another package's entry point."""
 
+from __future__ import annotations
+
 import functools
 import hashlib
 import importlib
@@ -9,7 +11,6 @@ import re
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
@@ -17,9 +18,18 @@ from swarmcensus.basics.errors import InputError, line_of
 from swarmcensus.basics.hints import did_you_mean
 
 if TYPE_CHECKING:
+    from importlib.metadata import EntryPoint, EntryPoints
+
     from pydantic import BaseModel
 
 Keys = tuple[tuple[str, Any], ...]  # an addition's own keys and their values, in the order in which it names them
+
+
+def entry_points(group: str) -> EntryPoints:
+    """What other packages give of a group; imported when it is asked, for most studies ask for nothing."""
+    from importlib.metadata import entry_points as known
+
+    return known(group=group)
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +148,7 @@ def _package(entry: EntryPoint) -> str:
 
 
 @functools.cache
-def keys_of(function: Callable[..., Any]) -> "type[BaseModel]":
+def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
     """A model of a function's keyword-only parameters: what each may be, as it is annotated. Raises InputError."""
     from pydantic import ConfigDict, create_model
 

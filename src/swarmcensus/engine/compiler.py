@@ -10,7 +10,6 @@ import contextlib
 import functools
 import hashlib
 import importlib
-import importlib.metadata
 import importlib.util
 import os
 import shutil
@@ -200,7 +199,9 @@ def _brain_files(brain: Brain, exact: bool = False) -> dict[str, str]:
 
 @functools.cache
 def _engine() -> tuple[str, ...]:
-    return (*map(_source, SOURCES), sys.version, importlib.metadata.version("numba"), np.__version__)
+    from importlib.metadata import version  # Numba itself may not be needed
+
+    return (*map(_source, SOURCES), sys.version, version("numba"), np.__version__)
 
 
 def _digest(files: dict[str, str]) -> str:

@@ -14,7 +14,7 @@ class Chance(NamedTuple):
     key: np.ndarray
     trial: int
 
-    def generator(self) -> np.random.Generator:
+    def generator(self) -> "np.random.Generator":  # quoted: that part of NumPy is imported once somebody draws
         """Return a generator of NumPy that begins anew at each call; Philox is addressed too, by key and counter."""
         return np.random.Generator(np.random.Philox(key=self.key, counter=[0, 0, 0, self.trial]))
 
