@@ -14,7 +14,7 @@ from swarmcensus import brains
 from swarmcensus.basics.copies import beside
 from swarmcensus.engine import compiler, glue
 from swarmcensus.engine.modes import PHASES
-from swarmcensus.simulation.trials import Metrics, run_batch
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.small import GO, SEED, settings_of
 
 SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
@@ -162,6 +162,20 @@ def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, doe
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
     (setting,) = settings_of(rounds=8, looks=5)
     assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
+
+
+@pytest.mark.parametrize("robots", [300, 33_000])
+def test_large_full_networks_hear_everyone_else(robots):
+    """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
+    (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")
+    minds, _, _ = record_trial(setting, SEED, 1)
+    for k in (1, 3):
+        alpha, x_hat = minds["alpha"][k], minds["x_hat"][k]
+        beta = alpha.sum() - alpha
+        assert minds["beta"][k] == pytest.approx(beta, rel=1e-11)
+        assert minds["x_bar"][k] == pytest.approx(((alpha * x_hat).sum() - alpha * x_hat) / beta, rel=1e-11)
+    batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO)
+    assert np.array_equal(batch.final[0], minds["x"][3])
 
 
 # ---- work in a copy of the process

@@ -152,7 +152,8 @@ def needs(brain: Brain, use: str) -> set[str]:
     """Which of a brain's functions a use calls."""
     if use == "alone":
         return {"go_alone", "believe"}
-    sums = {"network": {"hear_sums", "hear_all"}, "moving": {"hear_sums"}}.get(use, set()) if brain.sums else set()
+    in_sums = {"network": {"hear_sums", "add_up", "hear_all"}, "moving": {"hear_sums"}}
+    sums = in_sums.get(use, set()) if brain.sums else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
     return {*ALWAYS, *sums, *asked}
 

@@ -25,7 +25,6 @@ for name, value in list(vars(brain).items()):
 {functions}
 steer = {steer}
 width = {width}
-no_sums = {no_sums}
 
 
 @compiled
@@ -47,6 +46,16 @@ def sums_of(me):
 @compiled
 def sums_with(sums, outbox, i):
     return {more}
+
+
+@compiled
+def sums_at(rows, i):
+    return {kept}
+
+
+@compiled
+def keep_sums(rows, i, sums):
+    {keeping}
 
 
 @compiled
@@ -114,12 +123,13 @@ def of_brain(brain: Brain) -> str:
         functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
         steer="brain.steer" if brain.steers else "compiled(lambda me: None)",
         width=len(slots),
-        no_sums=(0.0,) * max(1, len(brain.sums)),
         names="".join(f"{name}, " for name in names).strip(),
         saying="\n    ".join(saying),
         taking="\n    ".join(taking),
         own=_tuple(f"me.{name}" for name in brain.sums),
         more=_tuple(f"sums[{k}] + {slot}" for k, slot in enumerate(slots[: len(brain.sums)])),
+        kept=_tuple(f"rows[i, {k}]" for k, _ in enumerate(brain.sums)),
+        keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(brain.sums)) or "pass",
         putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(brain.sums)) or "pass",
         adding="\n    ".join(f"me.{name} += sums[{k}]" for k, name in enumerate(brain.sums)) or "pass",
     )

@@ -12,7 +12,7 @@ from swarmcensus.engine.draws import black_tables, count_blacks
 from swarmcensus.engine.modes import BELIEVE, END_ROUND, HEAR, SENSE
 
 from .minds import ZERO, begin, put, settle
-from .rounds import advance, advance_alone, bounds_of, most_links
+from .rounds import BLOCK, advance, advance_alone, bounds_of, most_links
 
 
 @entry
@@ -39,6 +39,7 @@ def simulate(
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
+    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     low = extremes[0]
     high = extremes[1]
     for trial in range(where.shape[0]):
@@ -77,8 +78,8 @@ def simulate(
                     )  # fmt: skip
                 else:
                     advance(
-                        minds, additive, memory, outbox, blacks, bits, tables, first, last, looks, number, read_key,
-                        link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
+                        minds, additive, memory, outbox, beside, blacks, bits, tables, first, last, looks, number,
+                        read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
                     )  # fmt: skip
                 if stop[0] != 0:
                     return False
@@ -117,13 +118,14 @@ def record(
     stop = np.zeros(1, np.uint8)
     tables = black_tables(b, w, fill_ratio, looks)
     bounds = bounds_of(receivers, robots)
+    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     arrivals = np.zeros((2, most_links(bounds, links, robots)), np.uint32)
     begin(memory, blank, assumed_b, assumed_w)
     put(history[0], memory)
     for k in range(1, history.shape[0]):
         count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, ZERO, np.uint64(robots))
         advance(
-            minds, additive, memory, outbox, readings, bits, tables, k, k + 1, looks, trial, read_key, link_key,
+            minds, additive, memory, outbox, beside, readings, bits, tables, k, k + 1, looks, trial, read_key, link_key,
             links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
         )  # fmt: skip
         put(history[k], memory)

@@ -22,5 +22,5 @@ X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_
 STATE = 13
 
 # what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
-PHASES = ("sense", "hear", "hear_sums", "hear_all", "end_round", "go_alone", "believe", "ask")
-SENSE, HEAR, HEAR_SUMS, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, ASK = range(8)
+PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "ask")
+SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, ASK = range(9)

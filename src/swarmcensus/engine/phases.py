@@ -17,13 +17,14 @@ from .mind import (
     broadcast,  # noqa: F401
     estimate,
     fuse,
-    no_sums,
+    keep_sums,
     observe,
     put_sums,
     receive,  # noqa: F401
     record,
     say,
     steer,
+    sums_at,
     sums_of,
     sums_with,
     take,
@@ -82,25 +83,49 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
         estimates[start + i] = estimate(minds[i])
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
-def hear_all(memory, outbox, place, rows, start, robots):
-    """Everyone hears everyone and ends the round, in O(N), for a brain whose `receive` only adds.
+@phase(ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
+def add_up(outbox, place, sums_beside, size, robots):
+    """What `hear_all` takes, for blocks of so many robots: in row 1 + block the sum over all that come after it.
+
+    Row 0 is of those before the first robot: zeros.
+    """
+    blocks = (robots + size - ONE) // size
+    said = seen_as(outbox, (place + robots, width), np.float64)
+    beside = seen_as(sums_beside, (ONE + blocks, width), np.float64)
+    for j in range(np.uint64(width)):
+        beside[0, j] = 0.0
+    sums = sums_at(beside, ZERO)
+    keep_sums(beside, blocks, sums)
+    for later in range(ONE, blocks):
+        first = (blocks - later) * size
+        last = min(first + size, robots)
+        for below in range(ZERO, last - first):
+            sums = sums_with(sums, said, place + last - ONE - below)
+        keep_sums(beside, blocks - later, sums)
+
+
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE)
+def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last):
+    """Robots first ... last - 1 hear everyone and end the round, in O(N), for a brain whose `receive` only adds.
 
     What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
-    unlike "all minus own".
+    unlike "all minus own". Row 0 of `sums_beside` is the sum over those before `first`, and becomes that before `last`;
+    row 1 + block is that over those from `last` on.
     """
-    minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, width), np.float64)
-    estimates = seen_as(rows, start + robots, np.float64)
-    before = no_sums
-    for i in range(ZERO, robots):
-        add_sums(minds[i], before)
-        before = sums_with(before, said, place + i)
-    after = no_sums
-    for below in range(ZERO, robots):
-        i = robots - ONE - below
-        add_sums(minds[i], after)
-        after = sums_with(after, said, place + i)
+    minds = seen_as(memory, last, record)
+    said = seen_as(outbox, (place + last, width), np.float64)
+    beside = seen_as(sums_beside, (block + ONE + ONE, width), np.float64)
+    estimates = seen_as(rows, start + last, np.float64)
+    sums = sums_at(beside, ZERO)
+    for i in range(first, last):
+        add_sums(minds[i], sums)
+        sums = sums_with(sums, said, place + i)
+    keep_sums(beside, ZERO, sums)
+    sums = sums_at(beside, block + ONE)
+    for below in range(ZERO, last - first):
+        i = last - ONE - below
+        add_sums(minds[i], sums)
+        sums = sums_with(sums, said, place + i)
         fuse(minds[i])
         estimates[start + i] = estimate(minds[i])
 

@@ -8,13 +8,25 @@ from numba import njit
 
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.draws import arrange, count_blacks
-from swarmcensus.engine.modes import END_ROUND, FULL, GO_ALONE, HEAR, HEAR_ALL, HEAR_SUMS, LISTED, SENSE, SENSING
+from swarmcensus.engine.modes import (
+    ADD_UP,
+    END_ROUND,
+    FULL,
+    GO_ALONE,
+    HEAR,
+    HEAR_ALL,
+    HEAR_SUMS,
+    LISTED,
+    SENSE,
+    SENSING,
+)
 
 from .minds import ZERO, arrives, works
 
 # Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
 # inner loops: Numba then need not ask whether an index counts from the end.
 BLOCK = 256
+CACHED = 1 << 15  # robots up to which a full network passes through the cache as a whole
 
 
 @njit(nogil=True)
@@ -79,12 +91,12 @@ def silence_failed(readings, stops, tick, first, last):
 
 @njit(nogil=True)
 def advance(
-    minds, additive, memory, outbox, readings, bits, tables, first, last, looks, trial,
+    minds, additive, memory, outbox, sums_beside, readings, bits, tables, first, last, looks, trial,
     read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
-    Along listed links a robot ends one round and observes for the next in one go, block by block, so that a
+    But for pairs a robot ends one round and observes for the next in one go, block by block, so that a
     swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
     `said` is where this round's messages begin.
     """
@@ -92,21 +104,27 @@ def advance(
     said, next_said = ZERO, n
     sound = threshold == 0 and stops.shape[1] == 0
     in_sums = links == LISTED and sound and additive
+    at_once = n <= CACHED
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
         r = k - first
         here = np.uint64(max(r, 0)) * n
         if r >= 0 and links == FULL:
-            call(minds[HEAR_ALL], memory, outbox, said, rows, here, n)
+            call(minds[ADD_UP], outbox, said, sums_beside, n if at_once else np.uint64(BLOCK), n)
+            if at_once:
+                call(minds[HEAR_ALL], memory, outbox, said, sums_beside, ZERO, rows, here, ZERO, n)
         elif r >= 0 and links != LISTED:
             hear_pairs(minds, memory, outbox, said, arrivals, link_key, trial, k, threshold, stops, stop)
-        for start in range(ZERO, n, np.uint64(BLOCK)):
+        for block in range(ZERO, np.uint64(sums_beside.shape[0] - 1)):
+            start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
             if r >= 0 and in_sums:
                 call(
                     minds[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n
                 )  # fmt: skip
+            elif r >= 0 and links == FULL and not at_once:
+                call(minds[HEAR_ALL], memory, outbox, said, sums_beside, block, rows, here, start, end)
             elif r >= 0 and links != FULL:
                 if links == LISTED and sound:
                     call(minds[HEAR], memory, outbox, said, receivers, senders, bounds[start], bounds[end], n)
