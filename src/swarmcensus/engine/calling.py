@@ -23,6 +23,8 @@ ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 def passed(kind):
     """As what an argument of this Numba type goes: an address, a whole number or a real one."""
     if isinstance(kind, types.Array):
+        if kind.layout != "C":
+            raise TypeError(f"{kind} does not lie in one piece: an address says too little of it")
         return ARRAY
     return REAL if isinstance(kind, types.Float) else WHOLE
 
