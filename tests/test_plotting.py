@@ -138,7 +138,7 @@ def test_compiling_is_told_once_and_only_where_it_happens(capsys):
 
     with progress.compiling("mine.py"):
         assert twice(1) == 2
-    assert capsys.readouterr().err == "compiling mine.py for replay, once on this machine\n"
+    assert capsys.readouterr().err == "compiling what replay needs for mine.py, once on this machine\n"
     with progress.compiling("mine.py"):
         assert twice(1) == 2
     assert twice(1.0) == 2.0
@@ -167,4 +167,4 @@ def test_who_waits_for_the_compiler_knows_it(command, where, small_file, here, c
     monkeypatch.setattr(*where, compiles)
     assert main(command) == 0
     what = "recorded data" if command[0] == "infer" else "replay"
-    assert capsys.readouterr().err == f"compiling minimalistic for {what}, once on this machine\n"
+    assert capsys.readouterr().err == f"compiling what {what} needs for minimalistic, once on this machine\n"

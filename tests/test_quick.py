@@ -12,6 +12,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.copies import beside
+from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler, glue
 from swarmcensus.engine.modes import PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
@@ -178,6 +179,32 @@ def test_large_full_networks_hear_everyone_else(robots):
     assert np.array_equal(batch.final[0], minds["x"][3])
 
 
+@pytest.mark.parametrize(
+    ("sound", "broken"),
+    [
+        ("me.heard += 1.0", "me.typo += 1.0"),
+        ("x_hat, alpha = message", "x_hat, alpha = message[2], 1.0"),
+        ("return me.x_hat, me.alpha", "return me.x"),
+        ("abs(slope)", "abs(slope, 1)"),
+    ],
+)
+def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp_path, monkeypatch, capsys):
+    """On networks and where robots move, by one line that says who tells more."""
+    monkeypatch.chdir(tmp_path)
+    assert SOURCE.count(sound) == 1
+    (tmp_path / "mine.py").write_text(SOURCE.replace(sound, broken))
+    for world in ('topology = "ring"', 'topology = "moving"\ndensity = 1.0'):
+        ticks = "ticks" if "moving" in world else "rounds"
+        (tmp_path / "s.toml").write_text(
+            f'trials = 1\n[swarm]\nrobots = 3\nbrain = "mine.py"\naccuracy = 0.7\n[world]\n{world}\n'
+            f"fill_ratio = 0.5\n[schedule]\n{ticks} = 3\n"
+        )
+        assert main(["run", "s.toml"]) == 2
+        said = capsys.readouterr().err.strip().splitlines()[-1]
+        assert "brain 'mine.py' fails in trial 0" in said
+        assert "cannot be compiled: swarmcensus brains --check mine.py says why, at mine.py, line" in said
+
+
 # ---- work in a copy of the process
 
 
@@ -212,3 +239,51 @@ def test_beside_others_it_is_done_when_waited_for():
     finally:
         done.set()
         other.join()
+
+
+def test_a_worker_of_somebody_s_pool_copies_nothing():
+    """Which may have no children of its own; nor is anything done where the system refuses one."""
+    code = """
+        import multiprocessing, os
+        from swarmcensus.basics.copies import beside
+        def same(_):
+            return beside(os.getpid)() == os.getpid()
+        with multiprocessing.get_context("fork").Pool(1) as pool:
+            print(pool.map(same, [0]))
+        def refused():
+            raise OSError("no more processes")
+        os.fork = refused
+        print(same(0))
+    """
+    done = python(code)
+    assert (done.returncode, done.stdout.split()) == (0, ["[True]", "True"]), done.stderr
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-"])
+def test_closed_streams_change_no_exit_code(closed, small_file):
+    done = subprocess.run(
+        f"{sys.executable} -m swarmcensus export {small_file} --out {small_file.parent}/t.csv {closed}",
+        shell=True, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert "Traceback" not in done.stdout + done.stderr
+    assert done.returncode == (0 if closed == "2>&-" else 2)
+
+
+def test_an_expression_too_deep_to_be_written_anew_is_taken_as_it_is():
+    deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
+    assert glue.essence(deep) == deep
+
+
+def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
+    """It would be compiled twice, and the copy's folder would stay."""
+    (tmp_path / "file").write_text("")
+    code = """
+        import warnings
+        warnings.simplefilter("ignore")
+        from swarmcensus.engine import compiler
+        from swarmcensus.runs import pools
+        print(compiler.keeps())
+    """
+    for place, said in (("file", "False"), ("folder", "True")):
+        done = python(code, env=os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / place)})
+        assert done.stdout.split() == [said], done.stderr

@@ -18,12 +18,16 @@ def beside(work: Callable[[], Result]) -> Callable[[], Result]:
     others started may hold locks that no copy would ever see opened.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    if sys.platform != "linux" or cores < 2 or threading.active_count() > 1:
+    alone = threading.active_count() == 1 and not multiprocessing.current_process().daemon  # which may have no children
+    if sys.platform != "linux" or cores < 2 or not alone:
         return work
     context = multiprocessing.get_context("fork")
     mine, its = context.Pipe(duplex=False)
-    copy = context.Process(target=_tell, args=(work, its))
-    copy.start()
+    copy = context.Process(target=_tell, args=(work, its), daemon=True)  # it ends where this process does
+    try:
+        copy.start()
+    except OSError:  # no more processes, or too little memory
+        return work
     its.close()
 
     def ended() -> Result:

@@ -24,8 +24,8 @@ def program() -> NoReturn:
         sys.exit(code)
     atexit._run_exitfuncs()
     try:
-        sys.stdout.flush()
-        sys.stderr.flush()
+        for stream in filter(None, (sys.stdout, sys.stderr)):  # None where a shell closed it
+            stream.flush()
     except (OSError, ValueError):  # nobody reads any more
         sys.exit(code)
     os._exit(code)

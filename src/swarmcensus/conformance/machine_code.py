@@ -9,7 +9,6 @@ from typing import Any
 import numba
 import numpy as np
 import xarray as xr
-from numba.core.errors import NumbaError
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
 from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
@@ -30,7 +29,7 @@ def compiles(brain: Brain) -> None:
         try:
             for use in uses:
                 compiler.compile_brain(brain, use)
-        except NumbaError:  # once more, for the line
+        except compiler.NotCompiled:  # once more, for the line
             for use in uses:
                 compiler.compile_brain(brain, use, exact=True)
     except MemoryError:

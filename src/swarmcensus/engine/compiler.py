@@ -41,6 +41,10 @@ PARTS = {  # what a file imports from its own folder
 ALWAYS = ("sense", "hear", "end_round", "believe")  # what of a brain is needed with whatever neighbours
 
 
+class NotCompiled(Exception):
+    """A brain of which Numba makes no machine code, in Numba's own words."""
+
+
 def compiled(function: types.FunctionType) -> Any:
     """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
     import numba
@@ -104,6 +108,16 @@ def cache_root() -> Path:
         raise FileNotFoundError("~/.cache/swarmcensus") from None
 
 
+def keeps() -> bool:
+    """Whether compiled code is kept on disk, for other processes too."""
+    try:
+        root = cache_root()
+        root.mkdir(parents=True, exist_ok=True)
+        return os.access(root, os.R_OK | os.W_OK | os.X_OK)
+    except OSError:
+        return False
+
+
 @functools.cache
 def _scratch() -> Path:
     """A cache for this process alone, on a machine without a usable one; says so once."""
@@ -137,12 +151,17 @@ def compile_brain(brain: Brain, use: str = "network", exact: bool = False) -> An
     """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
 
     Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded". Brains that differ
-    in comments alone share machine code; `exact` is for messages that name a line of the very file.
+    in comments alone share machine code; `exact` is for messages that name a line of the very file. Raises NotCompiled.
     """
-    module = phases_of(brain, exact)
     needed = needs(brain, use)
-    with _LOCK:
-        found = [getattr(module, name).address() if name in needed else None for name in PHASES]
+    try:
+        module = phases_of(brain, exact)
+        with _LOCK:
+            found = [getattr(module, name).address() if name in needed else None for name in PHASES]
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise NotCompiled(str(error)) from error
     if not_compiled():
         return tuple(found)
     return np.array([address or 0 for address in found], np.uint64)
@@ -173,8 +192,14 @@ def compile_metric(metric: Metric) -> types.ModuleType:
 @functools.cache
 def compile_world(name: str = "world") -> types.ModuleType:
     """The engine's entry points of one file, which know of no brain."""
-    parts = (f"{name}.py", *PARTS.get(name, ()))
-    return _module({"__init__.py": "", **{part: _source(part) for part in parts}}, name)
+    return _module(_world_files(name), name)
+
+
+def is_known(world: str) -> bool:
+    """Whether machine code of a file of the engine's loops is on disk."""
+    with contextlib.suppress(OSError):
+        return any((cache_root() / _digest(_world_files(world)) / "__pycache__").glob(f"{world}.*.nbc"))
+    return False
 
 
 def is_compiled(brain: Brain, use: str = "network") -> bool:
@@ -183,6 +208,10 @@ def is_compiled(brain: Brain, use: str = "network") -> bool:
         kept = cache_root() / _digest(_brain_files(brain)) / "__pycache__"
         return all(any(kept.glob(f"phases.{name}-*.nbc")) for name in needs(brain, use))
     return False
+
+
+def _world_files(name: str) -> dict[str, str]:
+    return {"__init__.py": "", **{part: _source(part) for part in (f"{name}.py", *PARTS.get(name, ()))}}
 
 
 def _source(name: str) -> str:

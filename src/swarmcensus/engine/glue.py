@@ -93,7 +93,10 @@ def essence(source: str) -> str:
         if isinstance(node, ast.Module | ast.FunctionDef):
             said = [one for one in node.body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
             node.body = said or [ast.Pass()]
-    return ast.unparse(tree)
+    try:
+        return ast.unparse(tree)
+    except RecursionError:  # an expression of hundreds of terms
+        return source
 
 
 def _is_declaration(node: ast.stmt, read: set[str]) -> bool:

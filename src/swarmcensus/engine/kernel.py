@@ -1,4 +1,4 @@
-"""What the engine does on fixed networks: batches of trials to their metrics, single trials and recorded ones in full.
+"""What the engine does on fixed networks: batches of trials to their metrics, and minds on recorded data.
 
 It is compiled once on a machine and knows no brain: `minds` are the addresses of one's functions (see `calling.py`),
 a mind is a row of numbers.
@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.draws import black_tables, count_blacks
+from swarmcensus.engine.draws import black_tables
 from swarmcensus.engine.modes import BELIEVE, END_ROUND, HEAR, SENSE
 
 from .minds import ZERO, begin, put, settle
@@ -105,32 +105,10 @@ def simulate(
 
 
 @entry
-def record(
-    minds, additive, blank, outbox, trial, b, w, assumed_b, assumed_w, fill_ratio, looks, history, estimates,
-    blacks_seen, read_key, link_key, links, receivers, senders, threshold, stops,
-):  # fmt: skip
-    """Run one trial and keep every mind after every round in `history`, (round, robot, field), and its readings."""
-    robots = history.shape[1]
-    memory = np.empty((robots, blank.size))
-    readings = np.zeros(min(robots, 256))
-    bits = np.zeros(robots, np.uint64)
-    rows = np.empty((1, robots))
-    stop = np.zeros(1, np.uint8)
-    tables = black_tables(b, w, fill_ratio, looks)
-    bounds = bounds_of(receivers, robots)
-    beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
-    arrivals = np.zeros((2, most_links(bounds, links, robots)), np.uint32)
-    begin(memory, blank, assumed_b, assumed_w)
-    put(history[0], memory)
-    for k in range(1, history.shape[0]):
-        count_blacks(blacks_seen[k], bits, tables, looks, read_key, trial, k, ZERO, np.uint64(robots))
-        advance(
-            minds, additive, memory, outbox, beside, readings, bits, tables, k, k + 1, looks, trial, read_key, link_key,
-            links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
-        )  # fmt: skip
-        put(history[k], memory)
+def believe(minds, history, estimates):
+    """The estimates (round, robot) of minds (round, robot, field)."""
     for k in range(history.shape[0]):
-        call(minds[BELIEVE], history[k], estimates, k * robots, robots)
+        call(minds[BELIEVE], history[k], estimates, k * history.shape[1], history.shape[1])
 
 
 @entry

@@ -98,11 +98,21 @@ def paint_tiles(tiles, key, trial, fill_ratio, black):
 
 
 @entry
+def round_readings(b, w, fill_ratio, looks, read_key, trial, out):
+    """Fill `out` (round, robot) with how many of a round's readings said black, from round 1 on."""
+    robots = np.uint64(out.shape[1])
+    bits = np.zeros(out.shape[1], np.uint64)
+    tables = black_tables(b, w, fill_ratio, looks)
+    for k in range(out.shape[0]):
+        count_blacks(out[k], bits, tables, looks, read_key, trial, k + 1, np.uint64(0), robots)
+
+
+@entry
 def single_readings(b, w, fill_ratio, looks, read_key, order_key, trial, out):
     """Fill `out` (observation, robot) with the readings, 1 black, that the rounds of a trial are made of."""
     robots = out.shape[1]
     bits = np.zeros(robots, np.uint64)
-    blacks = np.zeros(robots, np.int64)
+    blacks = np.zeros(robots)
     tables = black_tables(b, w, fill_ratio, looks)
     for step in range(out.shape[0]):
         left = looks - step % looks

@@ -94,9 +94,10 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     tiny = [(setting, study) for study, settings in studies for setting in smallest(settings)]
     new = [one for one in tiny if not _is_compiled(*one)]
     for name, moves in dict.fromkeys((setting.brain.name, bool(setting.body)) for setting, _ in new):
-        show(f"compiling {name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
+        loops = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
+        show(f"compiling {loops}{name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
     moving = [one for one in new if one[0].body]
-    if moving and len(moving) < len(new):
+    if moving and len(moving) < len(new) and compiler.keeps():
         ended = beside(lambda: _run_all(moving))
         _run_all([one for one in new if not one[0].body])
         ended()

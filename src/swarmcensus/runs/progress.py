@@ -81,7 +81,7 @@ def compiling(name: str, what: str = "replay") -> Iterator[None]:
 
         def on_start(self, event: object) -> None:
             if not self.told:
-                print(f"compiling {name} for {what}, once on this machine", file=sys.stderr, flush=True)
+                print(f"compiling what {what} needs for {name}, once on this machine", file=sys.stderr, flush=True)
             self.told = True
 
         def on_end(self, event: object) -> None:

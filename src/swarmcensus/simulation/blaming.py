@@ -52,6 +52,8 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
             if not np.isnan(blacks[i]) and works(SENSING, i, tick):
                 functions.observe(me, float(blacks[i]), float(looks))
         said.append([functions.broadcast(me) for me in minds])
+        for message in said[-1] if setting.brain.sums else ():  # what it adds is found when it is said
+            functions.receive(setting.brain.robot(0.0, 0.0), message)
         for receiver, sender in pairs if tick >= delay else ():
             lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
             if not lost and works(TALKING, sender, tick - delay):

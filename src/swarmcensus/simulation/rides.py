@@ -10,7 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
-from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame
+from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
@@ -28,7 +28,6 @@ class Rider:
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
-        self.minds = compiler.compile_brain(setting.brain, "moving")
         self.delay = setting.body.message_delay
         robots = setting.robots
         self.blank = compiler.blank(setting.brain)
@@ -40,7 +39,9 @@ class Rider:
         self.keys = given.readings, given.losses
         self.sensors = [a[0] for a in given.sensors]
         beliefs = (a[0] for a in given.beliefs)
-        self.kernel.wake(self.minds, self.memory, self.blank, *beliefs, self.outbox, self.start)
+        with blaming(setting, self.trial):
+            self.minds = compiler.compile_brain(setting.brain, "moving")
+            self.kernel.wake(self.minds, self.memory, self.blank, *beliefs, self.outbox, self.start)
 
     def ride(
         self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
@@ -102,11 +103,9 @@ def run_ride(
     for chunk in walk_of(settings[0], riders[0].given, stop, wishes):
         black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
-            try:
+            with blaming(rider.setting, trial):
                 rider.ride(chunk, black[key], stop)
                 rider.wish(wishes)
-            except Exception as error:
-                raise blame(rider.setting, trial, 1, error) from error
     if stop[0]:
         return None
     return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
@@ -124,14 +123,12 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     given = inputs_of(setting, seed, trial)
     rider, ground = Rider(setting, given), setting.ground(seed, trial)
     state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, given.walk, trial)
-    try:
+    with blaming(setting, trial):
         compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
             ground.all_tiles(), rider.minds, bool(setting.brain.sums), rider.memory, rider.outbox,
             rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING, rider.stops, stop,
         )  # fmt: skip
-    except Exception as error:
-        raise blame(setting, trial, 1, error) from error
     return None if stop[0] else rider.measure(metrics, ground.true_fill_ratio)
 
 
@@ -190,8 +187,9 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         if chunk.tick == 1:
             poses[0] = chunk.begin
         colours[ticks] = ground.colours(chunk.tiles)
-        rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
-        rider.wish(wishes)
+        with blaming(setting, trial):
+            rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
+            rider.wish(wishes)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])

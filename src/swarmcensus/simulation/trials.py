@@ -1,8 +1,9 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
+import contextlib
 import itertools
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -100,7 +101,8 @@ def _live(
     segment = segment_length(setting.robots, rounds, blank.nbytes, looks if local else 1)
     segments = -(-rounds // segment)
     kernel = compiler.compile_world("kernel")
-    minds = compiler.compile_brain(setting.brain, "alone" if local else "network")
+    with blaming(setting, first, trials):
+        minds = compiler.compile_brain(setting.brain, "alone" if local else "network")
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
         np.empty((setting.robots, blank.size)),
@@ -121,10 +123,8 @@ def _live(
     sound = True
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
-        try:
+        with blaming(setting, first, trials):
             finished = kernel.simulate(*arguments, begin, end, stop)
-        except Exception as error:
-            raise blame(setting, first, trials, error) from error
         if not finished:
             return None
         seen = rows[: rounds - begin * segment]
@@ -158,31 +158,55 @@ def _joined(batches: Sequence[Batch]) -> Batch:
     )
 
 
+@contextlib.contextmanager
+def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
+    """Whatever a brain does wrong here is told as an InputError that names it."""
+    try:
+        yield
+    except Exception as error:
+        raise blame(setting, first, trials, error) from error
+
+
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
     """What a failing brain is told by."""
     text = str(error).strip()
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
-    if "numba" in type(error).__module__:
+    if isinstance(error, compiler.NotCompiled):
         what = f"it cannot be compiled: swarmcensus brains --check {setting.brain.path} says why"
     return InputError(f"brain {setting.brain.name!r} fails in {which} of {setting}: {what}")
 
 
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot)."""
+    """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot).
+
+    It is run as any other, one round of estimates kept at a time: the snapshots before each are its history.
+    """
     blank = compiler.blank(setting.brain)
-    shape = (setting.rounds + 1, setting.robots)
+    robots, rounds, looks = setting.robots, setting.rounds, setting.observations_per_round
+    shape = (rounds + 1, robots)
     history, estimates, blacks = np.empty((*shape, blank.size)), np.empty(shape), np.zeros(shape)
-    given = inputs_of(setting, seed, trial)
+    given, kernel = inputs_of(setting, seed, trial), compiler.compile_world("kernel")
     links = given.links
     assert links is not None
-    compiler.compile_world("kernel").record(
-        compiler.compile_brain(setting.brain), bool(setting.brain.sums), blank,
-        compiler.outbox(setting.brain, 2 * setting.robots), trial,
-        *(a[0] for a in (*given.sensors, *given.beliefs)), setting.fill_ratio, setting.observations_per_round,
-        history, estimates, blacks, given.readings, given.losses,
-        links.mode, links.receivers, links.senders, given.loss_threshold, given.stops[0],
-    )  # fmt: skip
+    history[0] = blank
+    for field_, belief in enumerate(given.beliefs, start=blank.size - 2):
+        history[0, :, field_] = belief[0]
+    one = np.zeros((1, robots))
+    with blaming(setting, trial):
+        minds = compiler.compile_brain(setting.brain)
+        kernel.simulate(
+            minds, bool(setting.brain.sums), blank, history[-1], compiler.outbox(setting.brain, 2 * robots),
+            np.empty((1, robots)), history[:-1], trial, *given.sensors, *given.beliefs, setting.fill_ratio, False,
+            looks, rounds, given.readings, given.order, given.losses,
+            links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
+            1.0, 0.0, 1.0, np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
+            np.empty((0, 1, robots)), np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
+        )  # fmt: skip
+        kernel.believe(minds, history, estimates)
+    compiler.compile_world().round_readings(
+        *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
+    )
     return compiler.records(setting.brain, history), estimates, blacks
 
 
