@@ -27,8 +27,10 @@ def beside(work: Callable[[], Result]) -> Callable[[], Result]:
     try:
         copy.start()
     except OSError:  # no more processes, or too little memory
+        mine.close()
         return work
-    its.close()
+    finally:
+        its.close()
 
     def ended() -> Result:
         try:

@@ -15,6 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
+from swarmcensus.engine.compiler import not_compiled
 from swarmcensus.engine.keeping import sealed
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
@@ -78,7 +79,7 @@ def _plain_view(items, shape, dtype):
 
 # call(function, *arguments) calls by an address; seen_as(items, shape, dtype) is what was passed, as an array again;
 # nobody(record) is a mind of zeros on the stack, which the compiler dissolves into the processor's registers
-PLAIN = bool(numba.config.DISABLE_JIT)
+PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
 nobody = _plain_blank if PLAIN else _machine_blank

@@ -3,7 +3,7 @@
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.modes import TALKING
+from swarmcensus.engine.modes import SENSING, TALKING
 from swarmcensus.engine.random import block, counter
 
 ZERO = np.uint64(0)
@@ -35,6 +35,15 @@ def works(stops, part, i, tick):
     return stops.shape[1] == 0 or tick < stops[part, i]
 
 
+@njit(nogil=True, forceinline=True)
+def silence_failed(readings, stops, tick, first, last):
+    """No reading for robots whose sensor has failed."""
+    if stops.shape[1] > 0:
+        for i in range(first, last):
+            if not works(stops, SENSING, i, tick):
+                readings[i - first] = -1.0
+
+
 @njit(nogil=True)
 def heard_by(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
@@ -44,7 +53,7 @@ def heard_by(key, trial, tick, receiver, sender, threshold):
 @njit(nogil=True, forceinline=True)
 def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
     """The same of a sender that talked at `said_at`; `threshold` 0 means that no message is lost."""
-    return (stops.shape[1] == 0 or said_at < stops[TALKING, sender]) and (
+    return works(stops, TALKING, sender, said_at) and (
         threshold == 0 or heard_by(key, trial, tick, receiver, sender, threshold)
     )
 

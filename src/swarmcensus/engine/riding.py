@@ -8,10 +8,10 @@ from numba import njit
 
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.modes import ASK, BELIEVE, END_ROUND, HEAR, HEAR_SUMS, SENSE, SENSING
+from swarmcensus.engine.modes import ASK, BELIEVE, END_ROUND, HEAR, HEAR_SUMS, SENSE
 from swarmcensus.engine.random import unit, words
 
-from .minds import ZERO, arrives, begin, put, settle, works
+from .minds import ZERO, arrives, begin, put, settle, silence_failed
 
 
 @entry
@@ -71,10 +71,7 @@ def ride(
         said, then = now % (delay + 1) * n, (now - delay) % (delay + 1) * n
         words(read_key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
         look(seen, looked[k], black[k], b, w, bits)
-        if stops.shape[1] > 0:
-            for i in range(n):
-                if not works(stops, SENSING, i, now):
-                    seen[i] = -1.0
+        silence_failed(seen, stops, now, ZERO, np.uint64(n))
         if readings.shape[0] > 0:
             for i in range(n):
                 if seen[i] >= 0.0:

@@ -18,10 +18,9 @@ from swarmcensus.engine.modes import (
     HEAR_SUMS,
     LISTED,
     SENSE,
-    SENSING,
 )
 
-from .minds import ZERO, arrives, works
+from .minds import ZERO, arrives, silence_failed
 
 # Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
 # inner loops: Numba then need not ask whether an index counts from the end.
@@ -78,15 +77,6 @@ def hear_pairs(minds, memory, outbox, said, arrivals, key, trial, tick, threshol
                 arrivals[1, count] = j
                 count += 1
         call(minds[HEAR], memory, outbox, said, arrivals[0], arrivals[1], ZERO, count, memory.shape[0])
-
-
-@njit(nogil=True, forceinline=True)
-def silence_failed(readings, stops, tick, first, last):
-    """No reading for robots whose sensor has failed."""
-    if stops.shape[1] > 0:
-        for i in range(first, last):
-            if not works(stops, SENSING, i, tick):
-                readings[i - first] = -1.0
 
 
 @njit(nogil=True)
