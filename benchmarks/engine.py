@@ -1,7 +1,7 @@
 """What the engine costs: python benchmarks/engine.py [--quick].
 
 Prints ns per robot and round on one core for each topology and size, metrics included, beside the limit
-kernel in the same run; then thread scaling, and the peak memory of a million robots.
+kernel in the same run; then what a step of a local estimate costs, thread scaling, and the peak memory of a million robots.
 """
 
 import argparse
@@ -24,12 +24,12 @@ TOPOLOGIES = ("full", "ring", "line", "scale-free")
 GO = np.zeros(1, np.uint8)
 
 
-def study(robots, rounds, trials, topology="ring"):
+def study(robots, rounds, trials, topology="ring", looks=10):
     return Study(
         trials=trials,
         swarm={"robots": robots, "accuracy": 0.675},
         world={"topology": topology, "fill_ratio": 0.55},
-        schedule={"rounds": rounds},
+        schedule={"rounds": rounds, "observations_per_round": looks},
     )
 
 
@@ -72,6 +72,14 @@ def topologies(console, quick):
     console.print(table)
 
 
+def local_estimates(console):
+    for looks, trials in ((1, 20), (10, 2)):
+        setting = study(100, 1000, trials, looks=looks).settings()[0]
+        run_batch(study(10, 2, 1).settings()[0], 1, 0, 1, Metrics(0.01, 10, ()), GO, True)
+        cost = timed(lambda s=setting, n=trials: run_batch(s, 1, 0, n, Metrics(0.01, 10, ()), GO, True), 5)
+        console.print(f"local estimates, 100 robots, R = {looks}: {cost / (1e5 * trials * looks) * 1e9:.1f} ns a step")
+
+
 def threads(console):
     paper = Study(
         trials=30,
@@ -107,6 +115,7 @@ def main():
         return million(options.million)
     console = Console(width=110)
     topologies(console, options.quick)
+    local_estimates(console)
     threads(console)
     if not options.quick:
         memory(console)
