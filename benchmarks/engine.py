@@ -1,7 +1,8 @@
 """What the engine costs: python benchmarks/engine.py [--quick].
 
 Prints ns per robot and round on one core for each topology and size, metrics included, beside the limit
-kernel in the same run; then what a step of a local estimate costs, thread scaling, and the peak memory of a million robots.
+kernel in the same run; then what a step of a local estimate costs, thread scaling, and the peak memory of a million
+robots.
 """
 
 import argparse
