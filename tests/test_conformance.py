@@ -85,7 +85,7 @@ def test_shipped_brains_conform(name, untraced):
 def test_a_brain_of_ones_own(tmp_path):
     (tmp_path / "tiny.py").write_text(TINY)
     found = list(conformance.examine(tmp_path / "tiny.py", PROMISES))
-    assert [c.fault for c in found] == [None] * 9
+    assert [c.fault for c in found] == [None] * (len(PROMISES) + 1)
 
 
 @pytest.mark.parametrize(
@@ -330,13 +330,13 @@ def test_means_and_extremes_may_be_found_message_by_message(tmp_path):
 @pytest.mark.parametrize(
     ("change", "said"),
     [
-        ((OWN, OWN + "    CALLS[0] += 1.0\n    me.n += 1e-6 * CALLS[0]\n"), "gives me.n = "),
+        ((OWN, OWN + "    calls = CALLS\n    calls += (1.0,)\n    me.n += 1e-6 * len(CALLS)\n"), "gives me.n = "),
         (
-            ("return (me.n,)", "CALLS[0] += 1.0\n    return (me.n + CALLS[0] % 5.0,)"),
-            "broadcast (line 15) gives (1.0,) and then (2.0,)",
+            ("return (me.n,)", "calls = CALLS\n    calls += (1.0,)\n    return (me.n + len(CALLS) % 5.0,)"),
+            "broadcast (line 15) gives (2.0,) and then (3.0,)",
         ),
         (
-            ("    if me.t ==", "    CALLS[0] += 1.0\n    if CALLS[0] % 7.0 == 0.0 or me.t =="),
+            ("    if me.t ==", "    calls = CALLS\n    calls += (1.0,)\n    if len(CALLS) % 7.0 == 0.0 or me.t =="),
             "estimate (line 27) gives ",
         ),
     ],

@@ -15,8 +15,9 @@ from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 
-CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod")
+CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
 LARGEST = 2.0**1023  # of a constant: what comes out of arithmetic with such numbers is small enough to be looked at
+LONGEST = 10_000  # items of a tuple that is repeated
 ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
@@ -169,6 +170,11 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
         return {_constant(k, known): _constant(v, known) for k, v in zip(node.keys, node.values, strict=True)}
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, ast.Tuple):
+        times = _number(node.right, known)
+        if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
+            raise ValueError(f"a tuple is repeated a whole number of times, to {LONGEST} items at the most")
+        return tuple(_constant(item, known) for item in node.left.elts) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
         if isinstance(node.op, ast.Pow) and float(abs(left)) > 1.0 and right * math.log2(abs(left)) > 1023.0:

@@ -1,23 +1,14 @@
 """Brain files and the contract that they keep: found, checked, loaded, hashed; `library` holds those that come along.
 
 In: a brain file, or the name of one that is shipped or that another package gives.
-Out: a Brain: its functions, memory, message and source.
+Out: a Brain: its functions, memory, message, parameters and source.
 Must not know: how brains are compiled, worlds, studies.
 """
 
 from swarmcensus.basics.plain import digest, read_source
-from swarmcensus.brains.brain import (
-    BELIEFS,
-    DOOR,
-    FUNCTIONS,
-    MAY_HAVE,
-    TRACED,
-    Brain,
-    find,
-    load,
-    parse,
-    shipped,
-)
+from swarmcensus.brains.brain import DOOR, Brain, find, load, parse, shipped, unread
+from swarmcensus.brains.contract import BELIEFS, FUNCTIONS, MAY_HAVE, TRACED
+from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 
 __all__ = [
     "BELIEFS",
@@ -26,10 +17,17 @@ __all__ = [
     "MAY_HAVE",
     "TRACED",
     "Brain",
+    "Value",
+    "Vector",
     "digest",
     "find",
+    "length",
     "load",
+    "numbers",
     "parse",
+    "places",
     "read_source",
     "shipped",
+    "slots",
+    "unread",
 ]

@@ -2,36 +2,64 @@
 
 import functools
 import types
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from swarmcensus.basics import plain
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.brains.contract import BELIEFS, Contents, contents
+from swarmcensus.brains.fields import Value, Vector, length, slots, value_of
+from swarmcensus.brains.syntax import Uses
 
 DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
-FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
-MAY_HAVE = {"steer": 1}
-TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
-          "link", "axis")  # fmt: skip
-BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 BYTES_A_NUMBER = 4  # on the robot
+UNREAD = "unread"
 
 
 @dataclass(frozen=True)
 class Brain:
-    """One brain file, read and found to keep the contract."""
+    """One brain file, read and found to keep the contract, with values of its parameters."""
 
     name: str  # a shipped brain's name, or the file's path as the user gave it
     path: Path
     source: str
-    memory: dict[str, float] = field(compare=False)  # every field, its value before the first observation
-    message: tuple[str, ...] = field(compare=False)
-    sums: tuple[str, ...] = field(
-        compare=False
-    )  # the fields to which `receive` only adds what depends on the message alone
-    functions: types.ModuleType = field(compare=False)  # the file itself, run by CPython
+    says: Contents = field(compare=False, repr=False)
+    functions: types.ModuleType = field(compare=False, repr=False)  # the file itself, run by CPython
+    given: tuple[tuple[str, Value], ...] = ()  # parameters that are not as the file says
+
+    @property
+    def memory(self) -> dict[str, Value]:
+        """Every field that a robot remembers, and its value before the first observation."""
+        return self.says.memory
+
+    @property
+    def message(self) -> dict[str, int]:
+        """What a robot says, and how long each vector of it is; 0 for a number."""
+        return self.says.message
+
+    @property
+    def sums(self) -> tuple[str, ...]:
+        """The fields to which `receive` only adds what depends on the message alone."""
+        return self.says.sums
+
+    @property
+    def options(self) -> int:
+        """Among how many options it decides: white and black, or bins of the fill ratio."""
+        return self.says.options
+
+    @property
+    def uses(self) -> Uses:
+        """Which parts of the contract's second edition it asks for."""
+        return self.says.uses
+
+    @functools.cached_property
+    def parameters(self) -> dict[str, Value]:
+        """Its parameters' values here."""
+        return self.says.parameters | dict(self.given)
 
     @functools.cached_property
     def sha256(self) -> str:
@@ -39,29 +67,81 @@ class Brain:
         return plain.digest(self.source)
 
     @property
+    def is_read(self) -> bool:
+        """Whether there are functions that can be called."""
+        return self.functions.__name__ != UNREAD
+
+    @property
     def steers(self) -> bool:
         """Whether it says where its robot goes: such a walk depends on the brain."""
-        return hasattr(self.functions, "steer")
+        return "steer" in self.says.functions
+
+    @property
+    def decides(self) -> bool:
+        """Whether it decides for an option."""
+        return "decide" in self.says.functions
+
+    @property
+    def ends(self) -> bool:
+        """Whether it says when it has seen enough."""
+        return "done" in self.says.functions
+
+    @functools.cached_property
+    def lengths(self) -> dict[str, int]:
+        """How long each vector of the memory is; 0 for a number."""
+        return {name: length(value) for name, value in self.memory.items()}
 
     @property
     def memory_bytes(self) -> int:
-        """What a robot remembers, beliefs about its sensor included."""
-        return BYTES_A_NUMBER * (len(self.memory) + len(BELIEFS))
+        """What a robot remembers, beliefs about its sensor included; parameters are part of its program."""
+        return BYTES_A_NUMBER * (len(slots(self.lengths)) + len(BELIEFS))
 
     @property
     def message_bytes(self) -> int:
         """What a robot broadcasts in one message."""
-        return BYTES_A_NUMBER * len(self.message)
+        return BYTES_A_NUMBER * len(slots(self.message))
+
+    @property
+    def as_written(self) -> Self:
+        """The same with the file's own parameters: machine code is the same for all."""
+        return replace(self, given=()) if self.given else self
+
+    def with_parameters(self, values: Mapping[str, object]) -> Self:
+        """The same with other values of some parameters. Raises ValueError, naming the key and the value."""
+        given = dict(self.given)
+        for name, value in values.items():
+            own = self.says.parameters
+            if name not in own:
+                known = f"{did_you_mean(name, own)}it has {', '.join(own)}" if own else "it has none"
+                raise ValueError(f"the brain {self.name!r} has no parameter {name!r}: {known}")
+            try:
+                found = value_of(value)
+                if length(found) != length(own[name]):
+                    asked = f"a vector of {length(own[name])}" if length(own[name]) else "a number"
+                    raise ValueError(f"the brain {self.name!r} asks for {asked}")
+            except ValueError as error:
+                shown = list(value) if isinstance(value, tuple) else value
+                raise ValueError(f"{name} = {shown!r}: {error}") from None
+            given[name] = found
+        other = {name: value for name, value in given.items() if value != self.says.parameters[name]}
+        return replace(self, given=tuple(sorted(other.items())))
 
     @functools.cached_property
     def _robot(self) -> type:
-        return type("Robot", (), {"__slots__": (*self.memory, *BELIEFS)})
+        extras = [name for name, asked in (("luck", self.uses.luck), ("name", self.uses.name)) if asked]
+        return type("Robot", (), {"__slots__": (*self.memory, *self.parameters, *extras, *BELIEFS)})
 
-    def robot(self, b: float, w: float) -> Any:
-        """A blank mind for CPython: it can hold the fields of MEMORY and nothing else."""
+    def robot(self, b: float, w: float, name: float = 0.0) -> Any:
+        """A blank mind for CPython: it can hold the fields of MEMORY and nothing else, beside what it is given."""
         mind = self._robot()
-        for name, value in self.memory.items():
-            setattr(mind, name, value)
+        for key, value in self.memory.items():
+            setattr(mind, key, Vector(value) if isinstance(value, tuple) else value)
+        for key, value in self.parameters.items():
+            setattr(mind, key, value)
+        if self.uses.luck:
+            mind.luck = 0.5
+        if self.uses.name:
+            mind.name = name
         mind.b, mind.w = b, w
         return mind
 
@@ -87,43 +167,16 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 
 def parse(source: str, name: str, path: Path) -> Brain:
     """Check a brain's source against the contract and run it once. Raises InputError."""
-    tree, _ = plain.checked(source, "brain", path)
-    module = plain.loaded(tree, "brain", path)
-    return Brain(name, path, source, *_check_contents(module, path), functions=module)
+    tree, constants = plain.checked(source, "brain", path)
+    says = contents(tree, constants, path)
+    return Brain(name, path, source, says, plain.loaded(tree, "brain", path))
 
 
-def _check_contents(module: types.ModuleType, path: Path) -> tuple[dict[str, float], tuple[str, ...], tuple[str, ...]]:
-    def need(holds: bool, what: str) -> None:
-        if not holds:
-            raise InputError(f"brain file {path}: {what}")
-
-    def names(value: object) -> bool:
-        return isinstance(value, tuple) and all(plain.is_name(v) for v in value)
-
-    memory = getattr(module, "MEMORY", None)
-    need(isinstance(memory, dict) and bool(memory), 'MEMORY is missing: a dict such as {"t": 0.0, "x": 0.5}')
-    assert isinstance(memory, dict)
-    for key, value in memory.items():
-        need(plain.is_name(key), f"MEMORY key {key!r} is not a name")
-        need(key not in (*BELIEFS, *TRACED), f"MEMORY key {key!r} is taken by the engine")
-        need(
-            isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300,
-            f"MEMORY[{key!r}] = {value!r}: not a number",
-        )
-    message = getattr(module, "MESSAGE", None)
-    need(names(message) and bool(message), 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")')
-    sums = getattr(module, "SUMS", ())
-    need(names(sums), "SUMS is a tuple of MEMORY names")
-    need(len(set(sums)) == len(sums), "SUMS names a field twice")
-    for key in sums:
-        need(key in memory, f"SUMS names {key!r}, which is not in MEMORY")
-    for name, arity in (FUNCTIONS | MAY_HAVE).items():
-        if name in MAY_HAVE and not hasattr(module, name):
-            continue
-        need(hasattr(module, name), f"the function {name} is missing")
-        function = getattr(module, name)
-        need(isinstance(function, types.FunctionType), f"{name} is {function!r}, not a function")
-        found = function.__code__.co_argcount
-        need(found == arity, f"{name} takes {found} arguments: {arity} are right")
-    assert isinstance(message, tuple)
-    return {k: float(v) for k, v in memory.items()}, message, tuple(sums)
+def unread(name: str, source: str) -> Brain:
+    """A brain of which nothing is run, and what it says is taken from its source, where that keeps the contract."""
+    try:
+        tree, constants = plain.checked(source, "brain", Path(name))
+        says = contents(tree, constants, Path(name))
+    except InputError:
+        says = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset())
+    return Brain(name, Path(name), source, says, types.ModuleType(UNREAD))

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Brain, Vector, places
+from swarmcensus.simulation import oracle
 
 ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
 PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at a case's edge
@@ -23,7 +24,11 @@ LOOKS = (1, 10, 0, 3, 1, 2, 0)  # a round, again and again; and in some rounds m
 MANY_LOOKS = {100: 1000, ROUNDS: 20000}
 HEARD = (0, 1, 2, 3, 0, 6, 1, 9, 0, 17, 2)
 MANY_HEARD = {25: 40, 50: 120, 100: 400}
+LISTENED = 40  # rounds
 CLOSE = 1e-9  # relative, and absolute for numbers below 1: what rounding may change
+
+
+Luck = np.random.Generator | None
 
 
 class Fault(Exception):
@@ -40,21 +45,24 @@ def at(brain: Brain, name: str) -> str:
     return f"{name} (line {getattr(brain.functions, name).__code__.co_firstlineno})"
 
 
-def call(brain: Brain, where: str, name: str, me: Any, *given: Any) -> Any:
+def call(brain: Brain, where: str, name: str, me: Any, *given: Any, luck: Luck = None) -> Any:
     """Call a function of the brain, and see what became of `me`; raises Fault."""
-    return calls(brain, where, name, me, [given])
+    return calls(brain, where, name, me, [given], luck)
 
 
-def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]]) -> Any:
+def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]], luck: Luck = None) -> Any:
     """Call a function of the brain again and again, and see what has become of `me` in the end; raises Fault.
 
-    Returns what the last call gives.
+    A brain that asks for luck has a fresh one at each call. Returns what the last call gives.
     """
     beliefs = me.b, me.w
     function = getattr(brain.functions, name)
     result = None
+    lucky = brain.uses.luck and luck is not None
     try:
         for each in given:
+            if lucky:
+                me.luck = luck.random()  # type: ignore[union-attr]
             result = function(me, *each)
     except BaseException as error:
         if isinstance(error, KeyboardInterrupt):
@@ -68,8 +76,7 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
             f"{at(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
             f"and a belief that changes is a field of MEMORY ({where})"
         )
-    for field in brain.memory:
-        value = getattr(me, field)
+    for field, value in numbers_in(brain, me):
         if type(value) is float and value == value:
             continue
         if not isinstance(value, int | float) or isinstance(value, bool):
@@ -80,26 +87,49 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
     return result
 
 
-def hear(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
+def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:
+    """The numbers that a mind remembers, by their names: "t", or "belief[3]" of a vector."""
+    for name, long in brain.lengths.items():
+        value = getattr(me, name)
+        if long:
+            yield from zip(places(name, long), value, strict=True)
+        else:
+            yield name, value
+
+
+def of(me: Any, place: str) -> Any:
+    """One of them."""
+    name, _, item = place.partition("[")
+    return getattr(me, name)[int(item.rstrip("]"))] if item else getattr(me, name)
+
+
+def hear(brain: Brain, where: str, me: Any, heard: list[Any], luck: Luck = None) -> None:
     """Receive messages one after the other; raises Fault."""
-    calls(brain, where, "receive", me, [(message,) for message in heard])
+    calls(brain, where, "receive", me, [(message,) for message in heard], luck)
 
 
 def copy_of(brain: Brain, me: Any) -> Any:
     """A mind with the same fields and beliefs."""
     other = brain.robot(me.b, me.w)
-    for name in brain.memory:
-        setattr(other, name, getattr(me, name))
+    for name, long in brain.lengths.items():
+        setattr(other, name, Vector(getattr(me, name)) if long else getattr(me, name))
+    for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)):
+        if asked:
+            setattr(other, name, getattr(me, name))
     return other
 
 
 def difference(brain: Brain, one: Any, other: Any, close: float = CLOSE, absolute: float = 0.0) -> str | None:
-    """The first field in which two minds differ by more than rounding: relative, and absolute where that is larger."""
-    for name in brain.memory:
-        x, y = getattr(one, name), getattr(other, name)
+    """The first number in which two minds differ by more than rounding: relative, and absolute where that is larger."""
+    for (name, x), (_, y) in zip(numbers_in(brain, one), numbers_in(brain, other), strict=True):
         if not math.isclose(x, y, rel_tol=close, abs_tol=max(close, absolute)):
             return name
     return None
+
+
+def is_done(brain: Brain, me: Any) -> bool:
+    """Whether a robot has seen enough: `observe` is then not called any more."""
+    return brain.ends and bool(brain.functions.done(me))
 
 
 def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
@@ -110,29 +140,33 @@ def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
 
 def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
     """Lives of four rounds: all accuracies; floors all black, all white and mixed, or no readings; talk or none."""
-    random = np.random.default_rng(SEED)
+    random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     floors = (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5), ("none", math.nan))
     for b, w in product(ACCURACIES, ACCURACIES):
         for floor, share in floors:
             for talk in (True, False):
                 where = f"b = {b}, w = {w}, readings {floor}, {'with' if talk else 'without'} neighbours"
-                me, other = brain.robot(b, w), brain.robot(0.8, 0.7)
+                me, other = brain.robot(b, w), brain.robot(0.8, 0.7, 1.0)
                 yield f"{where}, before the first observation", me
                 for looks in (1.0, 1.0, 10.0, 1000.0):
                     if floor != "none":
-                        call(brain, where, "observe", me, float(random.binomial(int(looks), share)), looks)
-                    call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks)
+                        blacks = float(random.binomial(int(looks), share))
+                        if not is_done(brain, me):
+                            call(brain, where, "observe", me, blacks, looks, luck=luck)
+                    call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks, luck=luck)
                     if talk:
-                        call(brain, where, "receive", me, call(brain, where, "broadcast", other))
-                        blank = brain.robot(b, w)  # knows nothing yet
-                        call(brain, where, "receive", me, call(brain, where, "broadcast", blank))
-                    call(brain, where, "fuse", me)
+                        blank = brain.robot(b, w, 2.0)  # knows nothing yet
+                        for sender in (other, blank):
+                            said = call(brain, where, "broadcast", sender)
+                            if said is not None or not brain.uses.silence:
+                                call(brain, where, "receive", me, fixed(said), luck=luck)
+                    call(brain, where, "fuse", me, luck=luck)
                     yield where, me
 
 
 def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
     """Lives of 300 rounds, in which a robot sees and hears nothing, a little, or very much."""
-    random = np.random.default_rng(SEED)
+    random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     said = [message for _, message in messages(brain)]
     for b, w in LONG:
         me = brain.robot(b, w)
@@ -140,9 +174,11 @@ def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
             where = f"b = {b}, w = {w}, in round {k} of a long life"
             looks = MANY_LOOKS.get(k, looks)
             if looks:
-                call(brain, where, "observe", me, float(random.binomial(looks, SHARE)), float(looks))
-            hear(brain, where, me, some(random, said, MANY_HEARD.get(k, heard)))
-            call(brain, where, "fuse", me)
+                blacks = float(random.binomial(looks, SHARE))
+                if not is_done(brain, me):
+                    call(brain, where, "observe", me, blacks, float(looks), luck=luck)
+            hear(brain, where, me, some(random, said, MANY_HEARD.get(k, heard)), luck)
+            call(brain, where, "fuse", me, luck=luck)
             if k in STOPS:
                 yield where, me
 
@@ -156,26 +192,44 @@ def messages(brain: Brain, extreme: bool = True) -> Iterator[tuple[str, Any]]:
     """What robots say, and where they stand: before they know anything, soon and late.
 
     Their sensors are of all kinds, or where not `extreme`, neither perfect nor blind. What is no message, which one
-    check tells, is left out.
+    check tells, is left out. Robots that may be silent are listened to for some rounds.
     """
+    luck = np.random.default_rng(SEED + 2)
     pairs = (*product(ACCURACIES, ACCURACIES), *NEARLY) if extreme else product(PLAIN, PLAIN)
     readings = ((0, 0), (1, 1), (0, 1), (5, 13), (0, 1000), (1000, 1000), (43210, 100000))
     for b, w in pairs:
-        for blacks, looks in readings if extreme else readings[:4]:
-            other = brain.robot(b, w)
+        for name, (blacks, looks) in enumerate(readings if extreme else readings[:4]):
+            other = brain.robot(b, w, float(name))
             where = f"b = {b}, w = {w}, {blacks} of {looks} readings black"
-            if looks:
-                call(brain, where, "observe", other, float(blacks), float(looks))
-                call(brain, where, "fuse", other)
-            message = call(brain, where, "broadcast", other)
-            if is_message(brain, message):
-                yield where, message
+            for _ in range(LISTENED if brain.uses.silence else 1):
+                if looks and not is_done(brain, other):
+                    call(brain, where, "observe", other, float(blacks), float(looks), luck=luck)
+                if looks:
+                    call(brain, where, "fuse", other, luck=luck)
+                message = call(brain, where, "broadcast", other)
+                if is_message(brain, message):
+                    yield where, fixed(message)
 
 
 def is_message(brain: Brain, message: object) -> bool:
-    """Whether `broadcast` may give this."""
+    """Whether `broadcast` may give this, and it is heard."""
+    return (
+        isinstance(message, tuple)
+        and len(message) == len(brain.message)
+        and all(map(_is_part, message, brain.message.values()))
+    )
 
-    def finite(value: object) -> bool:
-        return isinstance(value, int | float) and abs(value) <= sys.float_info.max
 
-    return isinstance(message, tuple) and len(message) == len(brain.message) and all(map(finite, message))
+def _is_part(part: object, long: int) -> bool:
+    if long:
+        return isinstance(part, list | tuple) and len(part) == long and all(map(_finite, part))
+    return _finite(part)
+
+
+def _finite(value: object) -> bool:
+    return isinstance(value, int | float) and abs(value) <= sys.float_info.max
+
+
+def fixed(message: Any) -> Any:
+    """A message as it was said: a vector in it is the robot's own, and changes."""
+    return oracle.fixed(message) if isinstance(message, tuple) else message

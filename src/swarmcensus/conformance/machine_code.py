@@ -10,16 +10,19 @@ import numba
 import numpy as np
 import xarray as xr
 
-from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
+from swarmcensus.brains import FUNCTIONS, Brain, Vector, numbers
 from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
 from swarmcensus.conformance.promises import is_wish
 from swarmcensus.engine import compiler
+from swarmcensus.engine.modes import LUCK_STEER
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inferring import infer
+from swarmcensus.simulation.swarming import swarm
 from swarmcensus.worlds.bodies import Body
 
 CLOSE = 1e-12  # relative: the compiled exp and log of a brain may differ from CPython's in the last place
 EVERY = 5  # readings a round
+LUCK = np.arange(1, 5, dtype=np.uint64)  # two keys
 
 
 def compiles(brain: Brain) -> None:
@@ -59,13 +62,14 @@ def agrees(brain: Brain) -> None:
         warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind, and meant to be
         slow = infer(readings, ring, (b, w), EVERY, brain, compiled=False)
         fast = infer(readings, ring, (b, w), EVERY, brain)
-    for name in (*brain.memory, "estimate"):
+    for name in (*(str(name) for name in slow.data_vars if name != "estimate"), "estimate"):
         x, y = fast[name].values, slow[name].values
         far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)
         if far.any():
-            k, i = np.argwhere(far)[0]
+            k, i, *item = np.argwhere(far)[0]
+            place = "".join(f"[{one}]" for one in item)
             raise Fault(
-                f"compiled, {name} is {x[k, i]!r} and in CPython {y[k, i]!r} "
+                f"compiled, {name}{place} is {x[k, i, *item]!r} and in CPython {y[k, i, *item]!r} "
                 f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
             )
     if brain.steers:
@@ -77,20 +81,24 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
     body = Body(tick=1.0).numbers
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
-    compiler.compile_world("riding").wish(compiler.compile_brain(brain, "moving"), minds, body, wishes)
+    made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
+    compiler.compile_world("riding").wish(made, minds, body, 0, 1, wishes)
     return wishes
 
 
 def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
     """Ask the minds of a trace (round, robot) where they want to go, in CPython and in machine code."""
+    luck = oracle.own_luck(brain, LUCK, 0, 1, LUCK_STEER, len(b))
     for k in range(trace.sizes["round"]):
-        minds = np.empty((len(b), len(compiler.blank(brain))))
+        minds = np.empty((len(b), compiler.width(brain)))
         said = []
         for i in range(len(b)):
-            me = brain.robot(float(b[i]), float(w[i]))
-            for name in brain.memory:
-                setattr(me, name, float(trace[name].values[k, i]))
-            minds[i] = [getattr(me, name) for name in (*brain.memory, *BELIEFS)]
+            me = brain.robot(float(b[i]), float(w[i]), float(i))
+            for name, long in brain.lengths.items():
+                value = trace[name].values[k, i].tolist()
+                setattr(me, name, Vector(value) if long else value)
+            oracle.give(brain, me, luck, i)
+            minds[i] = numbers({n: tuple(v) if isinstance(v := getattr(me, n), list) else v for n in me.__slots__})
             said.append(brain.functions.steer(me))
         if not all(map(is_wish, said)):
             return  # which is another check's to say
@@ -114,12 +122,15 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     module = compiler.phases_of(brain)
     real = numba.float64
     record = numba.from_dtype(compiler.record_type(brain))
-    message = numba.typeof((0.0,) * len(brain.message))  # type: ignore[no-untyped-call]
+    blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
+    message = numba.typeof(blank)  # type: ignore[no-untyped-call]
     given = {"observe": (real, real), "receive": (message,)}
 
-    def robot(b: float, w: float) -> Any:
+    def robot(b: float, w: float, name: float) -> Any:
         minds = compiler.records(brain, compiler.blank(brain)[np.newaxis])
         minds["b"], minds["w"] = b, w
+        if brain.uses.name:
+            minds["name"] = name
         return minds[0]
 
     def told(name: str) -> Any:
@@ -132,7 +143,9 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
 
         return one
 
-    functions = types.SimpleNamespace(**{name: told(name) for name in FUNCTIONS})
-    swarm: Any = types.SimpleNamespace(functions=functions, robot=robot, memory=brain.memory)
+    more = [name for name in ("decide", "done") if name in brain.says.functions]
+    functions = types.SimpleNamespace(**{name: told(name) for name in (*FUNCTIONS, *more)})
+    same = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends")}
+    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **same)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
-    return lambda: oracle.follow(swarm, b, w, readings, 1, EVERY, True, links)
+    return lambda: oracle.follow(robots, b, w, readings, 1, EVERY, True, links, LUCK)

@@ -7,7 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Brain, Vector, numbers, slots
+from swarmcensus.conformance import chances
 from swarmcensus.conformance.lives import (
     CLOSE,
     PLAIN,
@@ -18,11 +19,14 @@ from swarmcensus.conformance.lives import (
     calls,
     copy_of,
     difference,
+    fixed,
     hear,
     is_message,
     lives,
     long_lives,
     messages,
+    numbers_in,
+    of,
     short_lives,
     some,
 )
@@ -46,11 +50,31 @@ def _finite(brain: Brain) -> None:
             raise Fault(f"{at(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
         message = call(brain, where, "broadcast", me)
         said = at(brain, "broadcast")
+        if message is None and brain.uses.silence:
+            continue
         if not isinstance(message, tuple) or len(message) != len(brain.message):
             raise Fault(f"{said} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
-        for name, value in zip(brain.message, message, strict=True):
-            if not (isinstance(value, int | float) and abs(value) <= np.finfo(float).max):
-                raise Fault(f"{said} gives {name} = {value!r}, not a finite number ({where})")
+        for (name, long), value in zip(brain.message.items(), message, strict=True):
+            if long and not (isinstance(value, list | tuple) and len(value) == long):
+                raise Fault(f"{said} gives {name} = {value!r}, not a vector of {long} ({where})")
+            for one in value if long else (value,):
+                if not (isinstance(one, int | float) and abs(one) <= np.finfo(float).max):
+                    raise Fault(f"{said} gives {name} = {one!r}, not a finite number ({where})")
+
+
+def _decides(brain: Brain) -> None:
+    """An option or none, and whether it is done, of whatever mind."""
+    for where, me in lives(brain) if brain.decides or brain.ends else ():
+        if brain.decides:
+            choice = call(brain, where, "decide", me)
+            if not isinstance(choice, int | float) or choice not in range(-1, brain.options):
+                most = brain.options - 1
+                raise Fault(
+                    f"{at(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to {most} "
+                    f"({where})"
+                )
+        if brain.ends and not isinstance(ends := call(brain, where, "done", me), bool | int | float):
+            raise Fault(f"{at(brain, 'done')} gives {ends!r}, neither True nor False ({where})")
 
 
 def _steers(brain: Brain) -> None:
@@ -72,13 +96,18 @@ def is_wish(wish: object) -> bool:
 
 def _reads_only(brain: Brain) -> None:
     for where, me in lives(brain):
-        for name in ("broadcast", "estimate", *(("steer",) if brain.steers else ())):
+        for name in asked_of(brain):
             before = copy_of(brain, me)
             call(brain, where, name, me)
             changed = difference(brain, before, me, close=0.0)
             if changed:
-                x, y = getattr(before, changed), getattr(me, changed)
+                x, y = of(before, changed), of(me, changed)
                 raise Fault(f"{at(brain, name)} changes me.{changed} from {x!r} to {y!r}: it may only read ({where})")
+
+
+def asked_of(brain: Brain) -> tuple[str, ...]:
+    """The functions that only tell something."""
+    return ("broadcast", "estimate", *(name for name in ("steer", "decide", "done") if name in brain.says.functions))
 
 
 def _same_again(brain: Brain) -> None:
@@ -86,15 +115,14 @@ def _same_again(brain: Brain) -> None:
     for (where, one), (_, other) in zip(lives(brain), lives(brain), strict=True):
         changed = difference(brain, one, other, close=0.0)
         if changed:
-            x, y = getattr(one, changed), getattr(other, changed)
+            x, y = of(one, changed), of(other, changed)
             raise Fault(
                 f"the same history gives me.{changed} = {x!r} and then {y!r}: something is kept outside of me, by "
                 f"{at(brain, 'observe')}, {at(brain, 'receive')} or {at(brain, 'fuse')} ({where})"
             )
-        said = [
-            [call(brain, where, name, me) for name in ("broadcast", "estimate")] for me in (one, other, other, other)
-        ]
-        for name, first, *again in zip(("broadcast", "estimate"), *said, strict=True):
+        names = [name for name in asked_of(brain) if name != "steer"]
+        said = [[fixed(call(brain, where, name, me)) for name in names] for me in (one, other, other, other)]
+        for name, first, *again in zip(names, *said, strict=True):
             if any(value != first for value in again):
                 raise Fault(
                     f"{at(brain, name)} gives {first!r} and then {next(v for v in again if v != first)!r} of the same "
@@ -104,6 +132,9 @@ def _same_again(brain: Brain) -> None:
 
 def _looks_add_up(brain: Brain) -> None:
     """Readings of one colour at once, in parts, and one by one; mixed ones where their order means nothing."""
+    if "observe" in brain.uses.lucky:
+        chances.looks_add_up(brain, _starts(brain))
+        return
     for where, start, cases in _starts(brain):
         for blacks, looks in cases:
             ways = [("in two parts", _halves(blacks, looks))]
@@ -122,20 +153,21 @@ def _looks_add_up(brain: Brain) -> None:
                 field = difference(brain, once, mind, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
                 if field:
                     raise Fault(
-                        f"{at(brain, 'observe')} makes me.{field} {getattr(once, field)!r} of {looks} readings at "
-                        f"once, {blacks} of them black, and {getattr(mind, field)!r} of the same {how} ({where})"
+                        f"{at(brain, 'observe')} makes me.{field} {of(once, field)!r} of {looks} readings at "
+                        f"once, {blacks} of them black, and {of(mind, field)!r} of the same {how} ({where})"
                     )
 
 
 def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...]]]:
     """Minds that are to make readings: blank, young, and in a long life, after `fuse` and after `receive`."""
+    luck = np.random.default_rng(SEED + 1)
     for b, w in product(PLAIN, PLAIN):
         for before in (0.0, 16.0):
             start = brain.robot(b, w)
             where = f"b = {b}, w = {w}, after {before:g} readings"
             if before:
-                call(brain, where, "observe", start, 7.0, before)
-                call(brain, where, "fuse", start)
+                call(brain, where, "observe", start, 7.0, before, luck=luck)
+                call(brain, where, "fuse", start, luck=luck)
             yield where, start, FEW
     said = [message for _, message in messages(brain, extreme=False)]
     random = np.random.default_rng(SEED)
@@ -146,7 +178,7 @@ def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...
             many = MANY if "in round 65 " in where else ()
             yield where, me, FEW[:3] + many
             hears = copy_of(brain, me)
-            hear(brain, where, hears, some(random, said, 1 + k % 9))
+            hear(brain, where, hears, some(random, said, 1 + k % 9), luck)
             yield f"{where}, having heard others", hears, FEW[:3]
 
 
@@ -177,13 +209,16 @@ def _seen(brain: Brain, where: str, start: Any, readings: list[tuple[int, int]])
 
 
 def _any_order(brain: Brain) -> None:
+    if "receive" in brain.uses.lucky:
+        chances.any_order(brain)
+        return
     heard = [call(brain, "before the first observation", "broadcast", brain.robot(0.8, 0.7))]
     for b, w, blacks in ((0.9, 0.6, 3.0), (0.6, 0.75, 11.0), (0.3, 0.6, 5.0), (0.75, 0.75, 8.0), (0.9, 0.9, 1.0)):
         other = brain.robot(b, w)
         where = f"b = {b}, w = {w}, {blacks:g} of 13 readings black"
         call(brain, where, "observe", other, blacks, 13.0)
         heard.append(call(brain, where, "broadcast", other))
-    heard = [message for message in heard if is_message(brain, message)]
+    heard = [fixed(message) for message in heard if is_message(brain, message)]
     for where, me in short_lives(brain):
         _in_orders(brain, where, me, heard)
     random = np.random.default_rng(SEED)
@@ -197,17 +232,17 @@ def _in_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
     """The same messages in many orders, then `fuse`."""
     orders = [heard, heard[::-1], heard[3:] + heard[:3], heard[::2] + heard[1::2], sorted(heard)]
     # the sums that are formed of messages differ by so much, where those of large numbers come near 0
-    close = sum(1e-13 * value * value for message in heard for value in message)
+    close = sum(1e-13 * value * value for message in heard for value in flat(message))
     minds = []
     for order in orders:
         mind = copy_of(brain, me)
         hear(brain, where, mind, order)
-        call(brain, where, "fuse", mind)
+        call(brain, where, "fuse", mind)  # with the luck of the mind that it was, whatever the order
         minds.append(mind)
     for mind, order in zip(minds, orders, strict=True):
         field = difference(brain, minds[0], mind, absolute=close)
         if field:
-            x, y = getattr(minds[0], field), getattr(mind, field)
+            x, y = of(minds[0], field), of(mind, field)
             raise Fault(
                 f"{at(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages {_shown(heard)} "
                 f"and {y!r} of {_shown(order)}: they come in no order that means anything ({where})"
@@ -222,7 +257,7 @@ def _shown(heard: list[Any]) -> str:
 
 def _sums_add(brain: Brain) -> None:
     for name in brain.sums:
-        if brain.memory[name] != 0.0:
+        if any(numbers({name: brain.memory[name]})):
             raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
         return
@@ -234,7 +269,9 @@ def _sums_add(brain: Brain) -> None:
         return  # what is no message is another check's to say
     random = np.random.default_rng(SEED)
     for k, (where, me) in enumerate(lives(brain)):
-        own = call(brain, where, "broadcast", me)
+        own = fixed(call(brain, where, "broadcast", me))
+        if own is None:
+            continue
         one = (own, _added(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
         for mind in (copy_of(brain, me), _any_mind(brain, random)):
             for _ in range(2):
@@ -247,7 +284,10 @@ def _added(brain: Brain, where: str, message: Any) -> dict[str, float]:
     """What a message adds to each field of a blank mind, and what is not in SUMS may not grow at all."""
     blank = brain.robot(0.8, 0.7)
     call(brain, where, "receive", blank, message)
-    return {name: getattr(blank, name) - brain.memory[name] if name in brain.sums else 0.0 for name in brain.memory}
+    summed = {*slots({name: brain.lengths[name] for name in brain.sums})}
+    began = numbers_in(brain, brain.robot(0.8, 0.7))
+    pairs = zip(numbers_in(brain, blank), began, strict=True)
+    return {name: x - was if name in summed else 0.0 for (name, x), (_, was) in pairs}
 
 
 def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
@@ -257,9 +297,8 @@ def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, 
         hear(brain, where, mind, [message for message, _ in heard])
     except Fault as fault:
         raise Fault(f"{fault}, in a mind {_fields(before)}: by SUMS it depends on the message alone") from None
-    for name in brain.memory:
-        was = getattr(before, name)
-        grown = getattr(mind, name) - was
+    for name, was in numbers_in(brain, before):
+        grown = of(mind, name) - was
         parts = [added[name] for _, added in heard]
         expected = sum(parts)
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
@@ -275,21 +314,29 @@ def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, 
 def _any_mind(brain: Brain, random: np.random.Generator) -> Any:
     """Whatever numbers: what a sum grows by may not depend on them."""
     mind = brain.robot(float(random.random()), float(random.random()))
-    fields = len(brain.memory)
-    values = random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 6, fields)
-    for name, value in zip(brain.memory, values.tolist(), strict=True):
-        setattr(mind, name, value)
+    fields = len(slots(brain.lengths))
+    values = (random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 6, fields)).tolist()
+    for name, long in brain.lengths.items():
+        setattr(mind, name, Vector(values.pop() for _ in range(long)) if long else values.pop())
     return mind
 
 
+def flat(message: Any) -> list[float]:
+    """The numbers of a message."""
+    return [one for part in message for one in (part if isinstance(part, tuple) else (part,))]
+
+
 def _fields(mind: Any) -> str:
-    return "with " + ", ".join(f"{name} = {getattr(mind, name):.6g}" for name in mind.__slots__)
+    values = ((name, getattr(mind, name)) for name in mind.__slots__)
+    shown = (f"{name} = {[*v] if isinstance(v, list | tuple) else f'{v:.6g}'}" for name, v in values)
+    return "with " + ", ".join(shown)
 
 
 PROMISES: dict[str, Callable[[Brain], None]] = {
     "remembers numbers in MEMORY's fields, nothing else": _fixed_memory,
     "gives finite messages and estimates in [0, 1]": _finite,
     "steers by a speed and a turn, or not at all": _steers,
+    "decides for an option, or not yet": _decides,
     "broadcast, estimate and steer only read": _reads_only,
     "the same history gives the same mind": _same_again,
     "readings at once mean the same as one by one": _looks_add_up,

@@ -27,6 +27,8 @@ def passed(kind):
         if kind.layout != "C":
             raise TypeError(f"{kind} does not lie in one piece: an address says too little of it")
         return ARRAY
+    if kind == ARRAY:
+        return ARRAY
     return REAL if isinstance(kind, types.Float) else WHOLE
 
 
@@ -65,6 +67,35 @@ def _machine_blank(typing, dtype):
     return record(dtype), generate
 
 
+@intrinsic
+def _machine_place(typing, items, first):
+    passed(items)
+
+    def generate(context, builder, signature, values):
+        data = context.make_array(items)(context, builder, values[0]).data
+        place = builder.gep(data, [context.cast(builder, values[1], first, types.intp)])
+        return builder.bitcast(place, cgutils.voidptr_t)
+
+    return ARRAY(items, first), generate
+
+
+def _plain_place(items, first):
+    return items.reshape(-1)[int(first) :]
+
+
+@intrinsic
+def _machine_word(typing, words, place):
+    def generate(context, builder, signature, values):
+        first = builder.bitcast(values[0], ir.IntType(64).as_pointer())
+        return builder.load(builder.gep(first, [context.cast(builder, values[1], place, types.intp)]))
+
+    return types.uint64(words, place), generate
+
+
+def _plain_word(words, place):
+    return words.reshape(-1)[int(place)]
+
+
 def _plain_blank(dtype):
     return np.zeros(1, dtype)[0]
 
@@ -74,15 +105,19 @@ def _plain_call(function, *arguments):
 
 
 def _plain_view(items, shape, dtype):
-    return items.reshape(-1).view(dtype)[: np.prod(shape, dtype=int)].reshape(shape)
+    seen = items.reshape(-1).view(dtype)[: np.prod(shape, dtype=int)]
+    return seen.reshape(shape) if isinstance(shape, tuple) else seen
 
 
-# call(function, *arguments) calls by an address; seen_as(items, shape, dtype) is what was passed, as an array again;
-# nobody(record) is a mind of zeros on the stack, which the compiler dissolves into the processor's registers
+# call(function, *arguments) calls by an address; place(items, first) passes an array from an item on, and counts no
+# view of it; seen_as(items, shape, dtype) is what was passed, as an array again; word_at(words, k) is one uint64 of
+# it, and makes no array; nobody(record) is a mind of zeros on the stack, which the compiler dissolves into registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
 nobody = _plain_blank if PLAIN else _machine_blank
+place = _plain_place if PLAIN else _machine_place
+word_at = _plain_word if PLAIN else _machine_word
 
 
 class Phase(NamedTuple):

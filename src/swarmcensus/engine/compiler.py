@@ -23,14 +23,22 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.brains import BELIEFS, Brain
+from swarmcensus.brains import Brain, numbers
 from swarmcensus.engine import glue
 from swarmcensus.engine.keeping import sealed
 from swarmcensus.engine.modes import PHASES
 from swarmcensus.metrics import GIVEN, Metric
 
 HERE = Path(__file__).parent
-SOURCES = ("draws.py", "random.py", "modes.py", "wishes.py", "calling.py", "compiler.py")  # what all code depends on
+SOURCES = (
+    "draws.py",
+    "random.py",
+    "modes.py",
+    "wishes.py",
+    "calling.py",
+    "swarms.py",
+    "compiler.py",
+)  # what all code depends on
 WALK = ("motion.py", "neighbours.py")
 PARTS = {  # what a file imports from its own folder
     "kernel": ("rounds.py", "minds.py"),
@@ -45,11 +53,14 @@ class NotCompiled(Exception):
     """A brain of which Numba makes no machine code, in Numba's own words."""
 
 
-def compiled(function: types.FunctionType) -> Any:
-    """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity."""
+def compiled(function: types.FunctionType, checked: bool = False) -> Any:
+    """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity.
+
+    Where it is `checked`, so is an index beyond a vector's ends, which would be somebody else's memory.
+    """
     import numba
 
-    return numba.njit(nogil=True, error_model="python", forceinline=True)(function)
+    return numba.njit(nogil=True, error_model="python", forceinline=True, boundscheck=checked or None)(function)
 
 
 def entry(function: types.FunctionType) -> Any:
@@ -69,18 +80,28 @@ def not_compiled() -> bool:
 @functools.lru_cache(maxsize=64)
 def record_type(brain: Brain) -> np.dtype:
     """A robot's mind as a NumPy record."""
-    fields = [(name, np.float64) for name in (*brain.memory, *BELIEFS)]
-    return np.dtype((np.record, fields))  # np.record: attributes work in CPython too
+    return np.dtype((np.record, glue.record_fields(brain)))  # np.record: attributes work in CPython too
 
 
 def blank(brain: Brain) -> np.ndarray:
-    """A mind before its first observation: MEMORY's values, then room for the BELIEFS, shape (field,)."""
-    return np.array([*brain.memory.values(), *(0.0 for _ in BELIEFS)])
+    """A mind before its first observation: MEMORY's values and parameters, then room for what is given, (number,)."""
+    told = [*numbers(brain.memory), *numbers(brain.parameters)]
+    return np.array([*told, *(0.0 for _ in range(width(brain) - len(told)))])
 
 
-def outbox(brain: Brain, robots: int) -> np.ndarray:
+def width(brain: Brain) -> int:
+    """How many numbers a mind is."""
+    return record_type(brain).itemsize // 8
+
+
+def outbox(brain: Brain, robots: int, mixed: bool = False) -> np.ndarray:
     """Room for what so many robots say in a round, as the loops keep it."""
-    return np.zeros((robots, glue.outbox_width(brain)))
+    return np.zeros((robots, glue.outbox_width(brain, mixed)))
+
+
+def flag_of(brain: Brain, mixed: bool = False) -> int:
+    """Where in that it stands whether a robot said anything; -1 where all do."""
+    return glue.outbox_width(brain, mixed) - 1 if glue.is_flagged(brain, mixed) else -1
 
 
 def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
@@ -146,16 +167,21 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
             raise
 
 
-@functools.lru_cache(maxsize=256)
-def compile_brain(brain: Brain, use: str = "network", exact: bool = False) -> Any:
+def compile_brain(brain: Brain, use: str = "network", exact: bool = False, mixed: bool = False) -> Any:
     """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
 
     Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded". Brains that differ
-    in comments alone share machine code; `exact` is for messages that name a line of the very file. Raises NotCompiled.
+    in comments or parameters share machine code; `exact` is for messages that name a line of the very file; a `mixed`
+    swarm has several brains. Raises NotCompiled.
     """
-    needed = needs(brain, use)
+    return _compiled(brain.as_written, use, exact, mixed)
+
+
+@functools.lru_cache(maxsize=256)
+def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
+    needed = needs(brain, use, mixed)
     try:
-        module = phases_of(brain, exact)
+        module = phases_of(brain, exact, mixed)
         with _LOCK:
             found = [getattr(module, name).address() if name in needed else None for name in PHASES]
     except MemoryError:
@@ -163,23 +189,24 @@ def compile_brain(brain: Brain, use: str = "network", exact: bool = False) -> An
     except Exception as error:
         raise NotCompiled(str(error)) from error
     if not_compiled():
-        return tuple(found)
+        return np.array(found, object)
     return np.array([address or 0 for address in found], np.uint64)
 
 
-def needs(brain: Brain, use: str) -> set[str]:
+def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     """Which of a brain's functions a use calls."""
+    judged = {"judge"} if brain.decides or brain.ends else set()
     if use == "alone":
         return {"go_alone", "believe"}
     in_sums = {"network": {"hear_sums", "add_up", "hear_all"}, "moving": {"hear_sums"}}
-    sums = in_sums.get(use, set()) if brain.sums else set()
+    sums = in_sums.get(use, set()) if brain.sums and not mixed else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
-    return {*ALWAYS, *sums, *asked}
+    return {*ALWAYS, *judged, *sums, *asked}
 
 
-def phases_of(brain: Brain, exact: bool = False) -> types.ModuleType:
+def phases_of(brain: Brain, exact: bool = False, mixed: bool = False) -> types.ModuleType:
     """The module `phases.py` around a brain, none of it compiled yet."""
-    return _module(_brain_files(brain, exact or not_compiled()), "phases")  # a debugger wants the very file
+    return _module(_brain_files(brain, exact or not_compiled(), mixed), "phases")  # a debugger wants the very file
 
 
 @functools.lru_cache(maxsize=64)
@@ -202,11 +229,11 @@ def is_known(world: str) -> bool:
     return False
 
 
-def is_compiled(brain: Brain, use: str = "network") -> bool:
+def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool:
     """Whether all that a use needs of a brain is on disk as machine code."""
     with contextlib.suppress(OSError):
-        kept = cache_root() / _digest(_brain_files(brain)) / "__pycache__"
-        return all(any(kept.glob(f"phases.{name}-*.nbc")) for name in needs(brain, use))
+        kept = cache_root() / _digest(_brain_files(brain, mixed=mixed)) / "__pycache__"
+        return all(any(kept.glob(f"phases.{name}-*.nbc")) for name in needs(brain, use, mixed))
     return False
 
 
@@ -218,11 +245,11 @@ def _source(name: str) -> str:
     return (HERE / name).read_text(encoding="utf-8")
 
 
-def _brain_files(brain: Brain, exact: bool = False) -> dict[str, str]:
+def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",
         "brain.py": brain.source if exact else glue.essence(brain.source),
-        "mind.py": glue.of_brain(brain),
+        "mind.py": glue.of_brain(brain, mixed),
         "phases.py": _source("phases.py"),
     }
 

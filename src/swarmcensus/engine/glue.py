@@ -1,41 +1,49 @@
 """The few lines that fit one brain, or one metric, to the compiled loops: a module that is written for it."""
 
 import ast
+import itertools
 from collections.abc import Iterable
+from typing import Any
 
-from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain
+from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
 from swarmcensus.metrics import Metric
 
-DECLARED = ("MEMORY", "MESSAGE", "SUMS")
+DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
 import numpy as np
 
-from swarmcensus.engine.calling import nobody
+from swarmcensus.engine.calling import nobody, word_at
 from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.random import chance
+from swarmcensus.engine.wishes import spoken, whole_vector
 
 from . import brain
 
-record = np.dtype((np.record, [(name, np.float64) for name in {fields}]))
+record = np.dtype((np.record, {record}))
 
 for name, value in list(vars(brain).items()):
     if isinstance(value, type(lambda: None)):
-        setattr(brain, name, compiled(value))
+        setattr(brain, name, compiled(value, {checked}))
 {functions}
-steer = {steer}
 width = {width}
+options = {options}
 
 
 @compiled
 def say(outbox, i, me):
-    {names} = broadcast(me)
     {saying}
 
 
 @compiled
 def take(me, outbox, i):
     {taking}
+
+
+@compiled
+def give_luck(me, words, k):
+    {luck}
 
 
 @compiled
@@ -68,6 +76,12 @@ def add_sums(me, sums):
     {adding}
 '''
 
+OTHERWISE = {  # what stands for a function that a brain may leave out
+    "steer": "lambda me: None",
+    "decide": "lambda me: -1.0",
+    "done": "lambda me: False",
+}
+
 GAUGE = '''"""Fits one metric to the engine. Made by swarmcensus; edits are lost."""
 
 from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
@@ -85,7 +99,7 @@ after = {after}
 
 
 def essence(source: str) -> str:
-    """What of a brain's file machine code depends on: no comment, no docstring, no number that MEMORY begins with."""
+    """What of a brain's file machine code depends on: no comment, no docstring, no number of MEMORY or PARAMETERS."""
     tree = ast.parse(source)
     read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     tree.body = [node for node in tree.body if not _is_declaration(node, read)]
@@ -100,51 +114,117 @@ def essence(source: str) -> str:
 
 
 def _is_declaration(node: ast.stmt, read: set[str]) -> bool:
-    """Whether this is MEMORY, MESSAGE or SUMS, which the engine knows from elsewhere, and nobody in the file reads."""
+    """Whether this is MEMORY or the like, which the engine knows from elsewhere, and nobody in the file reads."""
     if not isinstance(node, ast.Assign) or len(node.targets) != 1 or not isinstance(node.targets[0], ast.Name):
         return False
     return node.targets[0].id in DECLARED and node.targets[0].id not in read
 
 
-def of_brain(brain: Brain) -> str:
-    """The module `mind.py` of a brain.
+def fields_of(brain: Brain) -> dict[str, int]:
+    """What a mind holds in the engine, in order, and how long each vector is: the sensor's beliefs come last."""
+    parameters = {name: length(value) for name, value in brain.parameters.items()}
+    extras = [name for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)) if asked]
+    return brain.lengths | parameters | dict.fromkeys((*extras, *BELIEFS), 0)
 
-    Where `receive` only adds, what a message adds is found once, when it is said, and not by everyone who hears it.
+
+def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
+    """The same as NumPy takes it."""
+    return [(name, "f8", (long,)) if long else (name, "f8") for name, long in fields_of(brain).items()]
+
+
+def is_flagged(brain: Brain, mixed: bool) -> bool:
+    """Whether the last number of what the engine keeps of a message is whether it was said at all."""
+    return mixed or brain.uses.silence
+
+
+def outbox_width(brain: Brain, mixed: bool = False) -> int:
+    """How many numbers the engine keeps of a message: what it adds, where `receive` only adds."""
+    return len(_kept(brain, mixed)) + is_flagged(brain, mixed)
+
+
+def _kept(brain: Brain, mixed: bool) -> list[str]:
+    if brain.sums and not mixed:
+        return slots({name: brain.lengths[name] for name in brain.sums})
+    return slots(brain.message)
+
+
+def of_brain(brain: Brain, mixed: bool = False) -> str:
+    """The module `mind.py` of a brain, for swarms of robots that are all alike or not.
+
+    Where `receive` only adds, what a message adds is found once, when it is said, and not by everyone who hears it; but
+    in a mixed swarm other brains hear it too.
     """
-    names = [f"said_{k}" for k in range(len(brain.message))]
-    given = "".join(f"1.0 * {name}, " for name in names)
-    slots = [f"outbox[i, {k}]" for k in range(outbox_width(brain))]
-    if brain.sums:
-        saying = ["hearer = nobody(record)", f"receive(hearer, ({given}))"]
-        saying += [f"{slot} = hearer.{name}" for slot, name in zip(slots, brain.sums, strict=True)]
-        taking = [f"me.{name} += {slot}" for slot, name in zip(slots, brain.sums, strict=True)]
-    else:
-        saying = [f"{slot} = 1.0 * {name}" for slot, name in zip(slots, names, strict=True)]
-        taking = [f"receive(me, ({', '.join(slots)},))"]
+    kept = _kept(brain, mixed)
+    columns = [f"outbox[i, {k}]" for k, _ in enumerate(kept)]
+    sums = kept if brain.sums and not mixed else []
+    heard = ", ".join(_part(start, long) for start, long in _starts(brain.message))
+    flag = [f"outbox[i, {len(kept)}]"] if is_flagged(brain, mixed) else []
     return MIND.format(
-        fields=(*brain.memory, *BELIEFS),
-        functions="\n".join(f"{name} = brain.{name}" for name in FUNCTIONS),
-        steer="brain.steer" if brain.steers else "compiled(lambda me: None)",
-        width=len(slots),
-        names="".join(f"{name}, " for name in names).strip(),
-        saying="\n    ".join(saying),
-        taking="\n    ".join(taking),
-        own=_tuple(f"me.{name}" for name in brain.sums),
-        more=_tuple(f"sums[{k}] + {slot}" for k, slot in enumerate(slots[: len(brain.sums)])),
-        kept=_tuple(f"rows[i, {k}]" for k, _ in enumerate(brain.sums)),
-        keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(brain.sums)) or "pass",
-        putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(brain.sums)) or "pass",
-        adding="\n    ".join(f"me.{name} += sums[{k}]" for k, name in enumerate(brain.sums)) or "pass",
+        record=record_fields(brain),
+        checked=any(brain.lengths.values()) or any(fields_of(brain).values()),
+        functions="\n".join(
+            [f"{name} = brain.{name}" for name in FUNCTIONS]
+            + [
+                f"{name} = " + (f"brain.{name}" if name in brain.says.functions else f"compiled({otherwise})")
+                for name, otherwise in OTHERWISE.items()
+            ]
+        ),
+        width=len(columns) + len(flag),
+        options=brain.options,
+        saying="\n    ".join(_saying(brain, columns, sums, flag)),
+        taking="\n    ".join(
+            [f"me.{name} += {column}" for column, name in zip(columns, sums, strict=True)]
+            if sums
+            else [f"receive(me, ({heard},))"]
+        ),
+        luck="me.luck = chance(word_at(words, k))" if brain.uses.luck else "pass",
+        own=_tuple(f"me.{name}" for name in sums),
+        more=_tuple(f"sums[{k}] + {column}" for k, column in enumerate(columns[: len(sums)])),
+        kept=_tuple(f"rows[i, {k}]" for k, _ in enumerate(sums)),
+        keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(sums)) or "pass",
+        putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(sums)) or "pass",
+        adding="\n    ".join(f"me.{name} += sums[{k}]" for k, name in enumerate(sums)) or "pass",
     )
+
+
+def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) -> list[str]:
+    """The lines of `say`."""
+    names = [f"said_{k}" for k, _ in enumerate(brain.message)]
+    unpacked = f"{', '.join(names)}, = broadcast(me)"
+    lines = [unpacked]
+    if brain.uses.silence:
+        blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
+        silent = [f"    {column} = 0.0" for column in (*columns, *flag)]
+        lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *silent, "    return"]
+        lines += [f"{', '.join(names)}, = message"]
+    lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
+    if sums:
+        given = "".join(
+            f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
+        )
+        lines += ["hearer = nobody(record)", f"receive(hearer, ({given}))"]
+        lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
+    else:
+        for name, (start, long) in zip(names, _starts(brain.message), strict=True):
+            if long:
+                lines += [f"for k in range({long}):", f"    outbox[i, {start} + k] = 1.0 * {name}[k]"]
+            else:
+                lines += [f"outbox[i, {start}] = 1.0 * {name}"]
+    return lines + [f"{column} = 1.0" for column in flag]
+
+
+def _starts(message: dict[str, int]) -> list[tuple[int, int]]:
+    """Where each part of a message begins, and how long it is; 0 for a number."""
+    ends = itertools.accumulate((max(long, 1) for long in message.values()), initial=0)
+    return list(zip(ends, message.values(), strict=False))
+
+
+def _part(start: int, long: int) -> str:
+    return f"outbox[i, {start} : {start + long}]" if long else f"outbox[i, {start}]"
 
 
 def _tuple(items: Iterable[str]) -> str:
     return f"({''.join(f'{item}, ' for item in items) or '0.0,'})"
-
-
-def outbox_width(brain: Brain) -> int:
-    """How many numbers the engine keeps of a message: what it adds, where `receive` only adds."""
-    return len(brain.sums or brain.message)
 
 
 def of_metric(metric: Metric) -> str:

@@ -1,7 +1,7 @@
 """What the engine does on fixed networks: batches of trials to their metrics, and minds on recorded data.
 
-It is compiled once on a machine and knows no brain: `minds` are the addresses of one's functions (see `calling.py`),
-a mind is a row of numbers.
+It is compiled once on a machine and knows no brain: a `swarm` (see `swarms.py`) holds the addresses of brains'
+functions (see `calling.py`), a mind is a row of numbers.
 """
 
 import numpy as np
@@ -9,24 +9,38 @@ import numpy as np
 from swarmcensus.engine.calling import call
 from swarmcensus.engine.compiler import entry
 from swarmcensus.engine.draws import black_tables
-from swarmcensus.engine.modes import BELIEVE, END_ROUND, HEAR, SENSE
+from swarmcensus.engine.modes import (
+    BLOCK,
+    DECISION,
+    END_ROUND,
+    HEAR,
+    IS_DONE,
+    LUCK_FUSE,
+    LUCK_OBSERVE,
+    SENSE,
+    VERDICTS,
+)
+from swarmcensus.engine.random import word_of, words
 
-from .minds import ZERO, begin, put, settle
-from .rounds import BLOCK, advance, advance_alone, bounds_of, most_links
+from .minds import ZERO, begin, believe_all, forget_verdicts, is_said, judge, put, settle
+from .rounds import advance, advance_alone, bounds_of, most_links
 
 
 @entry
 def simulate(
-    minds, additive, blank, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
+    swarm, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
     looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
-    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, extremes, first_step, last_step, stop,
+    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
+    extremes, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
     Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
     all trials or one for each. `memory` (robot, field), `outbox` (2 robots, message), `rows` (index, robot) and
     `snapshots` (segment, robot, field) are room to work in. With `local`, robots hear nobody and `rounds` counts single
-    observations. `kept` (checkpoint or 0, trial, robot) is filled with estimates at the checkpoints, if it has room.
+    observations. `kept` (checkpoint or 0, trial, robot) is filled with estimates at the checkpoints, if it has room;
+    `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
+    `all_verdicts` (trial, robot or 0, what) and `agreed` (trial, 2) are of decisions.
     Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
     convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
     same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
@@ -35,10 +49,13 @@ def simulate(
     robots = memory.shape[0]
     segment = rows.shape[0]
     segments = (rounds + segment - 1) // segment
-    blacks = np.zeros(robots if local else min(robots, 256))
+    blacks = np.zeros(robots if local else min(robots, BLOCK))
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
+    luck = np.zeros((3, robots), np.uint64)
+    nothing = all_counts[0, :, :0]
+    unjudged = all_verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     low = extremes[0]
     high = extremes[1]
@@ -52,11 +69,14 @@ def simulate(
         most = most_links(bounds, links, robots)
         if most > arrivals.shape[1]:
             arrivals = np.zeros((2, most), np.uint32)
+        if swarm.luck.size > 0 and most > luck.shape[1]:
+            luck = np.zeros((3, most), np.uint64)
         tables = black_tables(b[trial], w[trial], fill_ratio, looks)
         start = extremes[2:]
         if first_step == 0:
-            begin(memory, blank, assumed_b[trial], assumed_w[trial])
-            call(minds[BELIEVE], memory, start, ZERO, robots)
+            begin(swarm, memory, assumed_b[trial], assumed_w[trial])
+            believe_all(swarm, memory, start, ZERO)
+            forget_verdicts(all_verdicts[trial], agreed[trial])
             for i in range(robots):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -73,13 +93,15 @@ def simulate(
                 last = min(first + segment, rounds + 1)
                 if local:
                     advance_alone(
-                        minds, memory, reading, blacks, bits, tables, first, last, looks, number, read_key,
+                        swarm, memory, reading, blacks, bits, luck, tables, first, last, looks, number, read_key,
                         order_key, rows, stops, stop,
                     )  # fmt: skip
                 else:
                     advance(
-                        minds, additive, memory, outbox, beside, blacks, bits, tables, first, last, looks, number,
-                        read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
+                        swarm, memory, outbox, beside, blacks, bits, luck, tables, first, last, looks, number,
+                        read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
+                        all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
+                        agreed[trial], stop,
                     )  # fmt: skip
                 if stop[0] != 0:
                     return False
@@ -105,38 +127,70 @@ def simulate(
 
 
 @entry
-def believe(minds, history, estimates):
+def believe(swarm, history, estimates):
     """The estimates (round, robot) of minds (round, robot, field)."""
     for k in range(history.shape[0]):
-        call(minds[BELIEVE], history[k], estimates, k * history.shape[1], history.shape[1])
+        believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
+
+
+@entry
+def decided(swarm, history, estimates, verdicts):
+    """What minds (round, robot, field) that believe in `estimates` (round, robot) have decided, as (round, robot, 2):
+    the option, and whether they are done."""
+    robots = history.shape[1]
+    told = np.empty((robots, VERDICTS))
+    agreed = np.empty(2)
+    for k in range(history.shape[0]):
+        forget_verdicts(told, agreed)
+        for part in range(np.uint64(swarm.of_block.size - 1)):
+            judge(swarm, part, history[k], estimates, np.uint64(k * robots), told, k)
+        for i in range(robots):
+            verdicts[k, i, 0] = told[i, DECISION]
+            verdicts[k, i, 1] = told[i, IS_DONE]
 
 
 @entry
 def follow(
-    minds, blank, outbox, b, w, readings, every, periodic, first_message, senders, receivers, history, estimates
+    swarm, outbox, b, w, readings, every, periodic, first_message, senders, receivers, history, estimates
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
 
     A round ends every `every` steps and at the last. With `periodic`, all messages pass at the end of each
-    whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1].
+    whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have
+    one brain. Luck is that of the step; of messages also of their place among all.
     """
-    robots = readings.shape[1]
-    memory = np.empty((robots, blank.size))
-    row = np.empty(robots)
-    begin(memory, blank, b, w)
+    robots = np.uint64(readings.shape[1])
+    minds = swarm.minds[0]
+    memory = np.empty((readings.shape[1], swarm.fields[0]))
+    row = np.empty(readings.shape[1])
+    luck = np.zeros((2, readings.shape[1]), np.uint64)
+    message_luck = np.zeros(senders.size, np.uint64)
+    arrivals = np.zeros((2, senders.size), np.uint32)
+    begin(swarm, memory, b, w)
     put(history[0], memory)
     k = 0
     for s in range(readings.shape[0]):
         whole = (s + 1) % every == 0
-        call(minds[SENSE], memory, outbox, ZERO, readings[s], 1.0, ZERO, robots)
+        ends = whole or s == readings.shape[0] - 1
+        if swarm.luck.size > 0:
+            words(swarm.luck, ZERO, s + 1, LUCK_OBSERVE, ZERO, robots, luck[0])
+            words(swarm.luck, ZERO, s + 1, LUCK_FUSE, ZERO, robots, luck[1])
+        call(minds[SENSE], memory, outbox, ZERO, readings[s], 1.0, ZERO, robots, luck[0])
         if periodic:
             first, last = 0, senders.size if whole else 0
         else:
             first, last = first_message[s], first_message[s + 1]
-        call(minds[HEAR], memory, outbox, ZERO, receivers, senders, first, last, robots)
-        if whole or s == readings.shape[0] - 1:
-            call(minds[END_ROUND], memory, row, ZERO, ZERO, robots)
+        count = 0
+        for m in range(first, last):
+            if is_said(outbox, np.uint64(senders[m]), swarm.flag):
+                arrivals[0, count] = receivers[m]
+                arrivals[1, count] = senders[m]
+                if swarm.luck.size > 0:
+                    message_luck[count] = word_of(swarm.luck[2], swarm.luck[3], ZERO, s + 1, ZERO, m)
+                count += 1
+        call(minds[HEAR], memory, outbox, ZERO, arrivals[0], arrivals[1], ZERO, count, robots, message_luck)
+        if ends:
+            call(minds[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
             k += 1
             put(history[k], memory)
-    for k in range(history.shape[0]):
-        call(minds[BELIEVE], history[k], estimates, k * robots, robots)
+    believe(swarm, history, estimates)

@@ -3,22 +3,52 @@
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.modes import SENSING, TALKING
-from swarmcensus.engine.random import block, counter
+from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.modes import (
+    BELIEVE,
+    CHANGED,
+    DECIDED_IN,
+    DECISION,
+    DONE_ESTIMATE,
+    DONE_IN,
+    FULL,
+    HEARD,
+    IS_DONE,
+    JUDGE,
+    SENSING,
+    SENT,
+    TALKING,
+    WRONG,
+)
+from swarmcensus.engine.random import word_of
 
 ZERO = np.uint64(0)
 TILE = 256  # robots whose curves are looked at together: their extremes stay in the processor's nearest cache
 
 
 @njit(nogil=True)
-def begin(memory, blank, b, w):
+def begin(swarm, memory, b, w):
     """Blank minds that believe in the accuracies b and w (of one robot where all are alike), their last fields."""
-    fields = blank.size
-    for i in range(memory.shape[0]):
-        for j in range(fields):
-            memory[i, j] = blank[j]
-        memory[i, fields - 2] = b[i % b.size]
-        memory[i, fields - 1] = w[i % w.size]
+    flat = memory.reshape(-1)
+    for run in range(swarm.runs.shape[0]):
+        group = swarm.runs[run, 0]
+        fields = swarm.fields[group]
+        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
+            row = swarm.bases[group] + i * fields
+            for j in range(fields):
+                flat[row + j] = swarm.blanks[group, j]
+            if swarm.named[group]:
+                flat[row + fields - 3] = i
+            flat[row + fields - 2] = b[i % b.size]
+            flat[row + fields - 1] = w[i % w.size]
+
+
+@njit(nogil=True)
+def believe_all(swarm, memory, rows, start):
+    """The estimates of all minds as they are, from rows.flat[start] on."""
+    for run in range(swarm.runs.shape[0]):
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        call(swarm.minds[group, BELIEVE], place(memory, swarm.bases[group]), rows, start, first, last)
 
 
 @njit(nogil=True)
@@ -47,7 +77,7 @@ def silence_failed(readings, stops, tick, first, last):
 @njit(nogil=True)
 def heard_by(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
-    return block(key[0], key[1], counter(trial, tick), counter(receiver, sender))[0] < threshold
+    return word_of(key[0], key[1], trial, tick, receiver, sender) < threshold
 
 
 @njit(nogil=True, forceinline=True)
@@ -56,6 +86,83 @@ def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
     return works(stops, TALKING, sender, said_at) and (
         threshold == 0 or heard_by(key, trial, tick, receiver, sender, threshold)
     )
+
+
+@njit(nogil=True, forceinline=True)
+def is_said(outbox, place, flag):
+    """Whether a robot said anything: `flag` is where in the outbox that stands, below 0 where all do."""
+    return flag < 0 or outbox[place, flag] != 0.0
+
+
+@njit(nogil=True)
+def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
+    """A word for each of the messages first ... last - 1, addressed by who says it to whom."""
+    k0, k1 = swarm.luck[2], swarm.luck[3]
+    for link in range(first, last):
+        luck[link - first] = word_of(k0, k1, trial, tick, receivers[link], senders[link])
+
+
+@njit(nogil=True)
+def count_sent(swarm, outbox, said, stops, tick, counts):
+    """Who of those that may be silent talks in this round; of others it is known beforehand."""
+    for i in range(counts.shape[1]):
+        counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] != 0.0 and works(stops, TALKING, i, tick)
+
+
+@njit(nogil=True)
+def count_said(swarm, outbox, said, bounds, senders, links, counts):
+    """What is heard of those that may be silent where each message is a sum that is added, and none is lost."""
+    total = 0
+    for i in range(counts.shape[1]):
+        total += outbox[said + np.uint64(i), swarm.flag] != 0.0
+    for i in range(counts.shape[1]):
+        if links == FULL:
+            counts[HEARD, i] += total - (outbox[said + np.uint64(i), swarm.flag] != 0.0)
+        else:
+            for e in range(bounds[i], bounds[i + 1]):
+                counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] != 0.0
+
+
+@njit(nogil=True)
+def judge(swarm, of_block, memory, rows, start, verdicts, now):
+    """What the robots of a block have decided after round `now`."""
+    for run in range(swarm.of_block[of_block], swarm.of_block[of_block + np.uint64(1)]):
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        call(
+            swarm.minds[group, JUDGE], place(memory, swarm.bases[group]), rows, start, verdicts, float(now), first, last
+        )  # fmt: skip
+
+
+@njit(nogil=True)
+def agree(verdicts, honest, agreed, now):
+    """Note the first round after which all honest robots have decided for the same option, and the option."""
+    if agreed[0] >= 0.0:
+        return
+    option = -2.0
+    for i in range(verdicts.shape[0]):
+        if honest.size == 0 or honest[i]:
+            if option == -2.0:
+                option = verdicts[i, DECISION]
+            elif verdicts[i, DECISION] != option:
+                return
+    if option >= 0.0:
+        agreed[0] = option
+        agreed[1] = now
+
+
+@njit(nogil=True)
+def forget_verdicts(verdicts, agreed):
+    """What is known of decisions before the first round."""
+    for i in range(verdicts.shape[0]):
+        verdicts[i, DECISION] = -1.0
+        verdicts[i, DECIDED_IN] = np.inf
+        verdicts[i, CHANGED] = np.inf
+        verdicts[i, DONE_IN] = np.inf
+        verdicts[i, DONE_ESTIMATE] = np.nan
+        verdicts[i, IS_DONE] = 0.0
+        verdicts[i, WRONG] = np.nan
+    agreed[0] = -1.0
+    agreed[1] = np.inf
 
 
 @njit(nogil=True)

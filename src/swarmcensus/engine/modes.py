@@ -3,6 +3,12 @@
 # how messages travel in a round: along listed links, all in two sums, or between all pairs one by one
 LISTED, FULL, PAIRS = 0, 1, 2
 
+# robots that are finished together: even, for robots share random words in pairs
+BLOCK = 256
+
+# what is counted of a robot's messages
+SENT, HEARD = 0, 1
+
 # what of a robot may fail
 MOVING, SENSING, TALKING = 0, 1, 2
 NEVER = 1 << 62
@@ -22,5 +28,13 @@ X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_
 STATE = 13
 
 # what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
-PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "ask")
-SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, ASK = range(9)
+PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask")
+SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK = range(10)
+
+# what is known of each robot's decision: the option, -1 for none; when it first decided and last changed its mind,
+# infinity for never; when it was done, with which estimate, and whether it is; a decision that there is not
+DECISION, DECIDED_IN, CHANGED, DONE_IN, DONE_ESTIMATE, IS_DONE, WRONG = range(7)
+VERDICTS = 7
+
+# what luck is for; of a message also who said it
+LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)

@@ -4,21 +4,27 @@
 (`calling.py`), which costs little because each call is for many robots. Minds lie in rows of float64, one a robot, as
 `record` says; messages likewise, a round's from row `place` of the outbox on (see `glue.py`); estimates go to `rows`
 from place `start` on: offsets, for a view of an array is counted, and that costs more than such a call. Robots are
-counted in uint64: Numba then need not ask whether an index counts from the end.
+counted in uint64: Numba then need not ask whether an index counts from the end. `luck` is a random word for each call
+of the brain, of which one that does not ask for it reads nothing.
 """
 
 import numpy as np
 
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, phase, seen_as
+from swarmcensus.engine.modes import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, IS_DONE, VERDICTS, WRONG
 from swarmcensus.engine.wishes import chosen
 
 from .mind import (
     add_sums,
     broadcast,  # noqa: F401
+    decide,
+    done,
     estimate,
     fuse,
+    give_luck,
     keep_sums,
     observe,
+    options,
     put_sums,
     receive,  # noqa: F401
     record,
@@ -35,9 +41,11 @@ ZERO = np.uint64(0)
 ONE = np.uint64(1)
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE)
-def sense(memory, outbox, place, readings, looks, first, last):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY)
+def sense(memory, outbox, place, readings, looks, first, last, luck):
     """Robots first ... last - 1 see so many black of `looks` readings, below 0 for none made, and say what they hold.
+
+    Who is done makes no reading.
 
     Both branches say it, so that what was just computed need not be read back from memory: that halves the time.
     """
@@ -45,26 +53,28 @@ def sense(memory, outbox, place, readings, looks, first, last):
     said = seen_as(outbox, (place + last, width), np.float64)
     seen = seen_as(readings, last - first, np.float64)
     for i in range(first, last):
-        if seen[i - first] >= 0.0:
+        if seen[i - first] >= 0.0 and not done(minds[i]):
+            give_luck(minds[i], luck, i - first)
             observe(minds[i], seen[i - first], looks)
             say(said, place + i, minds[i])
         else:
             say(said, place + i, minds[i])
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
-def hear(memory, outbox, place, receivers, senders, first, last, robots):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
+def hear(memory, outbox, place, receivers, senders, first, last, robots, luck):
     """Messages pass along links first ... last - 1."""
     minds = seen_as(memory, robots, record)
     said = seen_as(outbox, (place + robots, width), np.float64)
     to = seen_as(receivers, last, np.uint32)
     by = seen_as(senders, last, np.uint32)
     for link in range(first, last):
+        give_luck(minds[np.uint64(to[link])], luck, link - first)
         take(minds[np.uint64(to[link])], said, place + np.uint64(by[link]))
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE)
-def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, first, last, robots):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, WHOLE, ARRAY)
+def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, first, last, robots, luck):
     """Robots first ... last - 1 hear what senders[heard[i]: heard[i + 1]] said and end the round.
 
     For a brain whose `receive` only adds: sums stay in the processor's registers.
@@ -79,6 +89,7 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
         for e in range(np.uint64(bounds[i]), np.uint64(bounds[i + ONE])):
             sums = sums_with(sums, said, place + np.uint64(by[e]))
         put_sums(minds[i], sums)
+        give_luck(minds[i], luck, i - first)
         fuse(minds[i])
         estimates[start + i] = estimate(minds[i])
 
@@ -104,8 +115,8 @@ def add_up(outbox, place, sums_beside, size, robots):
         keep_sums(beside, blocks - later, sums)
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE)
-def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
+def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last, luck):
     """Robots first ... last - 1 hear everyone and end the round, in O(N), for a brain whose `receive` only adds.
 
     What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
@@ -126,47 +137,74 @@ def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last
         i = last - ONE - below
         add_sums(minds[i], sums)
         sums = sums_with(sums, said, place + i)
+        give_luck(minds[i], luck, i - first)
+        fuse(minds[i])
+        estimates[start + i] = estimate(minds[i])
+
+
+@phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
+def end_round(memory, rows, start, first, last, luck):
+    """Robots first ... last - 1 fuse, and tell their estimates."""
+    minds = seen_as(memory, last, record)
+    estimates = seen_as(rows, start + last, np.float64)
+    for i in range(first, last):
+        give_luck(minds[i], luck, i - first)
+        fuse(minds[i])
+        estimates[start + i] = estimate(minds[i])
+
+
+@phase(ARRAY, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY, ARRAY)
+def go_alone(memory, readings, rows, start, first, last, luck, more_luck):
+    """Robots first ... last - 1, that hear nobody, make one reading each, below 0 for none, and fuse."""
+    minds = seen_as(memory, last, record)
+    seen = seen_as(readings, last - first, np.float64)
+    estimates = seen_as(rows, start + last, np.float64)
+    for i in range(first, last):
+        if seen[i - first] >= 0.0 and not done(minds[i]):
+            give_luck(minds[i], luck, i - first)
+            observe(minds[i], seen[i - first], 1.0)
+        give_luck(minds[i], more_luck, i - first)
         fuse(minds[i])
         estimates[start + i] = estimate(minds[i])
 
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
-def end_round(memory, rows, start, first, last):
-    """Robots first ... last - 1 fuse, and tell their estimates."""
+def believe(memory, rows, start, first, last):
+    """The estimates of minds as they are."""
     minds = seen_as(memory, last, record)
     estimates = seen_as(rows, start + last, np.float64)
     for i in range(first, last):
-        fuse(minds[i])
         estimates[start + i] = estimate(minds[i])
 
 
-@phase(ARRAY, ARRAY, ARRAY, WHOLE, WHOLE)
-def go_alone(memory, readings, rows, start, robots):
-    """Robots that hear nobody make one reading each, below 0 for none, and fuse."""
-    minds = seen_as(memory, robots, record)
-    seen = seen_as(readings, robots, np.float64)
-    estimates = seen_as(rows, start + robots, np.float64)
-    for i in range(ZERO, robots):
-        if seen[i] >= 0.0:
-            observe(minds[i], seen[i], 1.0)
-        fuse(minds[i])
-        estimates[start + i] = estimate(minds[i])
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE)
+def judge(memory, rows, start, verdicts, now, first, last):
+    """What robots first ... last - 1 have decided after round `now`, and who is done."""
+    minds = seen_as(memory, last, record)
+    estimates = seen_as(rows, start + last, np.float64)
+    told = seen_as(verdicts, (last, VERDICTS), np.float64)
+    for i in range(first, last):
+        choice = 1.0 * decide(minds[i])
+        if not (-1.0 <= choice < options and choice == np.floor(choice)):
+            told[i, WRONG] = choice
+        elif choice != told[i, DECISION]:
+            if told[i, DECIDED_IN] == np.inf:
+                told[i, DECIDED_IN] = now
+            told[i, DECISION] = choice
+            told[i, CHANGED] = now
+        ends = done(minds[i])
+        told[i, IS_DONE] = 1.0 if ends else 0.0
+        if ends and told[i, DONE_IN] == np.inf:
+            told[i, DONE_IN] = now
+            told[i, DONE_ESTIMATE] = estimates[start + i]
 
 
-@phase(ARRAY, ARRAY, WHOLE, WHOLE)
-def believe(memory, rows, start, robots):
-    """The estimates of minds as they are."""
-    minds = seen_as(memory, robots, record)
-    estimates = seen_as(rows, start + robots, np.float64)
-    for i in range(ZERO, robots):
-        estimates[start + i] = estimate(minds[i])
-
-
-@phase(ARRAY, ARRAY, WHOLE)
-def ask(memory, wishes, robots):
+@phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
+def ask(memory, wishes, robots, first, last, luck):
     """Where robots want to go; `wishes` (what, robot): whether anywhere, metres and radians a second."""
-    minds = seen_as(memory, robots, record)
+    minds = seen_as(memory, last, record)
     wanted = seen_as(wishes, (3, robots), np.float64)
-    for i in range(ZERO, robots):
+    for i in range(first, last):
+        give_luck(minds[i], luck, i - first)
         wants, wanted[1, i], wanted[2, i] = chosen(steer(minds[i]))
         wanted[0, i] = 1.0 if wants else 0.0

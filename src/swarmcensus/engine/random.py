@@ -54,9 +54,21 @@ def counter(high, low):
 
 
 @njit(nogil=True)
+def word_of(k0, k1, trial, tick, receiver, sender):
+    """The first of those two for four 32-bit numbers."""
+    return block(k0, k1, counter(trial, tick), counter(receiver, sender))[0]
+
+
+@njit(nogil=True)
 def unit(word):
     """A uint64 as a float64 in [0, 1), uniform on multiples of 2^-53."""
     return (word >> U(11)) * (1.0 / 9007199254740992.0)
+
+
+@njit(nogil=True)
+def chance(word):
+    """A uint64 as a float64 in (0, 1), uniform on odd multiples of 2^-53."""
+    return ((uint64(word) >> U(12)) + 0.5) * (1.0 / 4503599627370496.0)
 
 
 @njit(nogil=True)

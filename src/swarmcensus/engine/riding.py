@@ -1,26 +1,57 @@
 """The engine's inner loops of robots that move: minds that ride along on a walk, and say where it should go.
 
-Like the kernel, these are compiled once on a machine: `minds` are the addresses of a brain's functions.
+Like the kernel, these are compiled once on a machine: a `swarm` (see `swarms.py`) holds the addresses of brains'
+functions.
 """
 
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.calling import call
+from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.modes import ASK, BELIEVE, END_ROUND, HEAR, HEAR_SUMS, SENSE
+from swarmcensus.engine.modes import (
+    ASK,
+    END_ROUND,
+    HEAR,
+    HEAR_SUMS,
+    HEARD,
+    LISTED,
+    LUCK_FUSE,
+    LUCK_OBSERVE,
+    LUCK_STEER,
+    SENSE,
+)
 from swarmcensus.engine.random import unit, words
 
-from .minds import ZERO, arrives, begin, put, settle, silence_failed
+from .minds import (
+    ZERO,
+    agree,
+    arrives,
+    begin,
+    believe_all,
+    count_said,
+    count_sent,
+    forget_verdicts,
+    is_said,
+    judge,
+    luck_of_messages,
+    put,
+    settle,
+    silence_failed,
+)
 
 
 @entry
-def wake(minds, memory, blank, b, w, outbox, start):
+def wake(swarm, memory, b, w, outbox, start, verdicts, agreed):
     """Blank minds that believe in b and w; what they would say, and their estimates before any observation."""
-    begin(memory, blank, b, w)
+    begin(swarm, memory, b, w)
     nothing = np.full(memory.shape[0], -1.0)
-    call(minds[SENSE], memory, outbox, ZERO, nothing, 1.0, ZERO, memory.shape[0])
-    call(minds[BELIEVE], memory, start, ZERO, memory.shape[0])
+    luck = np.zeros(memory.shape[0], np.uint64)
+    for run in range(swarm.runs.shape[0]):
+        group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        call(swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, ZERO, nothing, 1.0, a, z, luck)
+    believe_all(swarm, memory, start, ZERO)
+    forget_verdicts(verdicts, agreed)
 
 
 @njit(nogil=True, forceinline=True)
@@ -33,37 +64,57 @@ def look(readings, looked, black, b, w, bits):
 
 
 @njit(nogil=True)
-def hear_each(minds, memory, outbox, then, arrivals, heard, senders, key, trial, tick, delay, threshold, stops):
+def hear_each(
+    swarm, memory, outbox, then, arrivals, luck, heard, senders, key, trial, tick, delay, threshold, stops, counts
+):  # fmt: skip
     """Each hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and who did not talk, `delay` ago."""
     robots = memory.shape[0]
     if heard[robots] - heard[0] > arrivals.shape[1]:
         arrivals = np.empty((2, 2 * (heard[robots] - heard[0])), np.uint32)
-    count = 0
-    for i in range(robots):
-        for e in range(heard[i], heard[i + 1]):
-            if arrives(key, trial, tick, tick - delay, i, senders[e], threshold, stops):
-                arrivals[0, count] = i
-                arrivals[1, count] = senders[e]
-                count += 1
-    call(minds[HEAR], memory, outbox, then, arrivals[0], arrivals[1], ZERO, count, robots)
-    return arrivals
+        luck = np.zeros(arrivals.shape[1], np.uint64)
+    for run in range(swarm.runs.shape[0]):
+        group = swarm.runs[run, 0]
+        count = 0
+        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
+            before = count
+            for e in range(heard[i], heard[i + 1]):
+                if is_said(outbox, then + senders[e], swarm.flag) and arrives(
+                    key, trial, tick, tick - delay, i, senders[e], threshold, stops
+                ):
+                    arrivals[0, count] = i
+                    arrivals[1, count] = senders[e]
+                    count += 1
+            counts[HEARD, i] += count - before
+        if swarm.luck.size > 0:
+            luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
+        call(
+            swarm.minds[group, HEAR], place(memory, swarm.bases[group]), outbox, then, arrivals[0], arrivals[1], ZERO,
+            count, robots, luck,
+        )  # fmt: skip
+    return arrivals, luck
 
 
 @entry
 def ride(
-    minds, additive, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
-    looked, black, heard, senders, history, readings, stops, stop,
+    swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
 
     `looked` and `black` (tick, robot): whether a robot observes, and whether the tile under its sensor is black.
     What a robot hears was said `delay` ticks ago; `outbox` holds delay + 1 ticks. `history` and `readings` (NaN
-    where a robot made none) are filled where they have rows.
+    where a robot made none) are filled where they have rows. `counts` (what, robot) grows by what is sent and heard,
+    but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of decisions.
     """
     n = memory.shape[0]
     bits = np.zeros(n, np.uint64)
+    luck = np.zeros((2, n), np.uint64)
     seen = np.zeros(n)
     arrivals = np.empty((2, 0), np.uint32)
+    message_luck = np.zeros(0, np.uint64)
+    lucky = swarm.luck.size > 0
+    silent = swarm.flag >= 0
+    in_sums = swarm.additive and threshold == 0 and stops.shape[1] == 0
     for k in range(looked.shape[0]):
         if stop[0] != 0:
             return
@@ -76,31 +127,61 @@ def ride(
             for i in range(n):
                 if seen[i] >= 0.0:
                     readings[k, i] = seen[i]
-        call(minds[SENSE], memory, outbox, said, seen, 1.0, ZERO, n)
+        if lucky:
+            words(swarm.luck, trial, now, LUCK_OBSERVE, ZERO, np.uint64(n), luck[0])
+            words(swarm.luck, trial, now, LUCK_FUSE, ZERO, np.uint64(n), luck[1])
+        for run in range(swarm.runs.shape[0]):
+            group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+            at = np.int64(a)
+            call(
+                swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, said, place(seen, at), 1.0, a, z,
+                place(luck, at),
+            )  # fmt: skip
+        if silent:
+            count_sent(swarm, outbox, np.uint64(said), stops, now, counts)
         bounds = heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
-        if now >= delay and additive and threshold == 0 and stops.shape[1] == 0:
+        if now >= delay and in_sums:
             call(
-                minds[HEAR_SUMS], memory, outbox, then, bounds, senders, senders.size, rows, here, ZERO, n, n
+                swarm.minds[0, HEAR_SUMS], memory, outbox, then, bounds, senders, senders.size, rows, here, ZERO, n, n,
+                place(luck, n),
             )  # fmt: skip
+            if silent:
+                count_said(swarm, outbox, np.uint64(then), bounds, senders, LISTED, counts)
         else:
             if now >= delay:
-                arrivals = hear_each(
-                    minds, memory, outbox, then, arrivals, bounds, senders, link_key, trial, now, delay, threshold,
-                    stops,
+                arrivals, message_luck = hear_each(
+                    swarm, memory, outbox, np.uint64(then), arrivals, message_luck, bounds, senders, link_key, trial,
+                    now, delay, threshold, stops, counts,
                 )  # fmt: skip
-            call(minds[END_ROUND], memory, rows, here, ZERO, n)
+            for run in range(swarm.runs.shape[0]):
+                group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+                call(
+                    swarm.minds[group, END_ROUND], place(memory, swarm.bases[group]), rows, here, a, z,
+                    place(luck, n + np.int64(a)),
+                )  # fmt: skip
+        if verdicts.shape[0] > 0:
+            for block in range(np.uint64(swarm.of_block.size - 1)):
+                judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
+            agree(verdicts, swarm.honest, agreed, now)
         if history.shape[0] > 0:
             put(history[k], memory)
 
 
 @entry
-def wish(minds, memory, body, wishes):
+def wish(swarm, memory, body, trial, tick, wishes):
     """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
 
     Wheels that turn a robot cannot drive it at full speed as well: what is too fast for them is slowed as a whole.
     """
-    call(minds[ASK], memory, wishes, memory.shape[0])
+    n = memory.shape[0]
+    luck = np.zeros(n, np.uint64)
+    if swarm.luck.size > 0:
+        words(swarm.luck, trial, tick, LUCK_STEER, ZERO, np.uint64(n), luck)
+    for run in range(swarm.runs.shape[0]):
+        group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        if swarm.minds[group, ASK]:
+            call(swarm.minds[group, ASK], place(memory, swarm.bases[group]), wishes, n, a, z, place(luck, np.int64(a)))
     for i in range(memory.shape[0]):
         speed = wishes[1, i] * body[0].tick
         turn = wishes[2, i] * body[0].tick

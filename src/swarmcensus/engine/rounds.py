@@ -1,30 +1,45 @@
 """A round on fixed networks: minds observe, say what they hold, hear each other and fuse.
 
-`minds` are the addresses of a brain's functions (see `calling.py`).
+A `swarm` (see `swarms.py`) holds the addresses of brains' functions, which are called by them (see `calling.py`).
 """
 
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.calling import call
+from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.modes import (
     ADD_UP,
+    BLOCK,
     END_ROUND,
     FULL,
     GO_ALONE,
     HEAR,
     HEAR_ALL,
     HEAR_SUMS,
+    HEARD,
     LISTED,
+    LUCK_ALONE,
+    LUCK_ALONE_FUSE,
+    LUCK_FUSE,
+    LUCK_OBSERVE,
     SENSE,
 )
+from swarmcensus.engine.random import words
 
-from .minds import ZERO, arrives, silence_failed
+from .minds import (
+    ZERO,
+    agree,
+    arrives,
+    count_said,
+    count_sent,
+    is_said,
+    judge,
+    luck_of_messages,
+    silence_failed,
+)
 
-# Robots that are finished together: even, for robots share words in pairs. Robots are counted in uint64 in the
-# inner loops: Numba then need not ask whether an index counts from the end.
-BLOCK = 256
+# Robots are counted in uint64 in the inner loops: Numba then need not ask whether an index counts from the end.
 CACHED = 1 << 15  # robots up to which a full network passes through the cache as a whole
 
 
@@ -51,50 +66,82 @@ def most_links(bounds, links, robots):
 
 @njit(nogil=True)
 def hear_what_arrives(
-    minds, memory, outbox, said, receivers, senders, first, last, arrivals, key, trial, tick, threshold, stops
+    swarm, group, memory, outbox, said, receivers, senders, first, last, arrivals, luck, key, trial, tick, threshold,
+    stops, counts,
 ):  # fmt: skip
     """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
     count = 0
     for link in range(first, last):
-        if arrives(key, trial, tick, tick, np.int64(receivers[link]), np.int64(senders[link]), threshold, stops):
-            arrivals[0, count] = receivers[link]
-            arrivals[1, count] = senders[link]
+        to, by = np.int64(receivers[link]), np.int64(senders[link])
+        if is_said(outbox, said + np.uint64(by), swarm.flag) and arrives(
+            key, trial, tick, tick, to, by, threshold, stops
+        ):
+            arrivals[0, count] = to
+            arrivals[1, count] = by
             count += 1
-    call(minds[HEAR], memory, outbox, said, arrivals[0], arrivals[1], ZERO, count, memory.shape[0])
+            if counts.shape[1] > 0:
+                counts[HEARD, to] += 1
+    if swarm.luck.size > 0:
+        luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
+    call(
+        swarm.minds[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1], ZERO,
+        count, memory.shape[0], luck,
+    )  # fmt: skip
 
 
 @njit(nogil=True)
-def hear_pairs(minds, memory, outbox, said, arrivals, key, trial, tick, threshold, stops, stop):
+def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, threshold, stops, counts, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     robots = memory.shape[0]
-    for i in range(robots):
-        if stop[0] != 0:
-            return
-        count = 0
-        for j in range(robots):
-            if i != j and arrives(key, trial, tick, tick, i, j, threshold, stops):
-                arrivals[0, count] = i
-                arrivals[1, count] = j
-                count += 1
-        call(minds[HEAR], memory, outbox, said, arrivals[0], arrivals[1], ZERO, count, memory.shape[0])
+    for run in range(swarm.runs.shape[0]):
+        group = swarm.runs[run, 0]
+        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
+            if stop[0] != 0:
+                return
+            count = 0
+            for j in range(robots):
+                if (
+                    i != j
+                    and is_said(outbox, said + np.uint64(j), swarm.flag)
+                    and arrives(key, trial, tick, tick, i, j, threshold, stops)
+                ):
+                    arrivals[0, count] = i
+                    arrivals[1, count] = j
+                    count += 1
+            if counts.shape[1] > 0:
+                counts[HEARD, i] += count
+            if swarm.luck.size > 0:
+                luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
+            call(
+                swarm.minds[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
+                ZERO, count, robots, luck,
+            )  # fmt: skip
 
 
 @njit(nogil=True)
 def advance(
-    minds, additive, memory, outbox, sums_beside, readings, bits, tables, first, last, looks, trial,
-    read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops, stop,
+    swarm, memory, outbox, sums_beside, readings, bits, luck, tables, first, last, looks, trial,
+    read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
+    counts, verdicts, agreed, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
     But for pairs a robot ends one round and observes for the next in one go, block by block, so that a
     swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
-    `said` is where this round's messages begin.
+    `said` is where this round's messages begin. `luck` (what for, robot or message) is empty where none is asked for;
+    `counts` (what, robot) and `verdicts` where nothing is to be counted or judged.
     """
     n = np.uint64(memory.shape[0])
     said, next_said = ZERO, n
     sound = threshold == 0 and stops.shape[1] == 0
-    in_sums = links == LISTED and sound and additive
+    in_sums = links == LISTED and sound and swarm.additive
+    one_by_one = links == LISTED and not (sound and swarm.flag < 0)
     at_once = n <= CACHED
+    lucky = swarm.luck.size > 0
+    fused, heard = np.int64(luck.shape[1]), np.int64(2 * luck.shape[1])  # where in it the luck of what begins
+    # what a tuple holds is counted at each use, and so is looked up once
+    addresses, bases, runs, of_block, flag = swarm.minds, swarm.bases, swarm.runs, swarm.of_block, swarm.flag
+    minds = addresses[0]  # of all robots, where the swarm is additive
     for k in range(first - 1, last):
         if stop[0] != 0:
             return
@@ -103,40 +150,90 @@ def advance(
         if r >= 0 and links == FULL:
             call(minds[ADD_UP], outbox, said, sums_beside, n if at_once else np.uint64(BLOCK), n)
             if at_once:
-                call(minds[HEAR_ALL], memory, outbox, said, sums_beside, ZERO, rows, here, ZERO, n)
+                if lucky:
+                    words(swarm.luck, trial, k, LUCK_FUSE, ZERO, n, luck[1])
+                call(minds[HEAR_ALL], memory, outbox, said, sums_beside, ZERO, rows, here, ZERO, n, place(luck, fused))
         elif r >= 0 and links != LISTED:
-            hear_pairs(minds, memory, outbox, said, arrivals, link_key, trial, k, threshold, stops, stop)
+            hear_pairs(
+                swarm, memory, outbox, said, arrivals, luck[2], link_key, trial, k, threshold, stops, counts, stop
+            )  # fmt: skip
+        if r >= 0 and flag >= 0 and (in_sums or links == FULL):
+            count_said(swarm, outbox, said, bounds, senders, links, counts)
         for block in range(ZERO, np.uint64(sums_beside.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
+            if r >= 0 and lucky and not (links == FULL and at_once):
+                words(swarm.luck, trial, k, LUCK_FUSE, start, end - start, luck[1])
             if r >= 0 and in_sums:
                 call(
-                    minds[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n
+                    minds[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
+                    place(luck, fused),
                 )  # fmt: skip
             elif r >= 0 and links == FULL and not at_once:
-                call(minds[HEAR_ALL], memory, outbox, said, sums_beside, block, rows, here, start, end)
+                call(
+                    minds[HEAR_ALL],
+                    memory,
+                    outbox,
+                    said,
+                    sums_beside,
+                    block,
+                    rows,
+                    here,
+                    start,
+                    end,
+                    place(luck, fused),
+                )
             elif r >= 0 and links != FULL:
-                if links == LISTED and sound:
-                    call(minds[HEAR], memory, outbox, said, receivers, senders, bounds[start], bounds[end], n)
-                elif links == LISTED:
-                    hear_what_arrives(
-                        minds, memory, outbox, said, receivers, senders, bounds[start], bounds[end], arrivals,
-                        link_key, trial, k, threshold, stops,
+                for run in range(of_block[block], of_block[block + 1]):
+                    group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
+                    base = bases[group]
+                    if one_by_one:
+                        hear_what_arrives(
+                            swarm, group, memory, outbox, said, receivers, senders, bounds[a], bounds[z], arrivals,
+                            luck[2], link_key, trial, k, threshold, stops, counts,
+                        )  # fmt: skip
+                    elif links == LISTED:
+                        if lucky:
+                            luck_of_messages(swarm, trial, k, receivers, senders, bounds[a], bounds[z], luck[2])
+                        call(
+                            addresses[group, HEAR], place(memory, base), outbox, said, receivers, senders, bounds[a],
+                            bounds[z], n, place(luck, heard),
+                        )  # fmt: skip
+                    call(
+                        addresses[group, END_ROUND], place(memory, base), rows, here, a, z,
+                        place(luck, fused + np.int64(a - start)),
                     )  # fmt: skip
-                call(minds[END_ROUND], memory, rows, here, start, end)
+            if r >= 0 and verdicts.shape[0] > 0:
+                judge(swarm, block, memory, rows, here, verdicts, k)
             if k + 1 < last:
                 count_blacks(readings, bits, tables, looks, read_key, trial, k + 1, start, end)
                 silence_failed(readings, stops, k + 1, start, end)
-                call(minds[SENSE], memory, outbox, next_said, readings, float(looks), start, end)
+                if lucky:
+                    words(swarm.luck, trial, k + 1, LUCK_OBSERVE, start, end - start, luck[0])
+                for run in range(of_block[block], of_block[block + 1]):
+                    group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
+                    offset = np.int64(a - start)
+                    call(
+                        addresses[group, SENSE], place(memory, bases[group]), outbox, next_said,
+                        place(readings, offset), float(looks), a, z, place(luck, offset),
+                    )  # fmt: skip
+        if k + 1 < last and flag >= 0:
+            count_sent(swarm, outbox, next_said, stops, k + 1, counts)
+        if r >= 0 and verdicts.shape[0] > 0:
+            agree(verdicts, swarm.honest, agreed, k)
         said, next_said = next_said, said
 
 
 @njit(nogil=True)
 def advance_alone(
-    minds, memory, readings, blacks, bits, tables, first, last, looks, trial, read_key, order_key, rows, stops, stop
+    swarm, memory, readings, blacks, bits, luck, tables, first, last, looks, trial, read_key, order_key, rows, stops,
+    stop,
 ):  # fmt: skip
     """Run single observations first ... last - 1 of robots that hear nobody; their estimates go to `rows`."""
     n = np.uint64(memory.shape[0])
+    lucky = swarm.luck.size > 0
+    addresses, bases, runs = swarm.minds, swarm.bases, swarm.runs
+    n_words = np.int64(luck.shape[1])
     for k in range(first, last):
         if stop[0] != 0:
             return
@@ -146,4 +243,13 @@ def advance_alone(
             count_blacks(blacks, bits, tables, looks, read_key, trial, tick, ZERO, n)
         arrange(readings, blacks, bits, left, order_key, trial, k)
         silence_failed(readings, stops, tick, ZERO, n)
-        call(minds[GO_ALONE], memory, readings, rows, np.uint64(k - first) * n, n)
+        if lucky:
+            words(swarm.luck, trial, k, LUCK_ALONE, ZERO, n, luck[0])
+            words(swarm.luck, trial, k, LUCK_ALONE_FUSE, ZERO, n, luck[1])
+        for run in range(runs.shape[0]):
+            group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
+            at = np.int64(a)
+            call(
+                addresses[group, GO_ALONE], place(memory, bases[group]), place(readings, at), rows,
+                np.uint64(k - first) * n, a, z, place(luck, at), place(luck, n_words + at),
+            )  # fmt: skip

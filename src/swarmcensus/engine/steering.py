@@ -6,6 +6,7 @@ Compiled once on a machine, like all of the engine's loops.
 import numpy as np
 
 from swarmcensus.engine.compiler import entry
+from swarmcensus.engine.modes import HEARD
 
 from .riding import ride, wish
 from .walk import walk
@@ -14,7 +15,8 @@ from .walk import walk
 @entry
 def live(
     state, body, half, walk_key, trial, around, senders, wishes, floor,
-    minds, additive, memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, stops, stop,
+    swarm, memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, counts, verdicts, agreed,
+    stops, stop,
 ):  # fmt: skip
     """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
 
@@ -36,7 +38,10 @@ def live(
         for i in range(n):
             black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
         ride(
-            minds, additive, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
-            looked, black, heard, senders, *kept, stops, stop,
+            swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+            looked, black, heard, senders, *kept, counts, verdicts, agreed, stops, stop,
         )  # fmt: skip
-        wish(minds, memory, body, wishes)
+        if tick >= delay and swarm.additive and threshold == 0 and stops.shape[1] == 0 and swarm.flag < 0:
+            for i in range(n):
+                counts[HEARD, i] += heard[i + 1] - heard[i]
+        wish(swarm, memory, body, trial, tick, wishes)

@@ -1,4 +1,4 @@
-"""What a brain's `steer` returned, a pair or None, for Numba, which can neither index nor unpack "a pair or None"."""
+"""What a brain's `steer` or `broadcast` returned, for Numba, which can neither index nor unpack "a pair or None"."""
 
 import numba
 from numba.extending import intrinsic, overload
@@ -44,3 +44,37 @@ def compiled_chosen(wish):
         return False, 0.0, 0.0
 
     return either
+
+
+def spoken(message, blank):
+    """Whether `broadcast` says anything, and what; `blank` is a message of zeros."""
+    return (False, blank) if message is None else (True, message)
+
+
+@overload(spoken)
+def compiled_spoken(message, blank):
+    """The same, compiled."""
+    if isinstance(message, numba.types.NoneType):
+        return lambda message, blank: (False, blank)
+    if not isinstance(message, numba.types.Optional):
+        return lambda message, blank: (True, message)
+    return lambda message, blank: unwrapped(message)
+
+
+def whole_vector(part, long):
+    """Raise ValueError for a vector of a message that is not as long as MESSAGE says."""
+    if len(part) != long:
+        raise ValueError("broadcast gives a vector of another length than MESSAGE says")
+
+
+@overload(whole_vector)
+def compiled_whole_vector(part, long):
+    """The same, compiled."""
+    if isinstance(part, numba.types.Number):
+        raise TypeError("broadcast gives a number where MESSAGE says a vector")
+
+    def checked(part, long):
+        if len(part) != long:
+            raise ValueError("broadcast gives a vector of another length than MESSAGE says")
+
+    return checked

@@ -6,7 +6,6 @@ works, where the study says, with the very source that the results hold.
 """
 
 import contextlib
-import types
 from collections.abc import Iterable
 from importlib.metadata import PackageNotFoundError, distribution
 from pathlib import Path
@@ -63,7 +62,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         known |= {n: brains.parse(given, n, place) for n in names}
     for name, source in sources.items():
         if name not in known and not (run and name in brains.DOOR):
-            known[name] = (run and _found(name, source["source"])) or _unread(name, source["source"])
+            known[name] = (run and _found(name, source["source"])) or brains.unread(name, source["source"])
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
     watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
@@ -106,7 +105,7 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
 
 def must_be_read(brain: brains.Brain) -> None:
     """Raise InputError for a brain file that results name, and that was neither given nor found."""
-    if not brain.message:
+    if not brain.is_read:
         raise InputError(
             f"the brain {brain.name!r} is a file, and a file named in results is not run unasked, but where it lies "
             "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
@@ -149,7 +148,3 @@ def _lies_here(kind: str, name: str, source: str) -> bool:
         small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends and a byte mark
         return small and place.is_relative_to(Path.cwd().resolve()) and brains.read_source(kind, place) == source
     return False
-
-
-def _unread(name: str, source: str) -> brains.Brain:
-    return brains.Brain(name, Path(name), source, {}, (), (), types.ModuleType("unread"))

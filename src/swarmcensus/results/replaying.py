@@ -37,8 +37,8 @@ def replay(
     if found.body is not None:
         trace = _moving_trace(found, study.seed, trial, links)
     else:
-        history, estimates, blacks = record_trial(found, study.seed, trial)
-        trace = trace_of({name: history[name] for name in found.brain.memory}, estimates, found.brain)
+        fields, estimates, blacks = record_trial(found, study.seed, trial)
+        trace = trace_of(fields, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
     _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
     trace.attrs |= {
@@ -69,7 +69,7 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     assert found.body is not None
     assert found.density is not None
     ride = record_ride(found, seed, trial)
-    trace = trace_of({name: ride.history[name] for name in found.brain.memory}, ride.estimates, found.brain)
+    trace = trace_of(ride.fields, ride.estimates, found.brain)
     dims = ("round", "robot")
     trace["position"] = ((*dims, "axis"), ride.poses[..., :2], {"units": "m", "long_name": "from the arena's centre"})
     trace["heading"] = (dims, ride.poses[..., 2], {"units": "rad"})

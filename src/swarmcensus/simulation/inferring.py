@@ -11,7 +11,9 @@ import xarray as xr
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
+from swarmcensus.engine.addresses import address
 from swarmcensus.simulation import oracle
+from swarmcensus.simulation.swarming import fields_of, swarm
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
@@ -20,7 +22,10 @@ def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains
     """A trace: fields of memory (round, robot) and estimates (round, robot)."""
     dims = ("round", "robot")
     trace = xr.Dataset(
-        {name: (dims, np.ascontiguousarray(values)) for name, values in fields.items()},
+        {
+            name: ((*dims, f"item_{name}")[: values.ndim], np.ascontiguousarray(values))
+            for name, values in fields.items()
+        },
         coords={"round": ("round", np.arange(len(estimates)), ROUND), "robot": np.arange(estimates.shape[1])},
     )
     trace["estimate"] = (dims, estimates, {"units": "1", "long_name": "the fill ratio that the robot believes in"})
@@ -59,24 +64,23 @@ def infer(
     if isinstance(every, bool) or not isinstance(every, int | np.integer) or every < 1:
         raise InputError(f"observations_per_round = {every!r}: should be a whole number from 1")
     used = brain if isinstance(brain, brains.Brain) else brains.load(brain)
+    luck = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
     if compiled:
-        blank = compiler.blank(used)
         shape = (-(-len(readings) // every) + 1, robots)
-        history, estimates = np.empty((*shape, blank.size)), np.empty(shape)
-        outbox = compiler.outbox(used, robots)
+        history, estimates = np.empty((*shape, compiler.width(used))), np.empty(shape)
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
+            made = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
             compiler.compile_world("kernel").follow(
-                compiler.compile_brain(used, "recorded"), blank, outbox, b, w, readings, int(every), periodic, first,
+                made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
                 senders, receivers, history, estimates,
             )  # fmt: skip
+            fields = fields_of(used, made, history, estimates)
         except Exception as error:
             raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
-        minds = compiler.records(used, history)
-        fields = {name: minds[name] for name in used.memory}
     else:
         steps = itertools.repeat(pairs, len(readings)) if periodic else iter(np.split(pairs, first[1:-1]))
-        fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps)
+        fields, estimates = oracle.follow(used, b, w, readings, 1, int(every), periodic, steps, luck)
     trace = trace_of(fields, estimates, used)
     trace.attrs |= {"title": f"{used.name} on recorded data", "observations_per_round": int(every)}
     return trace

@@ -23,6 +23,7 @@ class Inputs(NamedTuple):
     order: np.ndarray  # of single readings within a round
     losses: np.ndarray
     loss_threshold: np.uint64  # a message gets through where a uniform uint64 is below it; 0 stands for always
+    luck: np.ndarray  # of brains that ask for it, two keys; empty where none does
     walk: np.ndarray  # of robots that move
     links: Links | None  # who hears whom; None where robots move
 
@@ -55,6 +56,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         order=setting.readings_key(seed, "order") if order else NO_KEY,
         losses=setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
         loss_threshold=setting.loss_threshold,
+        luck=setting.luck_keys(seed),
         walk=setting.walk_key(seed) if moves else NO_KEY,
         links=links,
     )

@@ -6,6 +6,9 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
+from swarmcensus.engine.modes import LUCK_FUSE, LUCK_OBSERVE
+from swarmcensus.engine.random import chance, word_of, words
+from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free
 
 
 def follow(
@@ -17,36 +20,79 @@ def follow(
     every: int,
     periodic: bool,
     messages: Iterable[np.ndarray],
+    luck: np.ndarray,
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
     """Minds that make recorded observations and hear recorded messages.
 
     `blacks` (step, robot) counts the black ones of `looks` readings, NaN where a robot made none. A round ends
     every `every` steps and at the last. `messages` has (receiver, sender) rows for each step; with `periodic`
-    they are heard at the end of whole rounds only. Returns each field of the memory, and the estimates, as
-    arrays (round, robot), index 0 before any observation.
+    they are heard at the end of whole rounds only. `luck` are the two keys of it. Returns each field of the memory, and
+    what is decided, and the estimates, as arrays (round, robot), index 0 before any observation.
     """
     functions = brain.functions
-    minds = [brain.robot(float(b[i]), float(w[i])) for i in range(blacks.shape[1])]
-    memories: list[list[dict[str, float]]] = []
+    minds = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(blacks.shape[1])]
+    memories: list[list[dict[str, Any]]] = []
     estimates: list[list[float]] = []
 
     def keep() -> None:
-        memories.append([{name: getattr(me, name) for name in brain.memory} for me in minds])
+        memories.append([kept_of(brain, me) for me in minds])
         estimates.append([functions.estimate(me) for me in minds])
 
     keep()
+    number = 0  # of the message, among all
     for step, pairs in zip(range(len(blacks)), messages, strict=True):
         whole = (step + 1) % every == 0
-        for me, count in zip(minds, blacks[step], strict=True):
-            if not np.isnan(count):
+        seen, fused = (own_luck(brain, luck, 0, step + 1, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE))
+        for i, (me, count) in enumerate(zip(minds, blacks[step], strict=True)):
+            if not np.isnan(count) and not is_done(brain, me):
+                give(brain, me, seen, i)
                 functions.observe(me, float(count), float(looks))
-        said: list[Any] = [functions.broadcast(me) for me in minds]
+        said = [fixed(functions.broadcast(me)) for me in minds]
+        if periodic:
+            number = 0
         if whole or not periodic:
             for receiver, sender in pairs:
-                functions.receive(minds[receiver], said[sender])
+                if said[sender] is not None:
+                    if brain.uses.luck:
+                        word = word_of(luck[2], luck[3], 0, step + 1, 0, number)
+                        minds[receiver].luck = chance(np.uint64(word))
+                    functions.receive(minds[receiver], said[sender])
+                number += 1
         if whole or step == len(blacks) - 1:
-            for me in minds:
+            for i, me in enumerate(minds):
+                give(brain, me, fused, i)
                 functions.fuse(me)
             keep()
-    fields = {name: np.array([[m[name] for m in row] for row in memories]) for name in brain.memory}
-    return fields, np.array(estimates)
+    names = memories[0][0]
+    return {name: np.array([[m[name] for m in row] for row in memories]) for name in names}, np.array(estimates)
+
+
+def kept_of(brain: Brain, me: Any) -> dict[str, Any]:
+    """What a trace shows of a mind: its fields, and of brains that decide what."""
+    fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
+    fields |= {free(DECIDED, brain): float(brain.functions.decide(me))} if brain.decides else {}
+    return fields | ({free(IS_DONE, brain): float(bool(brain.functions.done(me)))} if brain.ends else {})
+
+
+def is_done(brain: Brain, me: Any) -> bool:
+    """Whether a robot has seen enough."""
+    return brain.ends and bool(brain.functions.done(me))
+
+
+def fixed(message: Any) -> Any:
+    """A message as it was said: a vector in it is the robot's own, and changes."""
+    return message and tuple(tuple(part) if isinstance(part, list) else part for part in message)
+
+
+def own_luck(brain: Brain, luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
+    """A word for each robot's call of `observe`, `fuse` or `steer`; none where the brain asks for none."""
+    out = np.zeros(robots if brain.uses.luck else 0, np.uint64)
+    if out.size:
+        words(luck, trial, tick, part, 0, robots, out)
+    return out
+
+
+def give(brain: Brain, me: Any, luck: np.ndarray, robot: int) -> None:
+    """Set what is fresh at each call."""
+    if brain.uses.luck:
+        me.luck = chance(luck[robot])

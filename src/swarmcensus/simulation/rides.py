@@ -8,8 +8,10 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
+from swarmcensus.engine.modes import HEARD
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.swarming import check_verdicts, counts_of, fields_of, outbox_of, swarm_of, verdicts_of
 from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watches import Watch, results_of
@@ -30,9 +32,6 @@ class Rider:
         self.kernel = compiler.compile_world("riding")
         self.delay = setting.body.message_delay
         robots = setting.robots
-        self.blank = compiler.blank(setting.brain)
-        self.memory = np.empty((robots, self.blank.size))
-        self.outbox = compiler.outbox(setting.brain, (self.delay + 1) * robots)
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
         self.stops = given.stops[0]
@@ -40,26 +39,36 @@ class Rider:
         self.sensors = [a[0] for a in given.sensors]
         beliefs = (a[0] for a in given.beliefs)
         with blaming(setting, self.trial):
-            self.minds = compiler.compile_brain(setting.brain, "moving")
-            self.kernel.wake(self.minds, self.memory, self.blank, *beliefs, self.outbox, self.start)
+            self.swarm = swarm_of(setting, given, "moving")
+            self.memory = np.empty((robots, int(self.swarm.fields.sum())))
+            self.outbox = outbox_of(self.swarm, setting, self.delay + 1)
+            verdicts, agreed = verdicts_of(setting, 1, robots)
+            self.verdicts, self.agreed = verdicts[0], agreed[0]
+            self.kernel.wake(self.swarm, self.memory, *beliefs, self.outbox, self.start, self.verdicts, self.agreed)
+        self.counts = counts_of(setting, given, self.swarm, 1)[0]
+        self.hears_all = (
+            self.swarm.additive and self.swarm.flag < 0 and not given.loss_threshold and not self.stops.shape[1]
+        )
 
     def ride(
         self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
     ) -> None:
         """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
         self.kernel.ride(
-            self.minds, bool(self.setting.brain.sums), self.memory, self.outbox, self.rows, self.trial,
+            self.swarm, self.memory, self.outbox, self.rows, self.trial,
             chunk.tick, *self.sensors, *self.keys,
             self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders,
-            *(keep or NOTHING),
+            *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
             self.stops, stop,
         )  # fmt: skip
+        if self.hears_all:
+            self.counts[HEARD] += chunk.messages(self.delay)
 
-    def wish(self, wishes: np.ndarray) -> None:
-        """Say where the minds want to go in the next tick, if they steer."""
+    def wish(self, wishes: np.ndarray, tick: int) -> None:
+        """Say where the minds want to go after a tick, if they steer."""
         if wishes.size:
             assert self.setting.body is not None
-            self.kernel.wish(self.minds, self.memory, self.setting.body.numbers, wishes)
+            self.kernel.wish(self.swarm, self.memory, self.setting.body.numbers, self.trial, tick, wishes)
 
     def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
         """The trial's metrics, as a batch of one."""
@@ -86,7 +95,11 @@ class Rider:
             if math.isfinite(self.rows.sum()):
                 raise
             raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
-        return Batch(where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates, watched)
+        check_verdicts(self.setting, self.verdicts[np.newaxis], self.trial)
+        return Batch(
+            where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates, watched,
+            self.counts[np.newaxis], self.verdicts[np.newaxis], self.agreed[np.newaxis],
+        )  # fmt: skip
 
 
 def run_ride(
@@ -105,7 +118,7 @@ def run_ride(
         for rider, key in zip(riders, keys, strict=True):
             with blaming(rider.setting, trial):
                 rider.ride(chunk, black[key], stop)
-                rider.wish(wishes)
+                rider.wish(wishes, chunk.tick)
     if stop[0]:
         return None
     return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
@@ -126,8 +139,9 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
-            ground.all_tiles(), rider.minds, bool(setting.brain.sums), rider.memory, rider.outbox,
-            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING, rider.stops, stop,
+            ground.all_tiles(), rider.swarm, rider.memory, rider.outbox,
+            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING,
+            rider.counts, rider.verdicts, rider.agreed, rider.stops, stop,
         )  # fmt: skip
     return None if stop[0] else rider.measure(metrics, ground.true_fill_ratio)
 
@@ -160,7 +174,7 @@ def walk_of(
 class Ride:
     """One trial of moving robots in full; arrays (tick, robot), index 0 before the first tick."""
 
-    history: np.ndarray  # minds
+    fields: dict[str, np.ndarray]  # what minds hold
     estimates: np.ndarray
     poses: np.ndarray  # x, y, heading
     looked: np.ndarray  # whether an observation was made
@@ -175,7 +189,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     stop = np.zeros(1, np.uint8)
     rider, ground = Rider(setting, inputs_of(setting, seed, trial)), setting.ground(seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.blank.size))
+    history = np.empty((*shape, rider.memory.shape[1]))
     history[0] = rider.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)
@@ -189,13 +203,13 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         colours[ticks] = ground.colours(chunk.tiles)
         with blaming(setting, trial):
             rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
-            rider.wish(wishes)
+            rider.wish(wishes, chunk.tick)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
     joined = np.concatenate(links)
-    minds = compiler.records(setting.brain, history)
-    return Ride(minds, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
+    fields = fields_of(setting.brain, rider.swarm, history, estimates)
+    return Ride(fields, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
 
 
 def links_of(chunk: Chunk) -> np.ndarray:

@@ -11,10 +11,18 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.engine.modes import PART
+from swarmcensus.engine.modes import PART, VERDICTS
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.swarming import (
+    check_verdicts,
+    counts_of,
+    fields_of,
+    outbox_of,
+    swarm_of,
+    verdicts_of,
+)
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
 
@@ -41,7 +49,8 @@ class Batch:
     """The metrics of a batch: convergence index K, error at K and final estimate (trial, robot), and the
     fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
-    variables, (trial, robot) or (trial)."""
+    variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
+    `engine.modes` names (trial, robot, what), and the first option that all agreed on and when (trial, 2)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -50,6 +59,9 @@ class Batch:
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
     watched: dict[str, np.ndarray] = field(default_factory=dict)
+    counts: np.ndarray | None = None
+    verdicts: np.ndarray | None = None
+    agreed: np.ndarray | None = None
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
@@ -88,7 +100,6 @@ def _live(
     setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool
 ) -> Batch | None:
     first = given.first
-    blank = compiler.blank(setting.brain)
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
     shape = (trials, setting.robots)
@@ -98,25 +109,27 @@ def _live(
     kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
     links = given.links
     assert links is not None
-    segment = segment_length(setting.robots, rounds, blank.nbytes, looks if local else 1)
-    segments = -(-rounds // segment)
     kernel = compiler.compile_world("kernel")
     with blaming(setting, first, trials):
-        minds = compiler.compile_brain(setting.brain, "alone" if local else "network")
+        made = swarm_of(setting, given, "alone" if local else "network")
+    numbers = int(made.fields.sum())
+    segment = segment_length(setting.robots, rounds, 8 * numbers, looks if local else 1)
+    segments = -(-rounds // segment)
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
-        np.empty((setting.robots, blank.size)),
-        compiler.outbox(setting.brain, 2 * setting.robots),
+        np.empty((setting.robots, numbers)),
+        outbox_of(made, setting, 2),
         rows,
-        np.empty((segments, setting.robots if segments > 1 else 0, blank.size)),
+        np.empty((segments, setting.robots if segments > 1 else 0, numbers)),
     )
+    counts = counts_of(setting, given, made, trials)
+    verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
     arguments = (
-        minds, bool(setting.brain.sums), blank, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local,
-        looks, rounds,
+        made, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
-        where, value, final, correct, kept, np.empty((3, setting.robots)),
+        where, value, final, correct, kept, counts, verdicts, agreed, np.empty((3, setting.robots)),
     )  # fmt: skip
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
@@ -137,9 +150,12 @@ def _live(
         if sound:
             raise
         raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
+    check_verdicts(setting, verdicts, first)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
-    return Batch(where, errors, final, correct, kept=estimates, watched=found)
+    return Batch(
+        where, errors, final, correct, kept=estimates, watched=found, counts=counts, verdicts=verdicts, agreed=agreed
+    )  # fmt: skip
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:
@@ -155,6 +171,9 @@ def _joined(batches: Sequence[Batch]) -> Batch:
         along(1, lambda b: b.correct),
         kept=None if batches[0].kept is None else along(1, lambda b: b.kept),
         watched={name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched},
+        counts=along(0, lambda b: b.counts),
+        verdicts=along(0, lambda b: b.verdicts),
+        agreed=along(0, lambda b: b.agreed),
     )
 
 
@@ -177,37 +196,35 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     return InputError(f"brain {setting.brain.name!r} fails in {which} of {setting}: {what}")
 
 
-def record_trial(setting: Setting, seed: int, trial: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """One trial in full: minds (round, robot), estimates (round, robot), black readings (round, robot).
+def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
+    """One trial in full: what minds hold (round, robot), estimates (round, robot), black readings (round, robot).
 
     It is run as any other, one round of estimates kept at a time: the snapshots before each are its history.
     """
-    blank = compiler.blank(setting.brain)
     robots, rounds, looks = setting.robots, setting.rounds, setting.observations_per_round
     shape = (rounds + 1, robots)
-    history, estimates, blacks = np.empty((*shape, blank.size)), np.empty(shape), np.zeros(shape)
     given, kernel = inputs_of(setting, seed, trial), compiler.compile_world("kernel")
     links = given.links
     assert links is not None
-    history[0] = blank
-    for field_, belief in enumerate(given.beliefs, start=blank.size - 2):
-        history[0, :, field_] = belief[0]
     one = np.zeros((1, robots))
     with blaming(setting, trial):
-        minds = compiler.compile_brain(setting.brain)
+        made = swarm_of(setting, given, "network")
+        numbers = int(made.fields.sum())
+        history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
         kernel.simulate(
-            minds, bool(setting.brain.sums), blank, history[-1], compiler.outbox(setting.brain, 2 * robots),
-            np.empty((1, robots)), history[:-1], trial, *given.sensors, *given.beliefs, setting.fill_ratio, False,
+            made, history[-1], outbox_of(made, setting, 2), np.empty((1, robots)), history[:-1], trial,
+            *given.sensors, *given.beliefs, setting.fill_ratio, False,
             looks, rounds, given.readings, given.order, given.losses,
             links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
             1.0, 0.0, 1.0, np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
-            np.empty((0, 1, robots)), np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
+            np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
+            np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
         )  # fmt: skip
-        kernel.believe(minds, history, estimates)
+        kernel.believe(made, history, estimates)
     compiler.compile_world().round_readings(
         *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
     )
-    return compiler.records(setting.brain, history), estimates, blacks
+    return fields_of(setting.brain, made, history, estimates), estimates, blacks
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

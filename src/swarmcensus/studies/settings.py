@@ -174,6 +174,16 @@ class Setting:
             **self._where,
         )
 
+    def luck_keys(self, seed: int) -> np.ndarray:
+        """The addresses of brains' luck, of their own calls and of messages; empty where none asks for it.
+
+        The brain is no part of it: two that ask for luck have the same.
+        """
+        if not self.brain.uses.luck:
+            return np.zeros(0, np.uint64)
+        content = {"robots": self.robots, "topology": self.topology.content, **self._where}
+        return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
+
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
         true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)

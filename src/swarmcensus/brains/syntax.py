@@ -1,0 +1,143 @@
+"""What a brain's source says of how it uses its record, found without running it."""
+
+import ast
+from collections.abc import Collection
+from typing import NamedTuple
+
+GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that are there where a brain asks for them
+LUCKY = ("observe", "receive", "fuse", "steer")  # luck is fresh at each call of these
+
+
+class Uses(NamedTuple):
+    """Which parts of the contract's second edition a brain asks for."""
+
+    lucky: frozenset[str]  # the functions that read me.luck, themselves or in a helper
+    name: bool
+    silence: bool  # `broadcast` may return None
+
+    @property
+    def luck(self) -> bool:
+        """Whether a robot is given luck."""
+        return bool(self.lucky)
+
+
+class Wrong(Exception):
+    """What a brain does to its record that it may not, and in which line."""
+
+    def __init__(self, what: str, line: int) -> None:
+        """Say what, and where."""
+        super().__init__(what)
+        self.line = line
+
+
+def uses(tree: ast.Module, own: Collection[str]) -> Uses:
+    """What a brain asks for; `own` are the fields that it names itself."""
+    functions = _functions(tree)
+    said = [functions[name] for name in called_by("broadcast", functions)]
+    lucky = [name for name in LUCKY if "luck" not in own and _reads("luck", called_by(name, functions), functions)]
+    named = "name" not in own and bool(_reads("name", functions, functions))
+    return Uses(frozenset(lucky), named, any(map(_may_be_none, said)))
+
+
+def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], sums: Collection[str]) -> None:
+    """Hold a source against what it may do with its record, fields and their lengths. Raises Wrong."""
+    given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters}
+    vectors = {name for name, long in memory.items() if long}
+    for function in _functions(tree).values():
+        for node in ast.walk(function):
+            if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
+                _check_item(node, function.name, vectors, parameters)
+            elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _names(node.value, vectors):
+                raise Wrong(f"{function.name} takes a part of a vector: its items are read one by one", node.lineno)
+            elif _of_record(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
+                _check_set(node, function.name, vectors, parameters, given)
+    if "luck" in given:
+        _check_luck(tree, sums)
+
+
+def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
+    if _names(node.value, parameters):
+        raise Wrong(f"{function} sets an item of a parameter: parameters are only for reading", node.lineno)
+    if not _names(node.value, vectors) or isinstance(node.slice, ast.Slice) or isinstance(node.ctx, ast.Del):
+        what = f"{function} sets {ast.unparse(node)}: only single items of MEMORY's vectors are set, as me.belief[0]"
+        raise Wrong(what, node.lineno)
+
+
+def _check_set(
+    node: ast.AST, function: str, vectors: Collection[str], parameters: Collection[str], given: Collection[str]
+) -> None:
+    assert isinstance(node, ast.Attribute)
+    if node.attr in given:
+        raise Wrong(f"{function} sets me.{node.attr}, which is given: it is only for reading", node.lineno)
+    if node.attr in parameters:
+        raise Wrong(f"{function} sets me.{node.attr}: parameters are only for reading", node.lineno)
+    if node.attr in vectors:
+        raise Wrong(f"{function} sets me.{node.attr}, a vector: its items are set one by one", node.lineno)
+
+
+def _check_luck(tree: ast.Module, sums: Collection[str]) -> None:
+    functions = _functions(tree)
+    for name in ("broadcast", "estimate", "decide", "done"):
+        found = _reads("luck", called_by(name, functions), functions)
+        if found:
+            through = f" in {found[0]}" if found[0] != name else ""
+            raise Wrong(
+                f"{name} reads me.luck{through}, which is fresh in {', '.join(LUCKY[:-1])} and {LUCKY[-1]} alone",
+                functions[found[0]].lineno,
+            )
+    found = _reads("luck", called_by("receive", functions), functions)
+    if sums and found:
+        what = "receive reads me.luck: by SUMS what it adds depends on the message alone"
+        raise Wrong(what, functions[found[0]].lineno)
+
+
+def _reads(field: str, names: Collection[str], functions: dict[str, ast.FunctionDef]) -> list[str]:
+    """Which of some functions read a field of the record."""
+    return [name for name in names if any(_names(node, (field,)) for node in ast.walk(functions[name]))]
+
+
+def called_by(name: str, functions: dict[str, ast.FunctionDef]) -> list[str]:
+    """A function of the file, and those of its own that it calls, and so on."""
+    found = [name] if name in functions else []
+    for one in found:
+        called = {node.id for node in ast.walk(functions[one]) if isinstance(node, ast.Name)}
+        found += [other for other in functions if other in called and other not in found]
+    return found
+
+
+def _functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
+    return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
+
+
+def _of_record(node: ast.AST) -> bool:
+    """Whether this is a field of a record, and nothing of `math`."""
+    return isinstance(node, ast.Attribute) and not (isinstance(node.value, ast.Name) and node.value.id == "math")
+
+
+def _names(node: ast.AST, fields: Collection[str]) -> bool:
+    return _of_record(node) and node.attr in fields  # type: ignore[attr-defined]
+
+
+def _may_be_none(function: ast.FunctionDef) -> bool:
+    """Whether a function may return None, as far as one sees without running it."""
+    nodes = [node for one in function.body for node in ast.walk(one)]
+    said = [node for node in nodes if isinstance(node, ast.Constant) and node.value is None]
+    bare = [node for node in nodes if isinstance(node, ast.Return) and node.value is None]
+    return bool(said or bare) or not _returns(function.body)
+
+
+def _returns(body: list[ast.stmt]) -> bool:
+    """Whether these statements never come to their end."""
+    return any(_leaves(one) for one in body)
+
+
+def _leaves(one: ast.stmt) -> bool:
+    if isinstance(one, ast.If):
+        return _returns(one.body) and _returns(one.orelse)
+    if isinstance(one, ast.While):
+        return isinstance(one.test, ast.Constant) and bool(one.test.value) and not _breaks(one)
+    return isinstance(one, ast.Return | ast.Raise)
+
+
+def _breaks(loop: ast.While) -> bool:
+    return any(isinstance(node, ast.Break) for node in ast.walk(loop))

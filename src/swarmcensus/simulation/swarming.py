@@ -1,0 +1,127 @@
+"""A setting's robots as the engine's loops take them, with room for what is counted of them and what they decide."""
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import Brain
+from swarmcensus.engine import compiler
+from swarmcensus.engine.modes import (
+    FULL,
+    HEARD,
+    LISTED,
+    NEVER,
+    SENT,
+    TALKING,
+    VERDICTS,
+    WRONG,
+)
+from swarmcensus.engine.swarms import Swarm, runs_of
+from swarmcensus.simulation.inputs import Inputs
+from swarmcensus.studies.settings import Setting
+
+NO_LUCK = np.zeros(0, np.uint64)
+ALL_HONEST = np.zeros(0, np.bool_)
+DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fields
+
+
+def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
+    """The swarm of some trials. Raises NotCompiled."""
+    return swarm((setting.brain,), np.zeros(setting.robots, np.int64), use, given.luck)
+
+
+def swarm(
+    brains: tuple[Brain, ...],
+    group: np.ndarray,
+    use: str,
+    luck: np.ndarray = NO_LUCK,
+    honest: np.ndarray = ALL_HONEST,
+) -> Swarm:
+    """A swarm in which robot i has the brain brains[group[i]]; `luck` are keys. Raises NotCompiled."""
+    mixed = len(brains) > 1
+    fields = np.array([compiler.width(brain) for brain in brains])
+    blanks = np.zeros((len(brains), fields.max()))
+    for row, brain in zip(blanks, brains, strict=True):
+        row[: compiler.width(brain)] = compiler.blank(brain)
+    runs, of_block = runs_of(group)
+    return Swarm(
+        minds=np.stack([compiler.compile_brain(brain, use, mixed=mixed) for brain in brains]),
+        bases=group.size * (np.cumsum(fields) - fields),
+        fields=fields,
+        named=np.array([brain.uses.name for brain in brains]),
+        blanks=blanks,
+        runs=runs,
+        of_block=of_block,
+        additive=not mixed and bool(brains[0].sums),
+        flag=compiler.flag_of(brains[0], mixed),
+        luck=luck if any(brain.uses.luck for brain in brains) else NO_LUCK,
+        honest=honest,
+    )
+
+
+def outbox_of(made: Swarm, setting: Setting, rounds: int) -> np.ndarray:
+    """Room for what the robots of a setting say in so many rounds."""
+    return compiler.outbox(setting.brain, rounds * setting.robots, made.fields.size > 1)
+
+
+def counts_of(setting: Setting, given: Inputs, made: Swarm, trials: int) -> np.ndarray:
+    """How many messages each robot sends and hears on a fixed network (trial, what, robot), as far as that is known.
+
+    The engine adds the others: those of robots that may be silent, and what is heard where messages may be lost.
+    """
+    counts = np.zeros((trials, 2, setting.robots), np.int64)
+    if made.flag >= 0:
+        return counts
+    counts[:, SENT] = sent_by_all(setting, given.stops)
+    links = given.links
+    if links is None or given.loss_threshold or given.stops.shape[2] or links.mode not in (LISTED, FULL):
+        return counts
+    if links.mode == FULL:
+        counts[:, HEARD] = setting.rounds * (setting.robots - 1)
+        return counts
+    graphs = links.starts.size - 1  # one for all trials, or one for each
+    graph = np.repeat(np.arange(graphs), np.diff(links.starts))
+    heard = np.bincount(graph * setting.robots + links.receivers, minlength=graphs * setting.robots)
+    counts[:, HEARD] = setting.rounds * heard.reshape(graphs, setting.robots)
+    return counts
+
+
+def sent_by_all(setting: Setting, stops: np.ndarray) -> np.ndarray:
+    """How many messages each robot sends that is never silent, (trial, robot), or one trial and robot for all."""
+    talks = stops[:, TALKING] if stops.shape[2] else np.full((1, 1), NEVER)
+    return np.asarray(np.minimum(talks - 1, setting.rounds))
+
+
+def verdicts_of(setting: Setting, trials: int, robots: int) -> tuple[np.ndarray, np.ndarray]:
+    """Room for what robots decide (trial, robot, what), none where none does, and for what all agree on (trial, 2)."""
+    judged = setting.brain.decides or setting.brain.ends
+    return np.empty((trials, robots if judged else 0, VERDICTS)), np.empty((trials, 2))
+
+
+def check_verdicts(setting: Setting, verdicts: np.ndarray, first: int) -> None:
+    """Raise InputError where a brain decided for what is no option."""
+    wrong = np.argwhere(~np.isnan(verdicts[..., WRONG])) if verdicts.size else ()
+    for trial, robot in wrong[:1]:
+        brain = setting.brain
+        raise InputError(
+            f"brain {brain.name!r} fails in trial {first + trial} of {setting}: decide gives "
+            f"{verdicts[trial, robot, WRONG]:g}: -1 (undecided) or an option from 0 to {brain.options - 1} is right"
+        )
+
+
+def fields_of(brain: Brain, made: Swarm, history: np.ndarray, estimates: np.ndarray) -> dict[str, np.ndarray]:
+    """What a trace shows of minds (round, robot, number): MEMORY's fields, and of brains that decide what and when."""
+    minds = compiler.records(brain, history)
+    fields = {name: minds[name] for name in brain.memory}
+    if brain.decides or brain.ends:
+        told = np.empty((*estimates.shape, 2))
+        compiler.compile_world("kernel").decided(made, history, estimates, told)
+        fields |= {free(DECIDED, brain): told[..., 0]} if brain.decides else {}
+        fields |= {free(IS_DONE, brain): told[..., 1]} if brain.ends else {}
+    return fields
+
+
+def free(name: str, brain: Brain) -> str:
+    """A name that no field of the brain has."""
+    while name in brain.memory:
+        name += "_"
+    return name
