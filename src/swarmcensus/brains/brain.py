@@ -102,6 +102,11 @@ class Brain:
         return BYTES_A_NUMBER * len(slots(self.message))
 
     @property
+    def told(self) -> str:
+        """Its name, and the parameters that are not as the file says."""
+        return " ".join([self.name, *(f"{name}={value}" for name, value in self.given)])
+
+    @property
     def as_written(self) -> Self:
         """The same with the file's own parameters: machine code is the same for all."""
         return replace(self, given=()) if self.given else self

@@ -60,7 +60,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         need(key in fields, f"SUMS names {key!r}, which is not in MEMORY")
     parameters = constants.get("PARAMETERS", {})
     need(isinstance(parameters, dict), 'PARAMETERS should be a dict such as {"prior": 10.0}')
-    given = fields_of(parameters, "PARAMETERS", (*BELIEFS, *TRACED, *syntax.GIVEN_ON_ASKING))
+    given = fields_of(parameters, "PARAMETERS", (*BELIEFS, *syntax.GIVEN_ON_ASKING, "file"))
     for key in given:
         need(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: what changes is no parameter")
     options = constants.get("OPTIONS", 2)

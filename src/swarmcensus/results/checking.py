@@ -15,10 +15,28 @@ from numpy.typing import NDArray
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import parse, variable_of
-from swarmcensus.results.values import EVERY, LOCAL, MISSING, PER_ROBOT, PER_TRIAL, VARIABLES, kinds_in, metrics_in
+from swarmcensus.results.values import (
+    DECISIONS,
+    ENDINGS,
+    ENDLESS,
+    EVERY,
+    LOCAL,
+    MISSING,
+    PER_ROBOT,
+    PER_TRIAL,
+    SINCE_3,
+    SPARSE,
+    VARIABLES,
+    kinds_in,
+    metrics_in,
+)
 from swarmcensus.worlds.networks import MOVING
 
-FORMATS = ("swarmcensus results 1", "swarmcensus results 2")  # that can be read; the last one is written
+FORMATS = (
+    "swarmcensus results 1",
+    "swarmcensus results 2",
+    "swarmcensus results 3",
+)  # that can be read; the last one is written
 TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
 NUMBERS = ("robots", "density", "side", "fill_ratio", "link_success", "rounds", "observations_per_round")
 IN_FORMAT_1 = frozenset(
@@ -35,6 +53,11 @@ ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max
 def is_old(data: xr.Dataset) -> bool:
     """Whether a dataset is of the first format: without `_FillValue`, and without what has come since."""
     return bool(data.attrs.get("format") == FORMATS[0])
+
+
+def before_3(data: xr.Dataset, name: str) -> bool:
+    """Whether a dataset is of a format that had no variable of this name yet."""
+    return name in SINCE_3 and data.attrs.get("format") in FORMATS[:2]
 
 
 def unmask(data: xr.Dataset) -> str | None:
@@ -58,7 +81,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
-    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
+    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data and not before_3(data, name)]
     if data.attrs.get("format") not in FORMATS or lacking:
         return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
     try:
@@ -158,9 +181,9 @@ def _missing(data: xr.Dataset) -> str | None:
         array = data[name].variable
         # what never comes is infinite for a metric of a file; no other number is
         there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
-        there = there if name in EVERY else np.isfinite(array) | np.isinf(array)
+        there = np.isfinite(array) | np.isinf(array) if name in ENDLESS or name not in EVERY else there
         # of what is measured apart, or by some of merged studies: all or nothing of a trial
-        apart = name in LOCAL or (merged and name not in VARIABLES)
+        apart = name in LOCAL or name in DECISIONS or name in ENDINGS or (merged and name not in VARIABLES)
         due = _any(there, set(dims) - {"setting", "trial"}) if apart else done
         if name == "true_fill_ratio":
             due = due & xr.Variable("setting", data["topology"].values == MOVING)
@@ -168,6 +191,8 @@ def _missing(data: xr.Dataset) -> str | None:
             due = due & exists
         if "checkpoint" in dims:  # of merged results, at those of the one that ran the trial
             due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
+        if name in SPARSE:
+            due = due & there
         differ = np.argwhere((there != due).transpose(*dims).values)
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
-from swarmcensus.results.checking import IN_FORMAT_1, failures, finished, is_old
+from swarmcensus.results.checking import IN_FORMAT_1, before_3, failures, finished, is_old
 from swarmcensus.results.store import dataset, widths_of_rule
 from swarmcensus.results.values import MISSING, Values, edited, metrics_in
 from swarmcensus.studies.settings import Setting
@@ -103,6 +103,8 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for name in sorted(mine - due):
         yield f"{name} is in the file, and no run of its study writes it"
     for name in sorted(due - mine):
+        if before_3(data, name):
+            continue
         if not is_old(data) or name in IN_FORMAT_1 or name not in want.coords:
             yield f"{name} is not in the file"
 
@@ -115,7 +117,8 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for number in numbers[place < 0][:1]:
         yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
     known = np.flatnonzero(place >= 0)
-    for name in ("setting", *(k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")):
+    coordinates = (k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")
+    for name in ("setting", *coordinates, "memory_bytes", "message_bytes", "anonymous"):
         if name not in data or data[name].dims != ("setting",):
             continue
         mine, due = data[name].values[known], want[name].values[place[known]]

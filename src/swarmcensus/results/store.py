@@ -31,8 +31,8 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
     coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
     columns = [s.coordinates for s in settings]
-    for key in columns[0]:
-        column = [c[key] for c in columns]
+    for key in dict.fromkeys(key for column in columns for key in column):
+        column = _filled([c.get(key) for c in columns])
         coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
@@ -41,6 +41,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
         fill = {"_FillValue": MISSING} if whole_numbers else {}  # so that other readers see what is missing
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
+    variables |= {name: ("setting", np.array(column), says) for name, (column, says) in _costs(settings).items()}
     variables["fingerprint"] = (
         "setting", np.array(fingerprints, dtype=object),
         {"long_name": "the address of all that a setting's numbers depend on"},
@@ -63,6 +64,29 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     return data
 
 
+def _filled(column: list[Any]) -> list[Any]:
+    """A coordinate of all settings: a parameter is missing where the brain has none of its name."""
+    if any(isinstance(value, str) for value in column):
+        return ["" if value is None else str(value) for value in column]
+    return [np.nan if value is None else value for value in column]
+
+
+def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
+    """What each setting's brain asks for, beside what is measured."""
+    brains = [setting.brain for setting in settings]
+    return {
+        "memory_bytes": (
+            [b.memory_bytes for b in brains], {"units": "bytes", "long_name": "what a robot remembers, 4 a number"},
+        ),
+        "message_bytes": (
+            [b.message_bytes for b in brains], {"units": "bytes", "long_name": "what one message takes, 4 a number"},
+        ),
+        "anonymous": (
+            [int(not b.uses.name) for b in brains], {"long_name": "1 where the brain does not know its robot's name"},
+        ),
+    }  # fmt: skip
+
+
 def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
     """The variable `half_width` of a study with a rule, one number a setting."""
     assert study.until is not None
@@ -83,11 +107,17 @@ def provenance(study: Study) -> dict[str, Any]:
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
         **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
+        **({"parameters": json.dumps(_parameters(study), sort_keys=True)} if _parameters(study) else {}),
         **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
         "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),
     }
+
+
+def _parameters(study: Study) -> dict[str, list[str]]:
+    """The parameters of each brain that has any: coordinates of settings."""
+    return {brain.name: list(brain.parameters) for brain in study.brains if brain.parameters}
 
 
 def _processor() -> str:

@@ -10,8 +10,18 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.engine.modes import (
+    CHANGED,
+    DECIDED_IN,
+    DECISION,
+    DONE_ESTIMATE,
+    DONE_IN,
+    HEARD,
+    SENT,
+    VERDICTS,
+)
 from swarmcensus.metrics import Metric, parse
-from swarmcensus.simulation.trials import Batch
+from swarmcensus.simulation.trials import Batch, Metrics
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -24,6 +34,20 @@ VARIABLES: dict[str, Kind] = {
     "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
     "true_fill_ratio": (PER_TRIAL, np.float64, "1", "black share of the floor that robots can reach"),
+    "messages_sent": (PER_ROBOT, np.int64, "messages", "rounds, or ticks, in which the robot broadcast"),
+    "messages_heard": (PER_ROBOT, np.int64, "messages", "messages that reached the robot"),
+}
+DECISIONS: dict[str, Kind] = {
+    "decision": (PER_ROBOT, np.float64, "1", "the option decided for at the end; -1: none"),
+    "decision_round": (PER_ROBOT, np.float64, "rounds", "the first decision; infinite: never"),
+    "decision_change": (PER_ROBOT, np.float64, "rounds", "the last change of the decision; infinite: never decided"),
+    "consensus": (PER_TRIAL, np.float64, "1", "the first option that all robots agreed on; -1: none"),
+    "consensus_round": (PER_TRIAL, np.float64, "rounds", "the first round after which they did; infinite: never"),
+    "consensus_right": (PER_TRIAL, np.float64, "1", "1 if that option is right, 0 if not, or if there is none"),
+}
+ENDINGS: dict[str, Kind] = {
+    "done_round": (PER_ROBOT, np.float64, "rounds", "the first after which the robot was done; infinite: never"),
+    "done_estimate": (PER_ROBOT, np.float64, "1", "the estimate then"),
 }
 LOCAL: dict[str, Kind] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
@@ -34,7 +58,10 @@ ESTIMATES: dict[str, Kind] = {
         ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
     ),
 }  # fmt: skip
-EVERY = VARIABLES | LOCAL | ESTIMATES  # but for metrics of files
+EVERY = VARIABLES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but for metrics of files
+ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
+SPARSE = ("done_estimate", "consensus_right")  # not of each trial that is done
+SINCE_3 = ("messages_sent", "messages_heard", "memory_bytes", "message_bytes", "anonymous")  # of the format
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 MISSING = -1  # for whole numbers; NaN for the others
 
@@ -127,8 +154,11 @@ class Piece:
         return trials, robots
 
 
-def columns(batch: Batch, local: bool) -> Columns:
-    """What came of some trials, by the variables' names; without the dimension `setting`."""
+def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
+    """What came of some trials, by the variables' names; without the dimension `setting`.
+
+    Variables of decisions are there if any brain of the study decides, NaN of one that does not.
+    """
     if local:
         return {
             "local_convergence_step": batch.convergence.astype(np.int32),
@@ -139,14 +169,34 @@ def columns(batch: Batch, local: bool) -> Columns:
     return (
         batch.watched
         | kept
+        | _decided(batch, metrics)
         | {
             "convergence_round": batch.convergence.astype(np.int32),
             "convergence_error": batch.error,
             "final_estimate": batch.final,
             "correct": batch.correct,
             "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
+            "messages_sent": batch.counts[:, SENT],
+            "messages_heard": batch.counts[:, HEARD],
         }
     )
+
+
+def _decided(batch: Batch, metrics: Metrics) -> Columns:
+    """What robots decided, and when they were done."""
+    verdicts = batch.verdicts
+    if not verdicts.size and (metrics.decides or metrics.ends):
+        verdicts = np.full((*batch.final.shape, VERDICTS), np.nan)
+    found: Columns = {}
+    if metrics.decides:
+        places = {"decision": DECISION, "decision_round": DECIDED_IN, "decision_change": CHANGED}
+        no_one = np.isnan(batch.consensus[:, :1])  # decides, and somebody may yet be done
+        found |= {name: np.where(no_one, np.nan, verdicts[..., place]) for name, place in places.items()}
+        names = ("consensus", "consensus_round", "consensus_right")
+        found |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
+    if metrics.ends:
+        found |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}
+    return found
 
 
 def shapes(
@@ -175,6 +225,8 @@ class Values:
         }  # fmt: skip
         local = study.measure.local if local is None else local
         asked = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
+        asked |= DECISIONS if any(brain.decides for brain in study.brains) else {}
+        asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         self.kinds = VARIABLES | asked | kinds_of(study.measure.metrics)
         self.arrays: Columns = {}
         for name, (dims, kind, *_) in self.kinds.items():

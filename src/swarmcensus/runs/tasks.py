@@ -61,6 +61,8 @@ def metrics_of(study: Study) -> Metrics:
         measure.truth == "floor",
         measure.estimates,
         tuple(measure.metrics),
+        any(brain.decides for brain in study.brains),
+        any(brain.ends for brain in study.brains),
     )
 
 
@@ -192,5 +194,5 @@ def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, s
             if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
                 what = ArithmeticError(NOT_FINITE)
                 raise blame(setting, task.first, task.trials, what)
-        pieces.append(Piece(number, task.first, columns(batch, local), local))
+        pieces.append(Piece(number, task.first, columns(batch, local, metrics), local))
     return pieces

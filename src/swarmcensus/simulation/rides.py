@@ -11,7 +11,15 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import HEARD
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
-from swarmcensus.simulation.swarming import check_verdicts, counts_of, fields_of, outbox_of, swarm_of, verdicts_of
+from swarmcensus.simulation.swarming import (
+    check_verdicts,
+    consensus_of,
+    counts_of,
+    fields_of,
+    outbox_of,
+    swarm_of,
+    verdicts_of,
+)
 from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
 from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watches import Watch, results_of
@@ -96,9 +104,10 @@ class Rider:
                 raise
             raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
         check_verdicts(self.setting, self.verdicts[np.newaxis], self.trial)
+        consensus = consensus_of(self.setting, self.agreed[np.newaxis], truth)
         return Batch(
-            where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, filled, estimates, watched,
-            self.counts[np.newaxis], self.verdicts[np.newaxis], self.agreed[np.newaxis],
+            where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, self.counts[np.newaxis],
+            self.verdicts[np.newaxis], consensus, filled, estimates, watched,
         )  # fmt: skip
 
 

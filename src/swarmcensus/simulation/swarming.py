@@ -108,6 +108,28 @@ def check_verdicts(setting: Setting, verdicts: np.ndarray, first: int) -> None:
         )
 
 
+def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:
+    """What all robots agreed on, when, and whether it is right (trial, 3); all NaN where no brain decides.
+
+    Of `n` options the k-th is right for fill ratios in [k/n, (k + 1)/n), the last one for 1 too; of white and black
+    neither is right at 0.5, and it is NaN whether the one that was agreed on is.
+    """
+    if not setting.brain.decides:
+        return np.full((len(agreed), 3), np.nan)
+    options = setting.brain.options
+    right = np.asarray(agreed[:, 0] == right_option(truth, options), np.float64)
+    right[agreed[:, 0] < 0.0] = 0.0
+    if options == 2 and truth == 0.5:
+        right[:] = np.nan
+    return np.column_stack([agreed, right])
+
+
+def right_option(truth: float, options: int) -> int:
+    """Which of so many options is right."""
+    edges = np.arange(options + 1) / options
+    return min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1)
+
+
 def fields_of(brain: Brain, made: Swarm, history: np.ndarray, estimates: np.ndarray) -> dict[str, np.ndarray]:
     """What a trace shows of minds (round, robot, number): MEMORY's fields, and of brains that decide what and when."""
     minds = compiler.records(brain, history)

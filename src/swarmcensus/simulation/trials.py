@@ -17,6 +17,7 @@ from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
     check_verdicts,
+    consensus_of,
     counts_of,
     fields_of,
     outbox_of,
@@ -42,6 +43,8 @@ class Metrics:
     on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
     estimates: bool = False  # each robot's estimate is kept at the checkpoints
     watched: tuple[Metric, ...] = ()  # metrics of files
+    decides: bool = False  # some brain of the study decides
+    ends: bool = False  # some brain of the study may be done
 
 
 @dataclass(frozen=True)
@@ -50,18 +53,19 @@ class Batch:
     fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
-    `engine.modes` names (trial, robot, what), and the first option that all agreed on and when (trial, 2)."""
+    `engine.modes` names (trial, robot, what), and the first option that all agreed on, when, and whether it is right
+    (trial, 3)."""
 
     convergence: np.ndarray
     error: np.ndarray
     final: np.ndarray
     correct: np.ndarray
+    counts: np.ndarray
+    verdicts: np.ndarray
+    consensus: np.ndarray
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
     watched: dict[str, np.ndarray] = field(default_factory=dict)
-    counts: np.ndarray | None = None
-    verdicts: np.ndarray | None = None
-    agreed: np.ndarray | None = None
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
@@ -151,11 +155,10 @@ def _live(
             raise
         raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
     check_verdicts(setting, verdicts, first)
+    consensus = consensus_of(setting, agreed, setting.fill_ratio)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
-    return Batch(
-        where, errors, final, correct, kept=estimates, watched=found, counts=counts, verdicts=verdicts, agreed=agreed
-    )  # fmt: skip
+    return Batch(where, errors, final, correct, counts, verdicts, consensus, kept=estimates, watched=found)
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:
@@ -169,11 +172,11 @@ def _joined(batches: Sequence[Batch]) -> Batch:
         along(0, lambda b: b.error),
         along(0, lambda b: b.final),
         along(1, lambda b: b.correct),
+        along(0, lambda b: b.counts),
+        along(0, lambda b: b.verdicts),
+        along(0, lambda b: b.consensus),
         kept=None if batches[0].kept is None else along(1, lambda b: b.kept),
         watched={name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched},
-        counts=along(0, lambda b: b.counts),
-        verdicts=along(0, lambda b: b.verdicts),
-        agreed=along(0, lambda b: b.agreed),
     )
 
 

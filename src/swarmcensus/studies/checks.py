@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
+from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies.fields import LARGEST, plain_text
 from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
@@ -22,10 +23,11 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     """Raise ValueError, naming the key, where values do not go together; with `all_used`, where one means nothing."""
     for grid in grids:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
-            names = [v.name for v in values]
+            names = [getattr(v, "told", v.name) for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
-    _one_name("swarm.brain", "brains", (b for grid in grids for b in grid.swarm.brain))
+    _one_name("swarm.brain", "brains", (b.as_written for grid in grids for b in grid.swarm.brain))
+    _check_parameters(tables, grids)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
     for topology, robots in dict.fromkeys(sizes):
@@ -43,6 +45,18 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for picture in pictures:
         if sources.setdefault(picture.name, picture.source) != picture.source:
             raise ValueError(f"two images of world.floor have one name: {picture.name}")
+
+
+def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
+    """Parameters are coordinates of the results, beside what else has a name there."""
+    taken = {*RESERVED, *(metric.variable for metric in tables.measure.metrics)}
+    for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
+        for name in brain.parameters:
+            if name in taken or name.startswith(PREFIXES) or name.endswith(SUFFIXES):
+                raise ValueError(
+                    f"swarm.brain: the brain {brain.name!r} has a parameter {name!r}, a name that is taken in the "
+                    "results: call it otherwise"
+                )
 
 
 NAMES = {

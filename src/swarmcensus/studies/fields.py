@@ -1,5 +1,6 @@
 """What the values of a study file may be, key by key."""
 
+import itertools
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any
@@ -37,6 +38,31 @@ def _topology(value: object, info: ValidationInfo) -> Topology:
 
 def _floor(value: object, info: ValidationInfo) -> Floor:
     return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
+
+
+def _brains(value: object, info: ValidationInfo) -> list[brains.Brain]:
+    return [brain for one in (value if isinstance(value, list | tuple) else [value]) for brain in _sweep(one, info)]
+
+
+def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
+    """A brain, or one for each combination of its parameters' values: a list of such spans a grid."""
+    if not isinstance(value, Mapping):
+        return [_brain(value, info)]
+    if "file" not in value:
+        raise ValueError('a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}')
+    brain = _brain(value["file"], info)
+    given = {str(name): _values(brain, str(name), one) for name, one in value.items() if name != "file"}
+    return [brain.with_parameters(dict(zip(given, one, strict=True))) for one in itertools.product(*given.values())]
+
+
+def _values(brain: brains.Brain, name: str, value: object) -> list[object]:
+    """The values that a parameter is to have, one after the other: of a vector each is a list itself."""
+    if isinstance(value, list | tuple) and not value:
+        raise ValueError(f"{name} = []: should be a list of at least one")
+    listed = isinstance(value, list | tuple)
+    if brains.length(brain.parameters.get(name, 0.0)):
+        listed = listed and all(isinstance(one, list | tuple) for one in value)  # type: ignore[attr-defined]
+    return list(value) if listed else [value]  # type: ignore[call-overload]
 
 
 def _brain(value: object, info: ValidationInfo) -> brains.Brain:
@@ -90,7 +116,7 @@ Wholes = Annotated[list[Whole], _Listed, _Some]
 Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
 Shares = Annotated[list[Share], _Listed, _Some]
 Positives = Annotated[list[Positive], _Listed, _Some]
-Brains = Annotated[list[Annotated[brains.Brain, BeforeValidator(_brain)]], _Listed, _Some]
+Brains = Annotated[list[brains.Brain], BeforeValidator(_brains), _Some]
 Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _Listed, _Some]
 Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
 Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
@@ -43,7 +43,8 @@ class Setting:
         where = f"{self.topology}, N = {self.robots}"
         assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
         lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
-        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}"
+        told = "".join(f", {name} = {_shown(value)}" for name, value in self.brain.given)
+        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}{told}"
         if self.body is not None:
             floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
             return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
@@ -71,6 +72,7 @@ class Setting:
             "link_success": self.link_success,
             "rounds": self.rounds,
             "observations_per_round": self.observations_per_round,
+            **{name: _shown(value) for name, value in self.brain.parameters.items()},
         }
 
     @property
@@ -105,6 +107,8 @@ class Setting:
             [fault.model_dump() for fault in self.faults],
             self.floor and [str(self.floor), self.floor.content],
         )
+        if self.brain.parameters:
+            content = (*content, [*self.brain.parameters.items()])
         if self.editions:
             content = (*content, self.editions)
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
@@ -214,3 +218,8 @@ class Setting:
         if self.link_success == 1.0:
             return np.uint64(0)
         return np.uint64(max(1, int(self.link_success * 2.0**64)))
+
+
+def _shown(value: Value) -> float | str:
+    """A parameter as a coordinate: a vector as text."""
+    return f"({', '.join(f'{one:g}' for one in value)})" if isinstance(value, tuple) else value

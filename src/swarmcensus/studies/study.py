@@ -122,8 +122,8 @@ class Study:
 
     @property
     def brains(self) -> list[Brain]:
-        """The brains of all settings, each once."""
-        return list({b.name: b for grid in self.grids for b in grid.swarm.brain}.values())
+        """The brains of all settings, each once, with the parameters that their files say."""
+        return list({b.name: b.as_written for grid in self.grids for b in grid.swarm.brain}.values())
 
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
