@@ -195,7 +195,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
 
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     """Which of a brain's functions a use calls."""
-    judged = {"judge"} if brain.decides or brain.ends else set()
+    judged = {"judge"} if mixed or brain.decides or brain.ends else set()
     if use == "alone":
         return {"go_alone", "believe"}
     in_sums = {"network": {"hear_sums", "add_up", "hear_all"}, "moving": {"hear_sums"}}

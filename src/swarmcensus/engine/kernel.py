@@ -57,6 +57,7 @@ def simulate(
     nothing = all_counts[0, :, :0]
     unjudged = all_verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
+    honest = swarm.honest
     low = extremes[0]
     high = extremes[1]
     for trial in range(where.shape[0]):
@@ -108,13 +109,15 @@ def simulate(
                 if forward:
                     for c in range(checkpoints.size):
                         if first <= checkpoints[c] < last:
-                            right = 0
+                            right = counted = 0
                             for i in range(robots):
                                 x = rows[checkpoints[c] - first, i]
-                                right += bin_low <= x < bin_high
+                                if honest.size == 0 or honest[i]:
+                                    right += bin_low <= x < bin_high
+                                    counted += 1
                                 if kept.shape[0] > 0:
                                     kept[c, trial, i] = x
-                            correct[c, trial] = right / robots
+                            correct[c, trial] = right / counted
                 if s == segments - 1:
                     for i in range(robots):
                         final[trial, i] = value[trial, i] = rows[last - 1 - first, i]

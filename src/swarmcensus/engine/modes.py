@@ -23,9 +23,9 @@ PART = COLUMNS - 1  # the most observations that one word can stand for
 ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a grid
 
 # rows of robots' states: SPEED is in metres and TURN in radians a tick, with the cosine and sine of the part of
-# it that comes before new wheel speeds take hold, and of the part after
-X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING = range(13)
-STATE = 13
+# it that comes before new wheel speeds take hold, and of the part after; PACE is the SPEED of going straight
+X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING, PACE = range(14)
+STATE = 14
 
 # what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
 PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask")

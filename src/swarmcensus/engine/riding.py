@@ -169,10 +169,11 @@ def ride(
 
 
 @entry
-def wish(swarm, memory, body, trial, tick, wishes):
+def wish(swarm, memory, body, paces, trial, tick, wishes):
     """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
 
-    Wheels that turn a robot cannot drive it at full speed as well: what is too fast for them is slowed as a whole.
+    `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at
+    full speed as well: what is too fast for them is slowed as a whole.
     """
     n = memory.shape[0]
     luck = np.zeros(n, np.uint64)
@@ -180,7 +181,7 @@ def wish(swarm, memory, body, trial, tick, wishes):
         words(swarm.luck, trial, tick, LUCK_STEER, ZERO, np.uint64(n), luck)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if swarm.minds[group, ASK]:
+        if swarm.minds[group, ASK]:  # of several brains perhaps only some steer
             call(swarm.minds[group, ASK], place(memory, swarm.bases[group]), wishes, n, a, z, place(luck, np.int64(a)))
     for i in range(memory.shape[0]):
         speed = wishes[1, i] * body[0].tick
@@ -189,7 +190,7 @@ def wish(swarm, memory, body, trial, tick, wishes):
             raise ValueError("steer returned a speed or a turn that is not a finite number")
         load = 0.0
         if speed != 0.0:
-            load += abs(speed) / body[0].step if body[0].step > 0.0 else np.inf
+            load += abs(speed) / paces[i] if paces[i] > 0.0 else np.inf
         if turn != 0.0:
             load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
         wishes[1, i] = speed / max(load, 1.0)

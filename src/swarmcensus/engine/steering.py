@@ -6,7 +6,7 @@ Compiled once on a machine, like all of the engine's loops.
 import numpy as np
 
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.modes import HEARD
+from swarmcensus.engine.modes import HEARD, PACE
 
 from .riding import ride, wish
 from .walk import walk
@@ -44,4 +44,4 @@ def live(
         if tick >= delay and swarm.additive and threshold == 0 and stops.shape[1] == 0 and swarm.flag < 0:
             for i in range(n):
                 counts[HEARD, i] += heard[i + 1] - heard[i]
-        wish(swarm, memory, body, trial, tick, wishes)
+        wish(swarm, memory, body, state[PACE], trial, tick, wishes)

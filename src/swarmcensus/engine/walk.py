@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiler import entry
-from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, SIN, SIN_LATE, SIN_THEN, X, Y
+from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, PACE, SIN, SIN_LATE, SIN_THEN, X, Y
 from swarmcensus.engine.random import block, counter, unit
 
 from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels, turn_by
@@ -101,7 +101,7 @@ def walk(
             looked[k, i] = not avoiding
             # the wheels answer late: at first the last tick's motion goes on
             go(state, i, body.lag, state[COS_LATE, i], state[SIN_LATE, i])
-            speed = body.step if move == STRAIGHT else 0.0
+            speed = state[PACE, i] if move == STRAIGHT else 0.0
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
             if wishes.shape[1] > 0 and able and not avoiding and wishes[0, i] > 0.0:
                 speed = wishes[1, i]

@@ -13,6 +13,7 @@ from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.checking import finished
 from swarmcensus.results.selecting import require
+from swarmcensus.results.values import robots_in
 from swarmcensus.worlds.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # colour's value -> convergence, error
@@ -112,7 +113,7 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
     require(results, "correct", "checkpoint", "robots")
     correct = results["correct"].transpose("setting", "trial", "checkpoint").values
     known = np.isfinite(correct)
-    robots = known * results["robots"].values[:, None, None]
+    robots = known * robots_in(results).values[:, None, None]
     right = np.nan_to_num(correct) * robots
     shares = {}
     for value, mine in _values(results, color):
@@ -122,7 +123,7 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
             np.divide(right[mine].sum((0, 1)), asked, out=share, where=asked > 0)
             all_right = ((correct[mine] == 1) | ~known[mine]).all((0, 1)) & (asked > 0)
             low, high = np.full((2, share.size), np.nan)
-            if np.unique(results["robots"].values[mine]).size == 1:
+            if np.unique(robots_in(results).values[mine]).size == 1:
                 for k in np.flatnonzero(asked):
                     rows = by_trial(correct[mine, :, k, np.newaxis])
                     if rows is not None:

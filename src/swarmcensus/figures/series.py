@@ -15,7 +15,7 @@ from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.clouds import by_trial
 from swarmcensus.figures.coordinates import coordinates_of, texts_of
 from swarmcensus.results.selecting import require
-from swarmcensus.results.values import bounds_in
+from swarmcensus.results.values import bounds_in, robots_in
 
 Statistic = Literal["median", "mean"]
 SIDES = {"setting", "checkpoint", "trial", "robot"}
@@ -57,7 +57,7 @@ def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset
     found = results[name].astype(float)
     found = found.where(found >= 0) if whole else found
     if name == "correct":  # a share of robots: larger swarms weigh more
-        exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < results["robots"]
+        exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < robots_in(results)
         found = found.where(exists)
     elif "robot" not in found.dims:
         found = found.expand_dims("robot")

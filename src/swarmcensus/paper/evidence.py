@@ -10,6 +10,7 @@ import xarray as xr
 
 from swarmcensus.basics import statistics
 from swarmcensus.basics.statistics import Floats
+from swarmcensus.results.values import robots_in
 
 YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
 HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
@@ -98,7 +99,7 @@ class Evidence:
         column = data[variable].variable.isel(setting=found[0], trial=slice(self.trials))
         values = np.asarray(column.transpose("trial", ...).values, float)
         if "robot" in column.dims:
-            values = values[:, : int(data["robots"].values[found[0]])]
+            values = values[:, : int(robots_in(data).values[found[0]])]
         if not (values >= 0).all():  # -1 and NaN stand for trials that were never run
             raise Missing(f"{study}: trials with {where}")
         return values

@@ -11,6 +11,7 @@ from swarmcensus.basics import statistics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import Floats
 from swarmcensus.results.selecting import require
+from swarmcensus.results.values import robots_in
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
@@ -77,7 +78,7 @@ def _cost(one: xr.Dataset) -> Cost:
     predicted = np.nan
     if error is not None and _fixed(true) and one["brain"].item() in EQ_4:
         predicted = float(np.abs(goes_to(true, error, f) - f))
-    final = one["final_estimate"].transpose("trial", "robot").values[:, : int(one["robots"])]
+    final = one["final_estimate"].transpose("trial", "robot").values[:, : int(robots_in(one))]
     off = np.abs(final[np.isfinite(final).all(axis=1)] - f)
     median, low, high = np.nan, np.nan, np.nan
     if len(off):

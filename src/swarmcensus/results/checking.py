@@ -29,6 +29,7 @@ from swarmcensus.results.values import (
     VARIABLES,
     kinds_in,
     metrics_in,
+    robots_in,
 )
 from swarmcensus.worlds.networks import MOVING
 
@@ -108,14 +109,14 @@ def _metrics(data: xr.Dataset) -> str | None:
 
 
 def _shape(data: xr.Dataset) -> str | None:
-    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **dict.fromkeys(TEXTS, "UO")}
+    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **_costs(data), **dict.fromkeys(TEXTS, "UO")}
     for name, (dims, kind, *_) in EVERY.items():
         if name in data and (data[name].dims != dims or data[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
         if name not in data and is_old(data) and name not in IN_FORMAT_1:
             continue
-        known = data.coords if name != "fingerprint" else data
+        known = data.coords if name in (*NUMBERS, *TEXTS) else data
         if name not in known or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
             return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
         if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
@@ -126,8 +127,11 @@ def _shape(data: xr.Dataset) -> str | None:
             return f"{name} should number what there is of it"
         if (np.diff(numbers) <= 0).any() or numbers[0] < 0 or numbers[-1] >= 2**31:
             return f"{name} should be numbers from 0 in rising order"
-    if not (data["robots"].values == np.clip(data["robots"].values, 1, data.sizes["robot"])).all():
-        return f"robots should be 1 to {data.sizes['robot']}"
+    size = robots_in(data)
+    if not (size.values == np.clip(size.values, 1, data.sizes["robot"])).all():
+        return f"{size.name} should be 1 to {data.sizes['robot']}"
+    if "honest" in data and (data["honest"].values > data["robots"].values).any():
+        return "honest should be robots at the most"
     if len(set(data["fingerprint"].values.tolist())) < data.sizes["setting"]:
         return "two settings have one fingerprint"
     for key, array in data.data_vars.items():
@@ -135,6 +139,11 @@ def _shape(data: xr.Dataset) -> str | None:
         if inside and (array.ndim != 2 or array.dtype.kind not in inside or "source" not in array.attrs):
             return f"{key} should be whole numbers in rows, with their source"
     return None
+
+
+def _costs(data: xr.Dataset) -> dict[str, str]:
+    names = [name for name in SINCE_3 if name not in EVERY and not before_3(data, name)]
+    return dict.fromkeys([*names, *(["honest"] if "honest" in data else [])], "iu")
 
 
 def _attributes(data: xr.Dataset) -> str | None:
@@ -174,7 +183,7 @@ def failures(data: xr.Dataset) -> set[tuple[int, int]]:
 def _missing(data: xr.Dataset) -> str | None:
     """Each finished trial has all its numbers and no others, and what is not there is told in the attributes."""
     done = data["convergence_round"].variable[:, :, 0] != MISSING
-    exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < data["robots"].variable
+    exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < robots_in(data).variable
     reached = xr.Variable("checkpoint", data["checkpoint"].values) <= data["rounds"].variable
     merged = "merged" in data.attrs
     for name, (dims, *_) in kinds_in(data).items():

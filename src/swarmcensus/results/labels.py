@@ -118,7 +118,7 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
     known = np.flatnonzero(place >= 0)
     coordinates = (k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")
-    for name in ("setting", *coordinates, "memory_bytes", "message_bytes", "anonymous"):
+    for name in ("setting", *coordinates, "memory_bytes", "message_bytes", "anonymous", "honest"):
         if name not in data or data[name].dims != ("setting",):
             continue
         mine, due = data[name].values[known], want[name].values[place[known]]

@@ -8,7 +8,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import parse
-from swarmcensus.results.values import LOCAL, metrics_in
+from swarmcensus.results.values import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.tables import Measure
 
@@ -55,7 +55,7 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     for name in ("correct", "convergence_round", "convergence_error"):
         new[name] = results[name].copy()
     for k in range(results.sizes["setting"]):
-        curves = estimates[k, reached[k], :, : int(results["robots"].values[k])]
+        curves = estimates[k, reached[k], :, : int(robots_in(results).values[k])]
         done = np.isfinite(curves).all(axis=(0, 2))
         if bins is not None:
             for trial in np.flatnonzero(done):

@@ -40,6 +40,8 @@ def replay(
         fields, estimates, blacks = record_trial(found, study.seed, trial)
         trace = trace_of(fields, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    if found.members:
+        _name_members(trace, found, study.seed, trial)
     _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
     trace.attrs |= {
         "title": f"{study.name}, setting {setting}, trial {trial}: {found.brain.name}, {found}",
@@ -54,11 +56,23 @@ def replay(
     return trace
 
 
+def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> None:
+    """Say who is who: the number of the table of members, and who is honest."""
+    who = found.who(seed, trial, 1)[0]
+    told = "; ".join(f"{number}: {member}" for number, member in enumerate(found.members, start=1))
+    trace["member"] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {told}"})
+    if found.honest < found.robots:
+        honest = np.array([True, *(member.honest for member in found.members)])[who]
+        trace["honest"] = ("robot", honest.astype(np.int8), {"long_name": "1 where metrics count the robot"})
+
+
 def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset) -> None:
     """Raise InputError where a trial that was run ended otherwise: results put together from several studies."""
-    stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: trace.sizes["robot"]]
-    ran = np.isfinite(stored).all() and len(stored) == trace.sizes["robot"]
-    if ran and not np.allclose(stored, trace["estimate"].values[-1], rtol=0.0, atol=1e-9):
+    last = trace["estimate"].values[-1]
+    last = last[trace["honest"].values == 1] if "honest" in trace else last
+    stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
+    ran = np.isfinite(stored).all() and len(stored) == last.size
+    if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
         raise InputError(
             f"setting {setting}, trial {trial}: the replay ends elsewhere than the run did: these results are not of "
             "the study that they name, or of another version"

@@ -16,7 +16,7 @@ from swarmcensus.basics.files import whole
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
 from swarmcensus.results.presence import check_there
-from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, sources_of
+from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -74,7 +74,9 @@ def _filled(column: list[Any]) -> list[Any]:
 def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
     """What each setting's brain asks for, beside what is measured."""
     brains = [setting.brain for setting in settings]
-    return {
+    lying = any(setting.honest < setting.robots for setting in settings)
+    honest = {"honest": ([s.honest for s in settings], {"units": "robots", "long_name": "those that are measured"})}
+    return (honest if lying else {}) | {
         "memory_bytes": (
             [b.memory_bytes for b in brains], {"units": "bytes", "long_name": "what a robot remembers, 4 a number"},
         ),
@@ -201,7 +203,7 @@ def frame(data: xr.Dataset) -> Any:
     each trial or each robot has, as `true_fill_ratio` and `final_estimate`.
     """
     kinds = kinds_in(data)
-    size = data["robots"].values
+    size = robots_in(data).values
     mask = np.arange(data.sizes["robot"]) < size[:, np.newaxis]
     mask = np.broadcast_to(mask[:, np.newaxis, :], data["final_estimate"].shape)
     mask = mask & np.isfinite(data["final_estimate"].values)

@@ -14,7 +14,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import selecting
 from swarmcensus.results.store import load
-from swarmcensus.results.values import bounds_in, metrics_in
+from swarmcensus.results.values import bounds_in, metrics_in, robots_in
 
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
@@ -172,7 +172,7 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
 
 def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The median over the trials that are done and their robots, a setting; NaN where there is none."""
-    array, robots = _by_robot(data, name), data["robots"].values
+    array, robots = _by_robot(data, name), robots_in(data).values
     settings, trials, widest = array.shape
     out = np.full(settings, np.nan)
     step = max(1, BLOCK // (trials * widest))
@@ -192,7 +192,7 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
 
     No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
     """
-    array, robots = data[name].values if name == "correct" else _by_robot(data, name), data["robots"].values.tolist()
+    array, robots = data[name].values if name == "correct" else _by_robot(data, name), robots_in(data).values.tolist()
     ran, place = done(data), _reached(data, checkpoint)
     ends = np.full((len(ran), 2), np.nan)
     for row, trials in enumerate(ran):

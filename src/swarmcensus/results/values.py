@@ -91,14 +91,24 @@ def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
     }
 
 
+def robots_in(data: Any) -> Any:
+    """How many robots a setting has numbers of: all of them, or where some lie the honest ones (setting)."""
+    return data["honest"] if "honest" in data else data["robots"]
+
+
+def parameters_in(data: Any) -> list[str]:
+    """The coordinates that are brains' parameters."""
+    return list(dict.fromkeys(name for names in _read(data.attrs.get("parameters", "{}")).values() for name in names))
+
+
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
     """The metrics that a dataset names, by their variables: `name`, `sha256` and `source`."""
     return _read(data.attrs.get("metrics", "{}"))
 
 
 @functools.lru_cache(maxsize=16)
-def _read(text: str) -> dict[str, dict[str, Any]]:
-    found: dict[str, dict[str, Any]] = json.loads(text)
+def _read(text: str) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads(text)
     return found
 
 
@@ -219,7 +229,7 @@ class Values:
 
     def __init__(self, study: Study, settings: Sequence[Setting], trials: int, local: bool | None = None) -> None:
         """Make room for so many trials of settings of a study; `local` instead of what it says of local estimates."""
-        self.robots = [s.robots for s in settings]
+        self.robots = [s.honest for s in settings]
         sizes = {
             "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
         }  # fmt: skip
@@ -237,7 +247,7 @@ class Values:
     def of(cls, data: Mapping[Any, Any]) -> Self:
         """Those of a dataset, which are not copied."""
         values = cls.__new__(cls)
-        values.robots = data["robots"].values.tolist()
+        values.robots = robots_in(data).values.tolist()
         values.kinds = kinds_in(data)
         values.arrays = {name: data[name].values for name in values.kinds}
         return values

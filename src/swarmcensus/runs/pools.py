@@ -93,7 +93,8 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     """
     tiny = [(setting, study) for study, settings in studies for setting in smallest(settings)]
     new = [one for one in tiny if not _is_compiled(*one)]
-    for name, moves in dict.fromkeys((setting.brain.name, bool(setting.body)) for setting, _ in new):
+    told = ((" and ".join(brain.name for brain in setting.crew), bool(setting.body)) for setting, _ in new)
+    for name, moves in dict.fromkeys(told):
         loops = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
         show(f"compiling {loops}{name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
     moving = [one for one in new if one[0].body]
@@ -111,7 +112,8 @@ def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
 
 def _is_compiled(setting: Setting, study: Study) -> bool:
     uses = ["moving"] if setting.body else ["network"] + ["alone"] * study.measure.local
-    return all(compiler.is_compiled(setting.brain, use) for use in uses)
+    mixed = len(setting.crew) > 1
+    return all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
 
 
 def _run_once(setting: Setting, study: Study) -> None:
@@ -127,9 +129,12 @@ def smallest(settings: list[Setting]) -> list[Setting]:
     """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
     found = {}
     for setting in settings:
-        key = setting.brain.name, setting.body is None, setting.floor and setting.floor.kind
+        crew = tuple(brain.name for brain in setting.crew)
+        key = crew, setting.body is None, setting.floor and setting.floor.kind
         if key not in found:
-            tiny = replace(setting, robots=1, rounds=1, topology=Topology("line"), faults=())
+            one_of_each = tuple(replace(m, robots=1, honest=True) for m in setting.members)
+            tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, topology=Topology("line"), faults=())
+            tiny = replace(tiny, members=one_of_each)
             if setting.body is not None:
                 tiny = replace(tiny, topology=setting.topology, density=1.0)
             found[key] = tiny

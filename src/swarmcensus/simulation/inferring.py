@@ -75,7 +75,7 @@ def infer(
                 made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
                 senders, receivers, history, estimates,
             )  # fmt: skip
-            fields = fields_of(used, made, history, estimates)
+            fields = fields_of((used,), made, history, estimates)
         except Exception as error:
             raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
     else:

@@ -25,7 +25,10 @@ class Inputs(NamedTuple):
     loss_threshold: np.uint64  # a message gets through where a uniform uint64 is below it; 0 stands for always
     luck: np.ndarray  # of brains that ask for it, two keys; empty where none does
     walk: np.ndarray  # of robots that move
+    paces: np.ndarray  # (trial, robot): how far they go in a tick, in metres; no rows on fixed networks
     links: Links | None  # who hears whom; None where robots move
+    group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is one
+    honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
 
     def of(self, k: int) -> Self:
         """Those of the k-th of these trials alone."""
@@ -35,8 +38,9 @@ class Inputs(NamedTuple):
             links = replace(links, starts=links.starts[k : k + 2])
         b, w, assumed_b, assumed_w = (a[one] for a in (*self.sensors, *self.beliefs))
         return self._replace(
-            first=self.first + k, sensors=(b, w), beliefs=(assumed_b, assumed_w), stops=self.stops[one], links=links
-        )
+            first=self.first + k, sensors=(b, w), beliefs=(assumed_b, assumed_w), stops=self.stops[one], links=links,
+            group=self.group[one], honest=self.honest[one], paces=self.paces[one],
+        )  # fmt: skip
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
@@ -47,6 +51,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
+    group, honest = _who(setting, seed, first, trials)
     return Inputs(
         first=first,
         sensors=(b, w),
@@ -58,5 +63,20 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         loss_threshold=setting.loss_threshold,
         luck=setting.luck_keys(seed),
         walk=setting.walk_key(seed) if moves else NO_KEY,
+        paces=np.stack([setting.paces(seed, first + t) for t in range(trials if moves else 1)]),
         links=links,
+        group=group,
+        honest=honest,
     )
+
+
+def _who(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
+    group, honest = np.zeros((0, setting.robots), np.int64), np.ones((0, setting.robots), np.bool_)
+    if not setting.members:
+        return group, honest
+    who, crew = setting.who(seed, first, trials), setting.crew
+    if len(crew) > 1:
+        group = np.array([0, *(crew.index(m.brain or setting.brain) for m in setting.members)])[who]
+    if setting.honest < setting.robots:
+        honest = np.array([True, *(m.honest for m in setting.members)])[who]
+    return group, honest

@@ -70,8 +70,8 @@ def follow(
 def kept_of(brain: Brain, me: Any) -> dict[str, Any]:
     """What a trace shows of a mind: its fields, and of brains that decide what."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
-    fields |= {free(DECIDED, brain): float(brain.functions.decide(me))} if brain.decides else {}
-    return fields | ({free(IS_DONE, brain): float(bool(brain.functions.done(me)))} if brain.ends else {})
+    fields |= {free(DECIDED, brain.memory): float(brain.functions.decide(me))} if brain.decides else {}
+    return fields | ({free(IS_DONE, brain.memory): float(bool(brain.functions.done(me)))} if brain.ends else {})
 
 
 def is_done(brain: Brain, me: Any) -> bool:

@@ -76,38 +76,43 @@ class Rider:
         """Say where the minds want to go after a tick, if they steer."""
         if wishes.size:
             assert self.setting.body is not None
-            self.kernel.wish(self.swarm, self.memory, self.setting.body.numbers, self.trial, tick, wishes)
+            self.kernel.wish(
+                self.swarm, self.memory, self.setting.body.numbers, self.given.paces[0], self.trial, tick, wishes
+            )
 
     def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
         """The trial's metrics, as a batch of one."""
         truth = true_fill_ratio if metrics.on_floor else self.setting.fill_ratio
-        robots = self.setting.robots
+        robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
+        rows = self.rows
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
         self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
+        check_verdicts(self.setting, self.verdicts[np.newaxis], self.trial)
+        where, value, counts = where[honest], value[honest], self.counts[:, honest]
+        verdicts = self.verdicts[honest] if self.verdicts.size else self.verdicts
         error = np.abs(value - truth)
         low, high = right_bin(truth, metrics.bins)
         right = np.full((len(metrics.checkpoints), 1), np.nan)
-        kept = np.full((len(metrics.checkpoints), 1, robots), np.nan)
+        kept = np.full((len(metrics.checkpoints), 1, where.size), np.nan)
         for c, checkpoint in enumerate(metrics.checkpoints):
-            if checkpoint <= len(self.rows):
-                row = kept[c, 0] = self.rows[checkpoint - 1]
+            if checkpoint <= len(rows):
+                row = kept[c, 0] = rows[checkpoint - 1, honest]
                 right[c, 0] = np.mean((row >= low) & (row < high))
         filled = np.array([true_fill_ratio])
         estimates = kept if metrics.estimates else None
         watches = [Watch(m, self.setting, self.trial, truth, metrics.delta, metrics.bins) for m in metrics.watched]
         for watch in watches:
-            watch.see(self.rows, 1)
+            watch.see(np.ascontiguousarray(rows[:, honest]), 1)
         try:
             watched = results_of(watches)
         except InputError as wrong:
-            if math.isfinite(self.rows.sum()):
+            if math.isfinite(rows.sum()):
                 raise
             raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
-        check_verdicts(self.setting, self.verdicts[np.newaxis], self.trial)
         consensus = consensus_of(self.setting, self.agreed[np.newaxis], truth)
         return Batch(
-            where[np.newaxis], error[np.newaxis], self.rows[-1:].copy(), right, self.counts[np.newaxis],
-            self.verdicts[np.newaxis], consensus, filled, estimates, watched,
+            where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, counts[np.newaxis],
+            verdicts[np.newaxis], consensus, filled, estimates, watched,
         )  # fmt: skip
 
 
@@ -115,7 +120,7 @@ def run_ride(
     settings: Sequence[Setting], seed: int, trial: int, metrics: Metrics, stop: np.ndarray
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
-    if settings[0].brain.steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
+    if settings[0].steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
         batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
         return None if batch is None else [batch]
     riders = [Rider(setting, inputs_of(setting, seed, trial)) for setting in settings]
@@ -144,7 +149,9 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     assert setting.body is not None
     given = inputs_of(setting, seed, trial)
     rider, ground = Rider(setting, given), setting.ground(seed, trial)
-    state, numbers, half, around, listed = set_out(setting.robots, setting.arena_side, setting.body, given.walk, trial)
+    state, numbers, half, around, listed = set_out(
+        setting.robots, setting.arena_side, setting.fastest, given.walk, trial, given.paces[0]
+    )  # fmt: skip
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
@@ -157,7 +164,7 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
 
 def wishes_of(setting: Setting) -> np.ndarray:
     """Room for where robots want to go (3, robot), none yet; empty where their brain does not steer."""
-    return np.zeros((3, setting.robots if setting.brain.steers else 0))
+    return np.zeros((3, setting.robots if setting.steers else 0))
 
 
 def walk_of(
@@ -168,7 +175,7 @@ def walk_of(
     return walk(
         setting.robots,
         setting.arena_side,
-        setting.body,
+        setting.fastest,
         given.walk,
         given.first,
         setting.rounds,
@@ -176,6 +183,7 @@ def walk_of(
         poses,
         given.stops[0],
         wishes,
+        given.paces[0],
     )
 
 
@@ -217,7 +225,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
     joined = np.concatenate(links)
-    fields = fields_of(setting.brain, rider.swarm, history, estimates)
+    fields = fields_of(setting.crew, rider.swarm, history, estimates)
     return Ride(fields, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
 
 

@@ -1,5 +1,7 @@
 """A setting's robots as the engine's loops take them, with room for what is counted of them and what they decide."""
 
+from collections.abc import Container
+
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
@@ -26,7 +28,11 @@ DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fiel
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
-    return swarm((setting.brain,), np.zeros(setting.robots, np.int64), use, given.luck)
+    if not setting.members:
+        return swarm((setting.brain,), np.zeros(setting.robots, np.int64), use, given.luck)
+    group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
+    honest = given.honest[0] if given.honest.size else ALL_HONEST
+    return swarm(setting.crew, group, use, given.luck, honest)
 
 
 def swarm(
@@ -93,7 +99,7 @@ def sent_by_all(setting: Setting, stops: np.ndarray) -> np.ndarray:
 
 def verdicts_of(setting: Setting, trials: int, robots: int) -> tuple[np.ndarray, np.ndarray]:
     """Room for what robots decide (trial, robot, what), none where none does, and for what all agree on (trial, 2)."""
-    judged = setting.brain.decides or setting.brain.ends
+    judged = any(brain.decides or brain.ends for brain in setting.crew)
     return np.empty((trials, robots if judged else 0, VERDICTS)), np.empty((trials, 2))
 
 
@@ -114,7 +120,7 @@ def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarr
     Of `n` options the k-th is right for fill ratios in [k/n, (k + 1)/n), the last one for 1 too; of white and black
     neither is right at 0.5, and it is NaN whether the one that was agreed on is.
     """
-    if not setting.brain.decides:
+    if not any(brain.decides for brain in setting.crew):
         return np.full((len(agreed), 3), np.nan)
     options = setting.brain.options
     right = np.asarray(agreed[:, 0] == right_option(truth, options), np.float64)
@@ -130,20 +136,38 @@ def right_option(truth: float, options: int) -> int:
     return min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1)
 
 
-def fields_of(brain: Brain, made: Swarm, history: np.ndarray, estimates: np.ndarray) -> dict[str, np.ndarray]:
-    """What a trace shows of minds (round, robot, number): MEMORY's fields, and of brains that decide what and when."""
-    minds = compiler.records(brain, history)
-    fields = {name: minds[name] for name in brain.memory}
-    if brain.decides or brain.ends:
+def fields_of(
+    brains: tuple[Brain, ...], made: Swarm, history: np.ndarray, estimates: np.ndarray
+) -> dict[str, np.ndarray]:
+    """What a trace shows of minds (round, robot, number): MEMORY's fields, and of brains that decide what and when.
+
+    In a mixed swarm a field is NaN of robots whose brain has none of its name.
+    """
+    robots = estimates.shape[1]
+    fields: dict[str, np.ndarray] = {}
+    flat = history.reshape(len(history), -1)
+    for group, brain in enumerate(brains):
+        base, size = made.bases[group], made.fields[group]
+        rows = np.ascontiguousarray(flat[:, base : base + robots * size]).reshape(len(flat), robots, size)
+        minds = compiler.records(brain, rows)
+        own = np.zeros(robots, np.bool_)
+        for _, first, last in (run for run in made.runs.tolist() if run[0] == group):
+            own[first:last] = True
+        for name in brain.memory:
+            values = minds[name]
+            where = own[:, np.newaxis] if values.ndim == 3 else own
+            known = fields.get(name, np.full(values.shape, np.nan))
+            fields[name] = values if len(brains) == 1 else np.where(where, values, known)
+    if any(brain.decides or brain.ends for brain in brains):
         told = np.empty((*estimates.shape, 2))
         compiler.compile_world("kernel").decided(made, history, estimates, told)
-        fields |= {free(DECIDED, brain): told[..., 0]} if brain.decides else {}
-        fields |= {free(IS_DONE, brain): told[..., 1]} if brain.ends else {}
+        fields |= {free(DECIDED, fields): told[..., 0]} if any(brain.decides for brain in brains) else {}
+        fields |= {free(IS_DONE, fields): told[..., 1]} if any(brain.ends for brain in brains) else {}
     return fields
 
 
-def free(name: str, brain: Brain) -> str:
-    """A name that no field of the brain has."""
-    while name in brain.memory:
+def free(name: str, taken: Container[str]) -> str:
+    """A name that no field of a brain has."""
+    while name in taken:
         name += "_"
     return name

@@ -89,10 +89,10 @@ def run_batch(
     With `local`, the metrics are of the local estimate by single observation.
     """
     given = inputs_of(setting, seed, first, trials, order=local)
-    if local or not metrics.watched:
+    if not setting.members and (local or not metrics.watched):
         return _live(setting, given, trials, metrics, stop, local)
     batches = []
-    for k in range(trials):  # their estimates are seen one trial at a time
+    for k in range(trials):  # their estimates are seen one trial at a time, and each has other members
         batch = _live(setting, given.of(k), 1, metrics, stop, local)
         if batch is None:
             return None
@@ -111,7 +111,7 @@ def _live(
     checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
     correct = np.full((checkpoints.size, trials), np.nan)
     kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
-    links = given.links
+    links, honest = given.links, given.honest[0] if given.honest.size else None
     assert links is not None
     kernel = compiler.compile_world("kernel")
     with blaming(setting, first, trials):
@@ -145,6 +145,8 @@ def _live(
         if not finished:
             return None
         seen = rows[: rounds - begin * segment]
+        if honest is not None and watches:
+            seen = np.ascontiguousarray(seen[:, honest])
         for watch in watches if begin < segments else ():
             sound &= math.isfinite(seen.sum())
             watch.see(seen, begin * segment + 1)
@@ -158,6 +160,10 @@ def _live(
     consensus = consensus_of(setting, agreed, setting.fill_ratio)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
+    if honest is not None:
+        where, errors, final, counts = where[:, honest], errors[:, honest], final[:, honest], counts[..., honest]
+        verdicts = verdicts[:, honest] if verdicts.size else verdicts
+        estimates = None if estimates is None else estimates[..., honest]
     return Batch(where, errors, final, correct, counts, verdicts, consensus, kept=estimates, watched=found)
 
 
@@ -227,7 +233,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     compiler.compile_world().round_readings(
         *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
     )
-    return fields_of(setting.brain, made, history, estimates), estimates, blacks
+    return fields_of(setting.crew, made, history, estimates), estimates, blacks
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
@@ -249,7 +255,7 @@ def seconds(setting: Setting, local: bool = False) -> float:
     if local:
         return setting.rounds * looks * setting.robots * 15e-9
     messages = 2.0 if setting.topology.edges is None else 2.0 * len(setting.topology.edges) / setting.robots
-    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.brain.sums):
+    if setting.topology.name == "full" and (setting.link_success < 1.0 or not setting.additive):
         messages = float(setting.robots)
     return setting.rounds * setting.robots * (13e-9 + 3e-9 * messages + 2e-9 * (looks // PART)) + 20e-6
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.modes import ALL_PAIRS, COS, SIN, STATE, X, Y
+from swarmcensus.engine.modes import ALL_PAIRS, COS, PACE, SIN, STATE, X, Y
 from swarmcensus.worlds.bodies import Body
 
 CHUNK_BYTES = 4_000_000  # of a walk kept at a time
@@ -46,10 +46,12 @@ def neighbours_at_most(robots: int, body: Body) -> int:
 
 
 def set_out(
-    robots: int, side: float, body: Body, key: np.ndarray, trial: int
+    robots: int, side: float, body: Body, key: np.ndarray, trial: int, paces: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray, float, tuple[np.ndarray, ...], int]:
     """Put robots in their places: their state, the body's numbers, half the side, room to work in, and how many
     messages one tick may have at the most.
+
+    `paces` are the metres a tick of each robot, by default the body's; none is faster than that.
 
     Raises InputError where the robots find no room.
     """
@@ -60,6 +62,7 @@ def set_out(
         raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
     if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
+    state[PACE] = body.speed * body.tick if paces is None else paces
     cells = max(1, int(side / max(body.reach + body.skin, half / math.sqrt(robots))))
     listed = max(1, robots * neighbours_at_most(robots, body))
     around = (
@@ -93,6 +96,7 @@ def walk(
     poses: bool = False,
     stops: np.ndarray = NO_STOPS,
     wishes: np.ndarray = NO_WISHES,
+    paces: np.ndarray | None = None,
 ) -> Iterator[Chunk]:
     """The walk of one trial, in chunks, from tick 1 on; `stops` as in `Setting.stops`.
 
@@ -100,7 +104,7 @@ def walk(
     Raises InputError where the robots find no room.
     """
     module = compile_world("walk")
-    state, numbers, half, around, listed = set_out(robots, side, body, key, trial)
+    state, numbers, half, around, listed = set_out(robots, side, body, key, trial, paces)
     senders = np.zeros(listed + SENDERS, np.uint32)
     tick = 1
     while tick <= ticks:

@@ -29,8 +29,8 @@ class Watch:
         self.metric, self.truth = metric, truth
         self.where = f"trial {trial} of {setting}"
         low, high = right_bin(truth, bins)
-        self.blank = blank_record(metric, low=low, high=high, delta=delta, rounds=setting.rounds, robots=setting.robots)
-        self.records = np.repeat(self.blank, 1 if metric.of_swarm else setting.robots)
+        self.blank = blank_record(metric, low=low, high=high, delta=delta, rounds=setting.rounds, robots=setting.honest)
+        self.records = np.repeat(self.blank, 1 if metric.of_swarm else setting.honest)
         self.out = np.empty(self.records.size)
 
     def see(self, rows: np.ndarray, first: int) -> None:

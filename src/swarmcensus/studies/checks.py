@@ -5,6 +5,7 @@ from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
 from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
+from swarmcensus.studies import members
 from swarmcensus.studies.fields import LARGEST, plain_text
 from swarmcensus.studies.grids import SIZES, Grid
 from swarmcensus.studies.precision import Until
@@ -26,7 +27,9 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
             names = [getattr(v, "told", v.name) for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
-    _one_name("swarm.brain", "brains", (b.as_written for grid in grids for b in grid.swarm.brain))
+    own, theirs = (one.brain for one in (grid.swarm for grid in grids)), (one.brain or [] for one in tables.members)
+    every = (b for some in (*own, *theirs) for b in some)
+    _one_name("swarm.brain", "brains", (b.as_written for b in every))
     _check_parameters(tables, grids)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
@@ -40,6 +43,12 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if grid.moves:
             _check_moving(grid)
     _check_faults(tables, grids, all_used)
+    members.check(
+        tables.members,
+        list(dict.fromkeys(b for grid in grids for b in grid.swarm.brain)),
+        sorted({robots for grid in grids for robots in grid.swarm.robots}),
+        any(grid.moves for grid in grids),
+    )
     pictures = [p for grid in grids if grid.moves for floor in grid.world.floor or () for p in floor.pictures]
     sources: dict[str, str] = {}
     for picture in pictures:

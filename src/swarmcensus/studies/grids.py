@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from swarmcensus.studies.members import Member, Members
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Case, Schedule, Swarm, World
 from swarmcensus.worlds import arena
@@ -24,6 +25,7 @@ class Grid:
     schedule: Schedule
     case: str = ""
     given: frozenset[str] = frozenset()
+    members: tuple[Members, ...] = ()
 
     def key(self, name: str) -> str:
         """How messages call one of the grid's keys: "world.side", "case[0].side" or "case[0]: world.side"."""
@@ -60,15 +62,24 @@ class Grid:
             world.fill_ratio, world.link_success,
         ]  # fmt: skip
 
+    def _mixes(self, robots: int) -> list[tuple[Member, ...]]:
+        """The members of swarms of so many robots, each combination once: those that are none are left out."""
+        every = itertools.product(*(list(table.every()) for table in self.members))
+        return list(dict.fromkeys(tuple(m for m in members if m.count(robots)) for members in every))
+
     @property
     def count(self) -> int:
         """How many settings there are."""
         world, schedule = self.world, self.schedule
         moving = sum(t.moves for t in world.topology)
         fixed = len(world.topology) - moving
-        return math.prod(len(values) for values in self._lists if values is not world.topology) * (
-            fixed * len(schedule.rounds) * len(schedule.observations_per_round)
-            + moving * len(self.densities(1)) * len(world.floor or [None]) * len(schedule.ticks)
+        return (
+            max(len(self._mixes(n)) for n in self.swarm.robots)
+            * math.prod(len(values) for values in self._lists if values is not world.topology)
+            * (
+                fixed * len(schedule.rounds) * len(schedule.observations_per_round)
+                + moving * len(self.densities(1)) * len(world.floor or [None]) * len(schedule.ticks)
+            )
         )
 
     def settings(self, faults: tuple[Fault, ...]) -> Iterator[Setting]:
@@ -84,14 +95,18 @@ class Grid:
             ]
             for robots in self.swarm.robots
         }
+        mixes = {robots: self._mixes(robots) for robots in self.swarm.robots}
         for brain, topology, robots, *others in itertools.product(*self._lists):
-            for length in moving[robots] if topology.moves else fixed:
-                yield Setting(brain, topology, robots, *others, *length)
+            lengths = moving[robots] if topology.moves else fixed
+            for mix, length in itertools.product(mixes[robots], lengths):
+                yield Setting(brain, topology, robots, *others, *length, members=mix)  # type: ignore[misc]
 
 
-def grids_of(swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Case]) -> list[Grid]:
+def grids_of(
+    swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Case], members: tuple[Members, ...] = ()
+) -> list[Grid]:
     """The full grid of a study, and then that of each case."""
-    grids = [Grid(swarm, world, schedule)]
+    grids = [Grid(swarm, world, schedule, members=members)]
     for number, case in enumerate(cases):
         given = {key: values for key, values in case if values is not None}
         instead = given | dict.fromkeys(SIZES - given.keys()) if SIZES & given.keys() else given
@@ -99,5 +114,5 @@ def grids_of(swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Cas
             name: table.model_copy(update={k: v for k, v in instead.items() if k in type(table).model_fields})
             for name, table in {"swarm": swarm, "world": world, "schedule": schedule}.items()
         }
-        grids.append(Grid(**tables, case=f"case[{number}]", given=frozenset(given)))
+        grids.append(Grid(**tables, case=f"case[{number}]", given=frozenset(given), members=members))
     return grids

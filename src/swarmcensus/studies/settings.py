@@ -5,12 +5,13 @@ meet the same tiles and readings, trial by trial, and no setting's numbers depen
 """
 
 import hashlib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
+from swarmcensus.studies.members import Member, groups
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.faults import Fault, stops
@@ -37,14 +38,16 @@ class Setting:
     body: Body | None = None
     faults: tuple[Fault, ...] = ()
     floor: Floor | None = None  # of robots that move; None: independent tiles
+    members: tuple[Member, ...] = ()  # robots that differ from the others
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
         where = f"{self.topology}, N = {self.robots}"
         assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
         lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
+        mixed = "".join(f", of them {member}" for member in self.members)
         told = "".join(f", {name} = {_shown(value)}" for name, value in self.brain.given)
-        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}{told}"
+        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}{told}{mixed}"
         if self.body is not None:
             floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
             return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
@@ -73,7 +76,27 @@ class Setting:
             "rounds": self.rounds,
             "observations_per_round": self.observations_per_round,
             **{name: _shown(value) for name, value in self.brain.parameters.items()},
+            **({"members": "; ".join(map(str, self.members))} if self.members else {}),
         }
+
+    @property
+    def crew(self) -> tuple[Brain, ...]:
+        """The brains that live in the swarm, each once, its own first."""
+        return tuple(dict.fromkeys([self.brain, *(m.brain for m in self.members if m.brain)]))
+
+    @property
+    def steers(self) -> bool:
+        """Whether any of its brains says where a robot goes."""
+        return any(brain.steers for brain in self.crew)
+
+    @property
+    def honest(self) -> int:
+        """How many of its robots metrics count."""
+        return self.robots - sum(m.count(self.robots) for m in self.members if not m.honest)
+
+    def who(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
+        """Who is who (trial, robot): 0, or the number of a table of members, from 1 on."""
+        return groups(self.members, seed, first_trial, trials, self.robots)
 
     @property
     def side(self) -> float:
@@ -107,6 +130,8 @@ class Setting:
             [fault.model_dump() for fault in self.faults],
             self.floor and [str(self.floor), self.floor.content],
         )
+        if self.members:
+            content = (*content, [member.content for member in self.members])
         if self.brain.parameters:
             content = (*content, [*self.brain.parameters.items()])
         if self.editions:
@@ -116,7 +141,8 @@ class Setting:
     @property
     def editions(self) -> list[str]:
         """Hashes of other packages' files that it uses."""
-        parts = (self.topology, self.accuracy, self.assumed_accuracy, self.floor)
+        theirs = (part for m in self.members for part in (m.accuracy, m.assumed_accuracy))
+        parts = (self.topology, self.accuracy, self.assumed_accuracy, self.floor, *theirs)
         return [part.edition for part in parts if part is not None and part.edition]
 
     def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
@@ -145,10 +171,11 @@ class Setting:
     @property
     def walk_group(self) -> str:
         """Settings alike in this share their walks, trial by trial: those whose brains steer, with no other."""
-        if self.brain.steers:
+        if self.steers:
             return self.fingerprint(0)
+        paces = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
         lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
-        return repr((self.walk_content, self.rounds, lame))
+        return repr((self.walk_content, self.rounds, lame, *paces))
 
     def walk_key(self, seed: int) -> np.ndarray:
         """The address of where robots start and how they walk."""
@@ -183,19 +210,64 @@ class Setting:
 
         The brain is no part of it: two that ask for luck have the same.
         """
-        if not self.brain.uses.luck:
+        if not any(brain.uses.luck for brain in self.crew):
             return np.zeros(0, np.uint64)
         content = {"robots": self.robots, "topology": self.topology.content, **self._where}
         return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
+        if any(m.accuracy or m.assumed_accuracy for m in self.members):
+            return self._mixed_accuracies(seed, first_trial, trials)
         true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)
         if self.assumed_accuracy is None:
             return *true, *true
         if isinstance(self.assumed_accuracy, Misjudgement):
             return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
         return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
+
+    def _mixed_accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
+        """The same where members have their own: what they assume is as for the swarm, but for what they are told."""
+        who, size = self.who(seed, first_trial, trials), (trials, self.robots)
+        plain = replace(self, members=())
+        found = plain.accuracies(seed, first_trial, trials)
+        true = [np.broadcast_to(side, size).copy() for side in found[:2]]
+        for number, member in enumerate(self.members, start=1):
+            if member.accuracy:
+                drawn = member.accuracy.draw(seed, f"accuracy of members {number}", first_trial, trials, self.robots)
+                true = [np.where(who == number, side, all_) for side, all_ in zip(drawn, true, strict=True)]
+        told = [np.broadcast_to(side, size) for side in found[2:]]
+        assumed = true if self.assumed_accuracy is None else told
+        for number, member in enumerate(self.members, start=1):
+            asked = member.assumed_accuracy
+            if isinstance(asked, Misjudgement):
+                theirs = asked.draw(seed, first_trial, trials, self.robots, (true[0], true[1]))
+            elif asked:
+                theirs = asked.draw(seed, f"assumed by members {number}", first_trial, trials, self.robots)
+            elif member.accuracy and isinstance(self.assumed_accuracy, Misjudgement):
+                theirs = self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, (true[0], true[1]))
+            else:
+                continue
+            assumed = [np.where(who == number, side, all_) for side, all_ in zip(theirs, assumed, strict=True)]
+        return tuple(np.ascontiguousarray(side) for side in (*true, *assumed))
+
+    def paces(self, seed: int, trial: int) -> np.ndarray:
+        """How far each robot goes in a tick straight ahead, in metres (robot); nothing on fixed networks."""
+        if self.body is None:
+            return np.zeros(0)
+        speeds = np.full(self.robots, self.body.speed)
+        who = self.who(seed, trial, 1)[0] if self.members else None
+        for number, member in enumerate(self.members, start=1):
+            if member.speed is not None:
+                speeds[who == number] = member.speed
+        return speeds * self.body.tick
+
+    @property
+    def fastest(self) -> Body:
+        """The body of the fastest robots: how far one must look for others depends on it."""
+        assert self.body is not None
+        speed = max([self.body.speed, *(m.speed for m in self.members if m.speed is not None)])
+        return self.body if speed == self.body.speed else self.body.model_copy(update={"speed": speed})
 
     def ground(self, seed: int, trial: int) -> Ground:
         """The floor of a trial under robots that move."""
@@ -210,7 +282,12 @@ class Setting:
     def links(self, seed: int, first_trial: int, trials: int) -> Links:
         """Who hears whom in these trials."""
         heard_by_all = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
-        return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, bool(self.brain.sums))
+        return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, self.additive)
+
+    @property
+    def additive(self) -> bool:
+        """Whether robots only add up what they hear: in a mixed swarm the brains' sums may be others."""
+        return len(self.crew) == 1 and bool(self.brain.sums)
 
     @property
     def loss_threshold(self) -> np.uint64:

@@ -45,9 +45,9 @@ class Study:
         self.trials: int = checked.trials.at_most if isinstance(checked.trials, Until) else checked.trials
         self.swarm, self.world = checked.swarm, checked.world
         self.schedule, self.measure = checked.schedule, checked.measure
-        self.faults, self.case = checked.faults, checked.case
+        self.faults, self.case, self.members = checked.faults, checked.case, checked.members
         self.text = text if text is not None else to_toml(tables)
-        self.grids = grids_of(self.swarm, self.world, self.schedule, self.case)
+        self.grids = grids_of(self.swarm, self.world, self.schedule, self.case, self.members)
         try:
             check(checked, self.grids, all_used=not context.get("kept"))
             count = sum(grid.count for grid in self.grids)
@@ -123,7 +123,9 @@ class Study:
     @property
     def brains(self) -> list[Brain]:
         """The brains of all settings, each once, with the parameters that their files say."""
-        return list({b.name: b.as_written for grid in self.grids for b in grid.swarm.brain}.values())
+        theirs = [brain for table in self.members for brain in table.brain or ()]
+        every = (brain for grid in self.grids for brain in grid.swarm.brain)
+        return list({brain.name: brain.as_written for brain in (*every, *theirs)}.values())
 
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
@@ -142,8 +144,8 @@ class Study:
 
     @property
     def _accuracies(self) -> list[Accuracy | Misjudgement]:
-        swarms = [grid.swarm for grid in self.grids]
-        return [a for swarm in swarms for a in (*swarm.accuracy, *(swarm.assumed_accuracy or ()))]
+        of_swarms = [a for g in self.grids for a in (*g.swarm.accuracy, *(g.swarm.assumed_accuracy or ()))]
+        return of_swarms + [a for m in self.members for a in (*(m.accuracy or ()), *(m.assumed_accuracy or ()))]
 
     @property
     def topologies(self) -> list[Topology]:

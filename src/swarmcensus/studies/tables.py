@@ -25,6 +25,7 @@ from swarmcensus.studies.fields import (
     Trials,
     Wholes,
 )
+from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds.bodies import Body, Number
@@ -109,6 +110,7 @@ class Tables(_Table):
     measure: Measure = Measure()
     faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
     case: Annotated[tuple[Case, ...], SeveralTables] = ()
+    members: Annotated[tuple[Members, ...], SeveralTables] = ()
 
     @model_validator(mode="after")
     def _times_in_ticks(self) -> Self:

@@ -1,0 +1,131 @@
+"""Mixed swarms: some of the robots have another brain, other sensors or another speed, or lie."""
+
+import itertools
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from swarmcensus.brains import Brain
+from swarmcensus.engine.addresses import address
+from swarmcensus.engine.compiler import compile_world
+from swarmcensus.studies.fields import Accuracies, Beliefs, Brains
+from swarmcensus.worlds.bodies import Least
+from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+
+HOW_MANY = "members are a whole number of robots, or a fraction of the swarm in [0, 1]"
+
+
+@dataclass(frozen=True)
+class Member:
+    """So many robots of a swarm, and in what they differ from the others; None where they do not."""
+
+    robots: int | float  # a number, or a fraction
+    brain: Brain | None = None
+    accuracy: Accuracy | None = None
+    assumed_accuracy: Accuracy | Misjudgement | None = None
+    speed: float | None = None  # m/s, of robots that move
+    honest: bool = True  # whether metrics count them
+
+    def count(self, robots: int) -> int:
+        """How many of a swarm they are."""
+        return self.robots if isinstance(self.robots, int) else round(self.robots * robots)
+
+    def __str__(self) -> str:
+        """Who they are, as the dataset says it."""
+        sides = (
+            ("", self.brain and self.brain.told),
+            ("accuracy ", self.accuracy),
+            ("assumed accuracy ", self.assumed_accuracy),
+            ("speed ", self.speed),
+        )
+        told = [f"{what}{value}" for what, value in sides if value is not None]
+        return " ".join([f"{self.robots:g}", ", ".join(told + ["not honest"] * (not self.honest))]).rstrip()
+
+    @property
+    def content(self) -> tuple[object, ...]:
+        """All that a trial's numbers depend on."""
+        brain = self.brain and (self.brain.name, self.brain.sha256, [*self.brain.parameters.items()])
+        beliefs = (str(one) if one is not None else "" for one in (self.accuracy, self.assumed_accuracy))
+        return self.robots, brain, *beliefs, self.speed, self.honest
+
+
+def _listed(value: object) -> object:
+    return value if isinstance(value, list | tuple) else [value]
+
+
+def _number(value: object) -> object:
+    whole = isinstance(value, int) and not isinstance(value, bool) and value >= 0
+    if not whole and not (isinstance(value, float) and 0.0 <= value <= 1.0):
+        raise ValueError(HOW_MANY)
+    return value
+
+
+class Members(BaseModel):
+    """A table of a study: each of its keys but `honest` may be a list, which spans the grid."""
+
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+    robots: Annotated[
+        list[Annotated[int | float, BeforeValidator(_number)]], BeforeValidator(_listed), Field(min_length=1)
+    ]
+    brain: Brains | None = None
+    accuracy: Accuracies | None = None
+    assumed_accuracy: Beliefs | None = None
+    speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1)] | None = None
+    honest: Annotated[bool, Field(strict=True)] = True
+
+    def every(self) -> Iterator[Member]:
+        """The members that its lists span."""
+        lists: list[list[Any]] = [
+            self.robots, *(v or [None] for v in (self.brain, self.accuracy, self.assumed_accuracy, self.speed))
+        ]  # fmt: skip
+        for values in itertools.product(*lists, [self.honest]):
+            yield Member(*values)
+
+
+def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
+    """Raise ValueError where members do not go together with a study's swarms."""
+    for n, one in enumerate(members):
+        if one.speed is not None and not moves:
+            raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
+        for brain in dict.fromkeys(one.brain or []):
+            for other in brains:
+                if brain.message != other.message:
+                    raise ValueError(
+                        f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_said(brain)}), and that of "
+                        f"{other.name!r} ({_said(other)}): brains that live together say the same"
+                    )
+    for robots in sizes:
+        for chosen in itertools.product(*(one.robots for one in members)):
+            counts = [Member(one).count(robots) for one in chosen]
+            if sum(counts) > robots:
+                told = " and ".join(f"members[{n}].robots = {one:g}" for n, one in enumerate(chosen))
+                raise ValueError(f"{told}: that is {sum(counts)} of {robots} robots")
+            honest = robots - sum(c for c, one in zip(counts, members, strict=True) if not one.honest)
+            if honest < 1:
+                raise ValueError(f"members: of {robots} robots none is honest, and metrics count the honest ones")
+
+
+def _said(brain: Brain) -> str:
+    return ", ".join(name if not long else f"{name} of {long}" for name, long in brain.message.items())
+
+
+def groups(members: tuple[Member, ...], seed: int, first: int, trials: int, robots: int) -> np.ndarray:
+    """Who is who (trial, robot): 0 for robots that no table of members is of, else the table's number, from 1 on.
+
+    It is drawn afresh for each trial, by a lot for each robot that depends on their number alone: a larger share holds
+    the robots of a smaller one.
+    """
+    lots = np.empty((trials, robots))
+    compile_world().spread_uniform(address(seed, "members", robots=robots), first, 0.0, 1.0, lots)
+    order = np.argsort(lots, axis=1, kind="stable")
+    out = np.zeros((trials, robots), np.int64)
+    begin = 0
+    for number, member in enumerate(members, start=1):
+        end = begin + member.count(robots)
+        np.put_along_axis(out, order[:, begin:end], number, axis=1)
+        begin = end
+    return out
