@@ -5,6 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.figures.panels import panels_of
+from swarmcensus.results.values import SINCE_3
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.conftest import SMALL
@@ -185,7 +186,7 @@ def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave(tmp_pa
     assert named == ["N = 2, L = 2 m", "N = 2, L = 3 m", "N = 5, L = 2 m", "N = 5, L = 3 m"]
     assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
     assert captions(density=[1, 2])[1] == ["N = 2, D = 1", "N = 2, D = 2", "N = 5, D = 1", "N = 5, D = 2"]
-    old = results.drop_vars("side")  # as older versions wrote them
+    old = results.drop_vars(["side", *SINCE_3])  # as older versions wrote them
     old.attrs["format"], old["convergence_round"].encoding = "swarmcensus results 1", {}
     sc.save(old, tmp_path / "old.nc")
     assert sc.load(tmp_path / "old.nc").equals(old)

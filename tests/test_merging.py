@@ -126,7 +126,9 @@ def test_results_that_cannot_go_together(changes, said):
 def test_two_brains_of_one_name_are_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     shipped, compile_brain, results = study().swarm.brain[0], compiler.compile_brain, []
-    monkeypatch.setattr(compiler, "compile_brain", lambda _, use="network": compile_brain(shipped, use))  # the same
+    monkeypatch.setattr(
+        compiler, "compile_brain", lambda _, *how, **more: compile_brain(shipped, *how, **more)
+    )  # the same
     for text in (shipped.source, shipped.source + "\n# another\n"):
         (tmp_path / "mine.py").write_text(text)
         results.append(ran(brain_in_swarm="mine.py", robots_in_swarm=5, topology_in_world="ring"))

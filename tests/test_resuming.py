@@ -577,7 +577,7 @@ def test_a_brain_and_its_copy_are_two_settings(here):
 
 def compile_as_shipped(compile_brain):
     """A copy is the same code: there is no need to compile it."""
-    return lambda brain, use="network": compile_brain(sc.brains.load("minimalistic"), use)
+    return lambda _, *how, **more: compile_brain(sc.brains.load("minimalistic"), *how, **more)
 
 
 def test_a_mended_brain_does_not_cost_the_others(here, capsys):

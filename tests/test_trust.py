@@ -13,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.results.values import EVERY
+from swarmcensus.results.values import EVERY, MESSAGES
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
 
@@ -471,14 +471,17 @@ class TestFormats:
         assert one.drop_attrs().identical(two.drop_attrs().drop_vars(set(two.variables) - set(one.variables)))
         merged = sc.merge([one, two])
         assert merged.attrs["trials_done"] == 48
-        assert merged.attrs["format"] == two.attrs["format"]
+        assert merged.attrs["format"] == "swarmcensus results 3"
 
     def test_a_run_goes_on_from_the_first(self, tmp_path):
         for file in DATA.iterdir():
             shutil.copy(file, tmp_path)
         study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
-        data = sc.run(study, jobs=1, out=tmp_path / "results-1.nc")
-        assert data.drop_attrs().identical(sc.run(study, jobs=1).drop_attrs())
+        data, whole = sc.run(study, jobs=1, out=tmp_path / "results-1.nc"), sc.run(study, jobs=1)
+        assert data.drop_vars(MESSAGES).drop_attrs().identical(whole.drop_vars(MESSAGES).drop_attrs())
+        for name in MESSAGES:  # which the first format did not count
+            assert (data[name][:, :2] == -1).all()
+            assert data[name][:, 2:].equals(whole[name][:, 2:])
         assert sc.load(tmp_path / "results-1.nc").identical(data)
 
     def test_other_readers_see_what_is_missing(self, files):

@@ -18,7 +18,7 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
-from swarmcensus.results.values import metrics_in
+from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
 TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
@@ -93,7 +93,18 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     if (data["link_success"] == 1.0).all():
         del columns["link_success"]
     columns.pop(told(data), None)
+    for name in parameters_in(data):
+        columns[name] = _parameter(data[name].values)
+        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # of some of the brains, and never another
+            del columns[name]
     return columns
+
+
+def _parameter(values: np.ndarray) -> np.ndarray:
+    """A parameter's values as text; "-" where the brain has none of its name."""
+    if values.dtype.kind == "f":
+        return np.array(["-" if np.isnan(value) else f"{value:g}" for value in values.tolist()])
+    return np.array([value or "-" for value in values.tolist()])
 
 
 def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, list[str]]:

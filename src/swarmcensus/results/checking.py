@@ -21,6 +21,7 @@ from swarmcensus.results.values import (
     ENDLESS,
     EVERY,
     LOCAL,
+    MESSAGES,
     MISSING,
     PER_ROBOT,
     PER_TRIAL,
@@ -48,6 +49,7 @@ ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
 }  # fmt: skip
+APART = LOCAL | MESSAGES | DECISIONS | ENDINGS  # measured in some of all trials
 ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
 
 
@@ -82,7 +84,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
-    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data and not before_3(data, name)]
+    lacking = [name for name in (*VARIABLES, *MESSAGES, "fingerprint") if name not in data and not before_3(data, name)]
     if data.attrs.get("format") not in FORMATS or lacking:
         return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
     try:
@@ -192,8 +194,9 @@ def _missing(data: xr.Dataset) -> str | None:
         there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
         there = np.isfinite(array) | np.isinf(array) if name in ENDLESS or name not in EVERY else there
         # of what is measured apart, or by some of merged studies: all or nothing of a trial
-        apart = name in LOCAL or name in DECISIONS or name in ENDINGS or (merged and name not in VARIABLES)
+        apart = name in APART or (merged and name not in VARIABLES)
         due = _any(there, set(dims) - {"setting", "trial"}) if apart else done
+        due = due & done if name in APART and name not in LOCAL else due
         if name == "true_fill_ratio":
             due = due & xr.Variable("setting", data["topology"].values == MOVING)
         if "robot" in dims:

@@ -15,7 +15,7 @@ from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.origins import studies_of
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.store import load, save
-from swarmcensus.results.values import EVERY, MISSING, kinds_in, metrics_in, told
+from swarmcensus.results.values import EVERY, MESSAGES, MISSING, kinds_in, metrics_in, told
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -110,7 +110,7 @@ def _together(
     sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
     arrays = {}
     names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
-    for name in (name for name in names_of_all if any(name in data for data in datasets)):
+    for name in (name for name in names_of_all if name in MESSAGES or any(name in data for data in datasets)):
         one = next(data[name] for data in (want, *datasets) if name in data)
         blank = MISSING if one.dtype.kind == "i" else np.nan
         arrays[name] = (one.dims, np.full([sizes[str(d)] for d in one.dims], blank, one.dtype), one.attrs, one.encoding)

@@ -34,6 +34,8 @@ VARIABLES: dict[str, Kind] = {
     "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
     "true_fill_ratio": (PER_TRIAL, np.float64, "1", "black share of the floor that robots can reach"),
+}
+MESSAGES: dict[str, Kind] = {  # missing of trials that an earlier version ran
     "messages_sent": (PER_ROBOT, np.int64, "messages", "rounds, or ticks, in which the robot broadcast"),
     "messages_heard": (PER_ROBOT, np.int64, "messages", "messages that reached the robot"),
 }
@@ -58,10 +60,10 @@ ESTIMATES: dict[str, Kind] = {
         ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
     ),
 }  # fmt: skip
-EVERY = VARIABLES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but for metrics of files
+EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but for metrics of files
 ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
 SPARSE = ("done_estimate", "consensus_right")  # not of each trial that is done
-SINCE_3 = ("messages_sent", "messages_heard", "memory_bytes", "message_bytes", "anonymous")  # of the format
+SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 MISSING = -1  # for whole numbers; NaN for the others
 
@@ -237,7 +239,7 @@ class Values:
         asked = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
         asked |= DECISIONS if any(brain.decides for brain in study.brains) else {}
         asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
-        self.kinds = VARIABLES | asked | kinds_of(study.measure.metrics)
+        self.kinds = VARIABLES | MESSAGES | asked | kinds_of(study.measure.metrics)
         self.arrays: Columns = {}
         for name, (dims, kind, *_) in self.kinds.items():
             shape = [sizes[d] for d in dims]

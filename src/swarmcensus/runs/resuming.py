@@ -153,8 +153,6 @@ class Holding:
             values.arrays[name][np.ix_(*where)] = taken
 
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
-        if "correct" in names and "messages_sent" not in names:
-            raise InputError(f"{path} is of an earlier version, which did not count messages. {HINT}")
         for name in LOCAL | ESTIMATES:
             if name in names and name not in values.arrays:
                 raise InputError(f"{path} holds {name}, which this study does not ask for. {HINT}")

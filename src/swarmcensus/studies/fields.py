@@ -40,8 +40,8 @@ def _floor(value: object, info: ValidationInfo) -> Floor:
     return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
 
 
-def _brains(value: object, info: ValidationInfo) -> list[brains.Brain]:
-    return [brain for one in (value if isinstance(value, list | tuple) else [value]) for brain in _sweep(one, info)]
+def _joined(lists: list[list[brains.Brain]]) -> list[brains.Brain]:
+    return [brain for one in lists for brain in one]
 
 
 def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
@@ -116,7 +116,7 @@ Wholes = Annotated[list[Whole], _Listed, _Some]
 Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
 Shares = Annotated[list[Share], _Listed, _Some]
 Positives = Annotated[list[Positive], _Listed, _Some]
-Brains = Annotated[list[brains.Brain], BeforeValidator(_brains), _Some]
+Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep)]], _Listed, _Some, AfterValidator(_joined)]
 Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _Listed, _Some]
 Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
 Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]
