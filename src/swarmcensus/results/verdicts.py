@@ -1,0 +1,88 @@
+"""A comparison in sentences: who is best in how many worlds, who is not told apart from it, and what it costs."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.rankings import groups
+from swarmcensus.results.contests import Contest
+from swarmcensus.results.standings import Standings
+
+UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}
+MOST_NAMED = 6  # contenders in a sentence
+
+
+def verdict(found: Standings) -> list[str]:
+    """One sentence a measure about the worlds, one about all of them together, and one about costs."""
+    sentences = []
+    for one, contest in zip(found.measures, found.contests, strict=True):
+        sentences.append(f"{one.label}: {_by_world(found, contest)}")
+        if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
+            sentences.append(f"{one.label}, over all worlds: {_overall(found, contest)}")
+    return sentences + costs(found)
+
+
+def costs(found: Standings) -> list[str]:
+    """What each contender sends and remembers, a sentence for all; nothing where results do not say it."""
+    if not found.costs and "memory_bytes" not in found.sizes:
+        return []
+    said = []
+    for k, name in enumerate(found.contenders[:MOST_NAMED]):
+        sent = [f"sends {_span(v[:, k])} {UNITS[n]}" for n, v in found.costs.items()][-1:]  # bytes, where known
+        held = [f"remembers {_span(v[:, k])} bytes" for n, v in found.sizes.items() if n == "memory_bytes"]
+        said.append(f"{name} {' and '.join(sent + held)}")
+    more = f"; and {len(found.contenders) - MOST_NAMED} more" if len(found.contenders) > MOST_NAMED else ""
+    return [f"cost of a robot in a trial: {'; '.join(said)}{more}"]
+
+
+def _by_world(found: Standings, contest: Contest) -> str:
+    """Such as "a is best in 3 of 6 worlds, level with the first in 2"."""
+    standing = found.standing(contest)
+    worlds = int((standing != "").any(axis=1).sum())
+    counts = {name: (standing == name).sum(axis=0) for name in ("best", "level")}
+    order = np.lexsort((-counts["level"], -counts["best"])).tolist()
+    several = f" of {worlds} worlds" if worlds > 1 else " the one world"
+    if not counts["best"].any():
+        none_told = (standing != "behind").all()
+        if none_told and len(found.contenders) > 1:
+            where = "in any world" if worlds > 1 else "there"
+            return f"no contender is told apart from another that comes first {where}"
+    parts = []
+    for k in order[:MOST_NAMED]:
+        name, best, level = found.contenders[k], int(counts["best"][k]), int(counts["level"][k])
+        if worlds == 1:
+            parts.append(f"{name} is {'best' if best else 'among the first' if level else 'behind'}")
+        elif best or level:
+            said = [f"best in {best}"] * bool(best) + [f"among the first in {level}{' more' * bool(best)}"] * bool(
+                level
+            )
+            parts.append(f"{name} is {' and '.join(said)}{several}")
+        else:
+            parts.append(f"{name} is behind in all")
+    more = f", and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
+    return ", ".join(parts) + more
+
+
+def _overall(found: Standings, contest: Contest) -> str:
+    """Average ranks, best first, and who is not told apart."""
+    average, apart = contest.average_ranks, found.apart_overall(contest)
+    order = np.argsort(average, kind="stable").tolist()
+    ranked = ", ".join(f"{found.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
+    more = ", ..." if len(order) > MOST_NAMED else ""
+    level = groups(order, apart)
+    if not level:
+        told = "all are told apart"
+    elif len(level[0]) == len(order):
+        told = "none is told apart from another"
+    else:
+        several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
+        told = f"not told apart: {'; '.join(several)}"
+    return f"average ranks {ranked}{more}; {told}"
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    """What a contender has in all worlds: one number, or the least and the most."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "an unknown number of"
+    low, high = f"{known.min():,.6g}", f"{known.max():,.6g}"
+    return low if low == high else f"{low} to {high}"
