@@ -1,7 +1,8 @@
 """Intervals by bootstrap over trials of many rows at once: of means and of medians, infinite ones too.
 
-Percentile intervals, made wider for few trials as Hesterberg proposes in "What teachers should know about the
-bootstrap", 2015: the percentiles are those at which the interval of a normal mean is Student's.
+Percentile intervals, made wider for few trials, as Hesterberg proposes in "What teachers should know about the
+bootstrap", 2015. Medians take the percentiles at which the interval of a normal mean would be Student's. Means keep the
+usual ones, and their distances from the mean are stretched by as much, for the ends of few resamples are too near.
 """
 
 from statistics import NormalDist
@@ -54,21 +55,22 @@ def intervals(values: Floats, statistic: Statistic, level: float = LEVEL) -> tup
     return low, high
 
 
-def _tail(trials: int, level: float) -> float:
-    """The share of resamples to be left out at either end."""
-    return NormalDist().cdf(-np.sqrt(trials / (trials - 1)) * student(trials, level))
+def _errors(trials: int, level: float) -> float:
+    """How many of the bootstrap's own standard errors hold the middle `level` of a mean of so many."""
+    return float(np.sqrt(trials / (trials - 1)) * student(trials, level))
 
 
 def _of_means(values: Floats, level: float) -> Floats:
     trials = values.shape[1]
     counts = resample(trials, RESAMPLES)[1:] / trials
-    tail = _tail(trials, level)
+    tail, means = (1 - level) / 2, values.mean(axis=1)
     ends = np.empty((2, len(values)))
     step = max(1, BLOCK // RESAMPLES)
     for first in range(0, len(values), step):
         rows = slice(first, first + step)
         ends[:, rows] = np.quantile(values[rows] @ counts.T, [tail, 1 - tail], axis=1)
-    return ends
+    stretched: Floats = means + (ends - means) * _errors(trials, level) / NormalDist().inv_cdf(1 - tail)
+    return stretched
 
 
 def _of_medians(ordered: Floats, level: float) -> Floats:
@@ -77,7 +79,7 @@ def _of_medians(ordered: Floats, level: float) -> Floats:
     seen = np.cumsum(resample(trials, RESAMPLES)[1:], axis=1)
     middles = [np.argmax(seen > rank, axis=1) for rank in ((trials - 1) // 2, trials // 2)]
     places, often = np.unique(np.stack(middles, axis=1), axis=0, return_counts=True)
-    tail = _tail(trials, level)
+    tail = NormalDist().cdf(-_errors(trials, level))
     ends = np.empty((2, len(ordered)))
     step = max(1, BLOCK // len(places))
     for first in range(0, len(ordered), step):

@@ -13,7 +13,7 @@ from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import comparison_tables, measures, selecting
 from swarmcensus.results.contenders import NONE, Field, field_of
-from swarmcensus.results.contests import ALPHA, Contest, contests
+from swarmcensus.results.contests import ALPHA, Asked, Contest, contests
 from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.standings import Standings
 from swarmcensus.results.store import load
@@ -79,7 +79,8 @@ def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), 
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]
     if not any(np.isfinite(numbers).any() for numbers in compared):
         raise InputError("there is nothing to compare: no trial of these settings has been run")
-    found = contests([(numbers, one.statistic, one.low) for numbers, one in zip(compared, some, strict=True)])
+    asked = zip(compared, some, strict=True)
+    found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked])
     costs = {
         name: centres(field.spread(measures.numbers(data, name)), "mean")
         for name in COSTS

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from itertools import combinations
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,18 @@ ALPHA = 1 - LEVEL
 BLOCK = 2**22  # numbers that are compared at once
 
 Floats = NDArray[np.float64]
+
+
+class Asked(NamedTuple):
+    """What a contest is about: numbers (world, contender, trial), their statistic over trials, and what they are like.
+
+    NaN is a trial that is not there, infinity one in which what is measured never came.
+    """
+
+    numbers: Floats
+    statistic: Statistic
+    low: bool = True
+    share: bool = False
 
 
 @dataclass(frozen=True)
@@ -67,13 +80,13 @@ def pairs_of(contenders: int) -> list[tuple[int, int]]:
     return list(combinations(range(contenders), 2))
 
 
-def contests(measures: list[tuple[Floats, Statistic, bool]], with_intervals: bool = True) -> list[Contest]:
-    """The contest of each measure: its numbers (world, contender, trial), its statistic and whether low is better.
+def contests(measures: list[Asked], with_intervals: bool = True) -> list[Contest]:
+    """The contest of each measure; without intervals, and Friedman's test, which take the most time, these are NaN.
 
-    NaN is a trial that is not there, infinity one in which what is measured never came. All tests of all measures are
-    one family: if no contender differs from another, anything is told apart in at most 5 % of comparisons.
+    All tests of all measures are one family: if no contender differs from another, anything is told apart in at most
+    5 % of comparisons.
     """
-    found = [_contest(*one, with_intervals) for one in measures]
+    found = [_contest(one, with_intervals) for one in measures]
     tested = [part.ravel() for one in found for part in (one.corrected, one.duels_corrected)]
     corrected = holm(np.concatenate(tested)) if tested else np.zeros(0)
     at = 0
@@ -84,8 +97,10 @@ def contests(measures: list[tuple[Floats, Statistic, bool]], with_intervals: boo
     return found
 
 
-def _contest(numbers: Floats, statistic: Statistic, low: bool, with_intervals: bool) -> Contest:
+def _contest(asked: Asked, with_intervals: bool) -> Contest:
+    numbers, statistic, low, share = asked
     worlds, contenders, trials = numbers.shape
+    most = 1.0 if share else np.inf
     first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
     shape = worlds, len(first)
     parts: list[tuple[Floats, Floats, Floats, SignedRanks]] = []
@@ -93,7 +108,7 @@ def _contest(numbers: Floats, statistic: Statistic, low: bool, with_intervals: b
     for start in range(0, worlds, step):
         some = numbers[start : start + step]
         off = differences(some[:, first], some[:, second])
-        ends = _ends(off, statistic, with_intervals)
+        ends = _ends(off, statistic, with_intervals, -most, most)
         parts.append((centres(off, statistic), *ends, signed_ranks(off)))
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = SignedRanks(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
@@ -106,7 +121,7 @@ def _contest(numbers: Floats, statistic: Statistic, low: bool, with_intervals: b
     return Contest(
         low=low,
         values=centres(numbers, statistic),
-        value_ends=_ends(numbers, statistic, with_intervals),
+        value_ends=_ends(numbers, statistic, with_intervals, 0.0 if share else -np.inf, most),
         trials=np.asarray((~np.isnan(numbers)).sum(axis=2)),
         difference=difference,
         difference_ends=(lowest, highest),
@@ -121,10 +136,10 @@ def _contest(numbers: Floats, statistic: Statistic, low: bool, with_intervals: b
     )
 
 
-def _ends(values: Floats, statistic: Statistic, wanted: bool) -> tuple[Floats, Floats]:
+def _ends(values: Floats, statistic: Statistic, wanted: bool, least: float, most: float) -> tuple[Floats, Floats]:
     if not wanted:
         return np.full(values.shape[:-1], np.nan), np.full(values.shape[:-1], np.nan)
-    low, high = intervals(values.reshape(-1, values.shape[-1]), statistic)
+    low, high = np.clip(intervals(values.reshape(-1, values.shape[-1]), statistic), least, most)
     return low.reshape(values.shape[:-1]), high.reshape(values.shape[:-1])
 
 
