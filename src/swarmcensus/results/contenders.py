@@ -61,6 +61,7 @@ def field_of(data: xr.Dataset) -> tuple[Field, list[str]]:
             f"there is nothing to compare: all settings are of {contenders[0]}" if contenders else "there is no setting"
         )
     left_out = {"setting", "brain", *(name for several in parameters.values() for name in several)}
+    left_out.add(told(data))
     coordinates = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
     columns = {name: data[name].values.tolist() for name in coordinates}
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)
@@ -84,16 +85,12 @@ def field_of(data: xr.Dataset) -> tuple[Field, list[str]]:
     seen = (place[kept] != NONE).any(axis=0)
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]
     differing = [name for name in coordinates if len({repr(columns[name][s]) for s in firsts}) > 1]
-    if told(data) in differing:
-        differing.remove(told(data))
-    assumed = [(columns["assumed_accuracy"][s], columns["accuracy"][s]) for s in firsts] if (
-        {"assumed_accuracy", "accuracy"} <= columns.keys()
-    ) else []  # fmt: skip
-    if assumed and all(one == other for one, other in assumed):
+    common = {name: columns[name][firsts[0]] for name in coordinates if name not in differing}
+    if {"assumed_accuracy", "accuracy"} <= columns.keys() and all(
+        columns["assumed_accuracy"][s] == columns["accuracy"][s] for s in firsts
+    ):  # robots that know their sensors assume the true accuracy
         differing = [name for name in differing if name != "assumed_accuracy"]
-    common = {
-        name: columns[name][firsts[0]] for name in coordinates if len({repr(columns[name][s]) for s in firsts}) < 2
-    }
+        common.pop("assumed_accuracy", None)
     found = [{name: columns[name][s] for name in differing} for s in firsts]
     return Field(
         found, common, [c for c, so in zip(contenders, seen, strict=True) if so], place[kept][:, seen]

@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.rankings import groups
+from swarmcensus.results.comparison_cells import amount, p_value
 from swarmcensus.results.contests import Contest
 from swarmcensus.results.standings import Standings
 
@@ -35,31 +36,26 @@ def costs(found: Standings) -> list[str]:
 
 
 def _by_world(found: Standings, contest: Contest) -> str:
-    """Such as "a is best in 3 of 6 worlds, level with the first in 2"."""
+    """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
     standing = found.standing(contest)
     worlds = int((standing != "").any(axis=1).sum())
-    counts = {name: (standing == name).sum(axis=0) for name in ("best", "level")}
-    order = np.lexsort((-counts["level"], -counts["best"])).tolist()
-    several = f" of {worlds} worlds" if worlds > 1 else " the one world"
-    if not counts["best"].any():
-        none_told = (standing != "behind").all()
-        if none_told and len(found.contenders) > 1:
-            where = "in any world" if worlds > 1 else "there"
-            return f"no contender is told apart from another that comes first {where}"
+    counts = {name: (standing == name).sum(axis=0).tolist() for name in ("best", "level")}
+    if not (standing == "behind").any():
+        return "nobody is told apart from whoever is first" + " in any world" * (worlds > 1)
+    order = np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist()
     parts = []
     for k in order[:MOST_NAMED]:
-        name, best, level = found.contenders[k], int(counts["best"][k]), int(counts["level"][k])
+        best, level = counts["best"][k], counts["level"][k]
         if worlds == 1:
-            parts.append(f"{name} is {'best' if best else 'among the first' if level else 'behind'}")
+            how = "best" if best else "level at the top" if level else "behind"
         elif best or level:
-            said = [f"best in {best}"] * bool(best) + [f"among the first in {level}{' more' * bool(best)}"] * bool(
-                level
-            )
-            parts.append(f"{name} is {' and '.join(said)}{several}")
+            said = [f"best in {best}"] * (best > 0) + [f"level at the top in {level}"] * (level > 0)
+            how = " and ".join(said)
         else:
-            parts.append(f"{name} is behind in all")
-    more = f", and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
-    return ", ".join(parts) + more
+            how = "behind in all"
+        parts.append(f"{found.contenders[k]} is {how}")
+    more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
+    return f"of {worlds} worlds, " * (worlds > 1) + "; ".join(parts) + more
 
 
 def _overall(found: Standings, contest: Contest) -> str:
@@ -76,7 +72,11 @@ def _overall(found: Standings, contest: Contest) -> str:
     else:
         several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
         told = f"not told apart: {'; '.join(several)}"
-    return f"average ranks {ranked}{more}; {told}"
+    return f"average ranks {ranked}{more}; {told} (Friedman's test: p {_equals(contest.friedman[1])})"
+
+
+def _equals(p: float) -> str:
+    return text if (text := p_value(p)).startswith("<") else f"= {text}"
 
 
 def _span(values: NDArray[np.float64]) -> str:
@@ -84,5 +84,5 @@ def _span(values: NDArray[np.float64]) -> str:
     known = values[np.isfinite(values)]
     if not known.size:
         return "an unknown number of"
-    low, high = f"{known.min():,.6g}", f"{known.max():,.6g}"
+    low, high = amount(known.min()), amount(known.max())
     return low if low == high else f"{low} to {high}"
