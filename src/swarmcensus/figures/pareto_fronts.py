@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import measured_axis
-from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.coordinates import CAPTIONS
+from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.results.comparison_cells import head

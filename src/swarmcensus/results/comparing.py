@@ -77,7 +77,7 @@ def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), 
     field, cautions = field_of(data)
     some, unsaid = measures.chosen(data, metric)
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]
-    if not any(np.isfinite(numbers).any() for numbers in compared):
+    if all(np.isnan(numbers).all() for numbers in compared):
         raise InputError("there is nothing to compare: no trial of these settings has been run")
     asked = zip(compared, some, strict=True)
     found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked])

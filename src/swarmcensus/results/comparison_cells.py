@@ -98,7 +98,8 @@ def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
         trials = (contest.tests.below + contest.tests.equal + contest.tests.above)[:worlds]
         world, pair = at = np.nonzero(trials)
         better = contest.tests.below if contest.low else contest.tests.above
-        texts = numbers(contest.difference[at], *(ends[at] for ends in contest.difference_ends), trials[at], one)
+        low, high = (ends[at] for ends in contest.difference_ends)
+        texts = numbers(contest.difference[at], low, high, trials[at], one)
         for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
             first, second = (found.contenders[c] for c in pairs_of(len(found.contenders))[p])
             equal = contest.tests.equal[w, p]

@@ -112,7 +112,7 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
         for name in files
         if name not in there
     ]
-    usual = [there[name] for name in USUAL if name in there and np.isfinite(numbers(data, name)).any()]
+    usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
     return usual + [one for name, one in there.items() if name in files], cautions
 
 
