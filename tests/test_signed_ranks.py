@@ -92,7 +92,14 @@ def test_differences_know_rounding_and_infinity():
     found = differences(one, other)
     assert found[:5].tolist() == [0, 0, INF, -INF, -INF]
     assert math.isnan(found[5])
-    assert found[6] == found[7] == pytest.approx(0.01)  # which rounding alone tells apart
+    assert found[6:].tolist() == pytest.approx([0.01, 0.01], rel=1e-13)
+
+
+def test_differences_that_rounding_alone_tells_apart_are_tied():
+    off = np.array([0.3 - 0.2, 0.2 - 0.1, 0.2 - 0.3, 0.5, 0.6, 0.7])
+    assert len({*np.abs(off[:3]).tolist()}) > 1
+    assert signed_ranks(off).balance == (21 - 2 * 2) / 21
+    assert signed_ranks(off).p == by_every_sign(np.round(off, 9))
 
 
 def test_ranks_share_ties_and_leave_out_what_is_missing():
@@ -134,6 +141,12 @@ def test_friedman_is_scipys_with_ties_too_and_its_p_all_permutations(tied):
     sums = [(np.array(one).sum(axis=0) ** 2).sum() for one in itertools.product(*every)]
     exact = np.mean(np.array(sums) >= (off.sum(axis=0) ** 2).sum() - 1e-9)
     assert p == pytest.approx(exact, abs=4 * math.sqrt(exact * (1 - exact) / 9999) + 1e-3)
+
+
+def test_no_trial_tells_nothing():
+    found = signed_ranks(np.zeros((3, 0)))
+    assert found.p.tolist() == [1, 1, 1]
+    assert found.equal.tolist() == [0, 0, 0]
 
 
 def test_nobody_ranks_above_another():

@@ -38,14 +38,13 @@ class SignedRanks(NamedTuple):
 def differences(one: Floats, other: Floats) -> Floats:
     """What `one` exceeds `other` by, in each place: 0 where they differ by rounding or both are the same infinity.
 
-    NaN where either is. Differences of nearly the same size are made equal, so that ties of decimal numbers stay ties.
+    NaN where either is.
     """
     with np.errstate(invalid="ignore"):
         off = one - other
         alike = (one == other) | (np.abs(off) <= ROUNDING * np.maximum(np.abs(one), np.abs(other)))
     alike &= (np.isfinite(one) & np.isfinite(other)) | (one == other)
-    mantissa, exponent = np.frexp(np.where(alike, 0.0, off))
-    return np.asarray(np.ldexp(np.rint(mantissa * FEW_BITS) / FEW_BITS, exponent))
+    return np.where(alike, 0.0, off)
 
 
 def midranks(values: Floats) -> Floats:
@@ -73,8 +72,10 @@ def signed_ranks(off: Floats) -> SignedRanks:
     farther. Zeros are ranked and then left out (Pratt). Beyond 64 differences p is that of the normal distribution,
     with a correction for continuity. Without a difference p is 1.
     """
-    flat = off.reshape(-1, off.shape[-1])
-    weights = np.rint(2 * np.nan_to_num(midranks(np.abs(flat)))).astype(np.int64)  # whole: ranks may be halves
+    flat = off.reshape(math.prod(off.shape[:-1]), off.shape[-1])
+    mantissa, exponent = np.frexp(np.abs(flat))
+    sizes = np.ldexp(np.rint(mantissa * FEW_BITS), exponent)  # so that ties of decimal numbers stay ties
+    weights = np.rint(2 * np.nan_to_num(midranks(sizes))).astype(np.int64)  # whole: ranks may be halves
     weights[(flat == 0) | np.isnan(flat)] = 0
     above = np.where(flat > 0, weights, 0).sum(axis=1)
     total = weights.sum(axis=1)

@@ -58,7 +58,8 @@ def field_of(data: xr.Dataset) -> tuple[Field, list[str]]:
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
         raise InputError(
-            f"there is nothing to compare: all settings are of {contenders[0]}" if contenders else "there is no setting"
+            f"there is nothing to compare: all settings are of {contenders[0]}, and it takes two brains, or two values "
+            "of a brain's parameter"
         )
     left_out = {"setting", "brain", *(name for several in parameters.values() for name in several)}
     left_out.add(told(data))
