@@ -183,6 +183,11 @@ def test_the_front_is_of_those_whom_none_beats_in_both():
                 assert found[k] == (not beaten and not np.isnan(value[k]))
 
 
+def test_costs_that_differ_by_chance_are_the_same_on_the_front():
+    assert front(np.array([2408.1, 2408.3]), np.array([0.2, 0.1]), True).tolist() == [False, True]
+    assert front(np.array([2400.0, 2410.0]), np.array([0.2, 0.1]), True).tolist() == [True, True]
+
+
 def test_pareto_draws_each_world_with_its_front_and_intervals():
     data = made_up(gap=0.3)
     figure = sc.plot.pareto(data)

@@ -30,7 +30,11 @@ Floats = NDArray[np.float64]
 
 
 def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
-    """Which of (contender,) are on the front: no other is as cheap and as good, and cheaper or better. NaN never is."""
+    """Which of (contender,) are on the front: no other is as cheap and as good, and cheaper or better. NaN never is.
+
+    Costs that agree to three digits are the same: means over trials differ by chance.
+    """
+    cost = np.array([float(f"{one:.3g}") for one in cost.tolist()])
     worse = value if low else -value
     cheaper = cost[:, np.newaxis] <= cost
     better = worse[:, np.newaxis] <= worse

@@ -53,11 +53,11 @@ def columns(found: Standings, worlds: int) -> dict[str, list[Cell]]:
 
 
 def numbers(
-    values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure
+    values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure, endless: str = NEVER
 ) -> list[tuple[str, str]]:
     """Values and their intervals as text, in two digits of a usual interval (one of rounds).
 
-    What is infinite is "never". Where all trials are the same, the interval is "always".
+    What is infinite is `endless`. Where all trials are the same, the interval is "always".
     """
     times = 100.0 if measure.share else 1.0
     widths = times * (high - low)
@@ -72,7 +72,7 @@ def numbers(
     out = []
     ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # not -0.00
     for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
-        text, interval = (part.replace("inf", NEVER) for part in rounded(value, least, most, decimals))
+        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals))
         if np.isnan(least):
             interval = (ALWAYS if count >= FEWEST and not np.isnan(value) else "-") * bool(
                 widths.size or count >= FEWEST
@@ -99,7 +99,7 @@ def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
         world, pair = at = np.nonzero(trials)
         better = contest.tests.below if contest.low else contest.tests.above
         low, high = (ends[at] for ends in contest.difference_ends)
-        texts = numbers(contest.difference[at], low, high, trials[at], one)
+        texts = numbers(contest.difference[at], low, high, trials[at], one, "inf")
         for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
             first, second = (found.contenders[c] for c in pairs_of(len(found.contenders))[p])
             equal = contest.tests.equal[w, p]

@@ -55,7 +55,7 @@ def _by_world(found: Standings, contest: Contest) -> str:
             how = "behind in all"
         parts.append(f"{found.contenders[k]} is {how}")
     more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
-    return f"of {worlds} worlds, " * (worlds > 1) + "; ".join(parts) + more
+    return f"of {worlds:,} worlds, " * (worlds > 1) + "; ".join(parts) + more
 
 
 def _overall(found: Standings, contest: Contest) -> str:
