@@ -109,8 +109,8 @@ def _cautions(
     counts = found[0].trials[field.place != NONE]
     if counts.min() < counts.max():
         cautions.append(
-            f"contenders have {counts.min()} to {counts.max()} trials: those are compared that both of a pair have, and "
-            "over all worlds those that all have in all of them"
+            f"contenders have {counts.min()} to {counts.max()} trials: those are compared that both of a pair have, "
+            "and over all worlds those that all have in all of them"
         )
     for one, numbers in zip(some, compared, strict=True):
         lacking = np.isnan(numbers).all(axis=2) & (field.place != NONE)
