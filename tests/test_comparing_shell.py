@@ -7,6 +7,7 @@ import re
 import matplotlib as mpl
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import swarmcensus as sc
 from swarmcensus.cli import comparison_page
@@ -222,3 +223,11 @@ def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
     assert out.splitlines()[1].startswith("contender ")
     assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out
     assert "over all worlds" not in out
+
+
+def test_axes_of_ones_own_hold_one_measure():
+    mine = Figure(figsize=(7, 3)).subplots()
+    assert sc.plot.ranks(made_up(), metric="correct", title="mine", ax=mine) is mine.figure
+    assert mine.get_title(loc="left") == "mine"
+    with pytest.raises(sc.InputError, match="ax holds one panel, not 5: name one metric"):
+        sc.plot.ranks(made_up(), ax=mine)

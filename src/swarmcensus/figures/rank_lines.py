@@ -52,6 +52,8 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = Non
     captions = [
         f"{one.label}: average rank over {_over(found.contests[k])}" for k in drawn for one in [found.measures[k]]
     ]
+    if ax is not None and title:
+        captions = [title]
     caption_panels(panels, captions, 0.3, WIDE - 0.3)
     for k, bars, panel, inches in zip(drawn, joined, panels, high, strict=True):
         _draw(panel, found.contenders, found.contests[k].average_ranks, bars, inches - OVER)
