@@ -26,7 +26,7 @@ from swarmcensus.results.selecting import TooMuch
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 
-OURS = ["arena", "beliefs", "curves", "decisions", "film", "heatmap", "lines", "scatter"]
+OURS = ["arena", "beliefs", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
 
 GOOD = '''
 """Kinds of figures that are not ours."""

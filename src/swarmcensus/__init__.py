@@ -15,6 +15,7 @@ from swarmcensus.basics.version import __version__ as __version__
 if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
+    from swarmcensus.results.comparing import compare
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -29,6 +30,7 @@ _HOME = {
     "InputError": "basics.errors",
     "Interrupted": "basics.errors",
     "Study": "studies.study",
+    "compare": "results.comparing",
     "frame": "results.store",
     "infer": "simulation.inferring",
     "load": "results.store",
@@ -45,6 +47,7 @@ __all__ = [
     "InputError",
     "Interrupted",
     "Study",
+    "compare",
     "frame",
     "infer",
     "load",

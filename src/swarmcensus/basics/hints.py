@@ -5,6 +5,7 @@ from collections.abc import Iterable
 OTHER_WORDS = {
     "accuracy": ("b", "p", "sensor", "sensor_accuracy", "w"),
     "at": ("from", "round", "start", "tick", "when"),
+    "compare": ("rank", "versus", "vs"),
     "density": ("d",),
     "fill_ratio": ("black", "f"),
     "jobs": ("cores", "processes", "threads", "workers"),

@@ -110,8 +110,9 @@ def _normal(level: float) -> float:
     return NormalDist().inv_cdf((1 + level) / 2)
 
 
-def _student(trials: int, level: float) -> float:
-    """The same where the standard error is estimated from so many: Student's t. Gaver and Kafadar, 1984."""
+def student(trials: int, level: float) -> float:
+    """How many standard errors hold the middle `level` where the error is estimated from so many trials, 3 or more:
+    Student's t, to three digits. Gaver and Kafadar, 1984."""
     freedom = trials - 1
     return math.sqrt(freedom * math.expm1(_normal(level) ** 2 * (freedom - 1.5) / (freedom - 1) ** 2))
 
@@ -141,7 +142,7 @@ def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
     def straight(errors: float) -> float:
         return 3 / skew * (float(np.cbrt(1 + skew * (errors - skew / 6))) - 1) if abs(skew) > 1e-6 else errors
 
-    beyond = _student(trials, level)
+    beyond = student(trials, level)
     return mean - straight(beyond) * error, mean - straight(-beyond) * error
 
 
@@ -166,7 +167,7 @@ def _tries(by_trial: Floats, level: float) -> float:
     total = float(squares.sum())
     bearing = total**2 / float((squares**2).sum())  # so many trials of the mean square make up the variance
     effect: float = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
-    return trials * max(1.0, (_normal(level) / _student(trials, level)) ** 2 / effect)
+    return trials * max(1.0, (_normal(level) / student(trials, level)) ** 2 / effect)
 
 
 def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.choices import choices
+from swarmcensus.cli.comparing import compare
 from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
 from swarmcensus.cli.plotting import plot
@@ -73,5 +74,6 @@ def _complain(what: object) -> None:
 
 
 COMMANDS = {
-    run.__name__: run for run in (run, reproduce, show, merge, status, verify, plot, export, replay, infer, brains)
+    run.__name__: run
+    for run in (run, reproduce, show, compare, merge, status, verify, plot, export, replay, infer, brains)
 } | {"list": choices}

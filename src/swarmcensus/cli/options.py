@@ -83,6 +83,22 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     )
     sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
+    sub = command("compare", "Rank brains within each world, paired trial by trial, and say what trials tell.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--where", metavar="EXPR", help="settings to compare, as 'topology == \"ring\" and robots == 100'")
+    sub.add_argument(
+        "--metric",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="a measure to compare by, as correct, or my_metric:low (default: the usual ones); several: once for each",
+    )
+    sub.add_argument("--pairs", action="store_true", help="each pair of brains too: difference, effect, p-values")
+    sub.add_argument("--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS})")
+    sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, a row each")
+    sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
+    sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
+
     sub = command("status", "Say how far a study is that runs, or was cut off, and when it ends.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
 

@@ -20,6 +20,8 @@ if TYPE_CHECKING:  # what a type checker or an editor should know more of than t
     from swarmcensus.figures.kinds.film import film as film
     from swarmcensus.figures.kinds.heatmap import heatmap as heatmap
     from swarmcensus.figures.kinds.lines import lines as lines
+    from swarmcensus.figures.kinds.pareto import pareto as pareto
+    from swarmcensus.figures.kinds.ranks import ranks as ranks
     from swarmcensus.figures.kinds.scatter import scatter as scatter
 
 

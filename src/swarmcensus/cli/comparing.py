@@ -1,0 +1,72 @@
+"""The command `compare`: brains within each world, as tables, files and figures. Imports wait until needed."""
+
+import argparse
+import shlex
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.options import MOST_ROWS
+
+if TYPE_CHECKING:
+    from swarmcensus.results.comparing import Comparison
+
+
+def compare(options: argparse.Namespace) -> int:
+    """Compare brains within each world."""
+    from swarmcensus.basics.files import check_writable
+    from swarmcensus.cli import comparison_page
+    from swarmcensus.cli.plotting import figure_files
+    from swarmcensus.cli.tables import head
+    from swarmcensus.results.comparing import compare as compare_results
+    from swarmcensus.results.comparison_tables import write_csv
+    from swarmcensus.results.early import opened
+    from swarmcensus.results.latex import write_latex
+
+    for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
+        if path and path.suffix.lower() != suffix:
+            flag = "--csv" if path is options.csv else "--latex"
+            raise InputError(f"{flag} {path}: this table is written as {suffix}")
+        if path:
+            check_writable(path, options.results)
+    figures = {kind: _beside(options.out, kind) for kind in ("ranks", "pareto")} if options.out else {}
+    for path in figures.values():
+        figure_files(path, ("png", "svg"), options.results)
+    stored = opened(options.results)
+    found = compare_results(stored, options.metric, options.where)
+    limit = MOST_ROWS if options.limit is None else options.limit
+    comparison_page.show(found, head(stored, options.results), _again(options), limit, options.pairs)
+    if options.csv:
+        print(f"{options.csv}: {write_csv(found, options.csv):,} rows")
+    if options.latex:
+        write_latex(found, options.latex)
+        print(options.latex)
+    if figures:
+        _draw(found, figures)
+    return 0
+
+
+def _beside(out: Path, kind: str) -> Path:
+    """The file of a figure: comparison.png becomes comparison-ranks.png."""
+    return out.with_name(f"{out.stem}-{kind}{out.suffix}")
+
+
+def _again(options: argparse.Namespace) -> str:
+    """The command with what it was given."""
+    words = ["swarmcensus", "compare", str(options.results)]
+    words += ["--where", options.where] if options.where is not None else []
+    return shlex.join([*words, *(word for name in options.metric for word in ("--metric", name))])
+
+
+def _draw(found: "Comparison", figures: dict[str, Path]) -> None:
+    """Draw what can be drawn of it, and say what cannot."""
+    from swarmcensus.cli.plotting import save_figure
+    from swarmcensus.figures.pareto_fronts import draw_pareto
+    from swarmcensus.figures.rank_lines import draw_ranks
+
+    save_figure(draw_ranks(found), figures["ranks"])
+    if "bytes_sent" in found.costs:
+        save_figure(draw_pareto(found), figures["pareto"])
+    else:
+        print(f"{figures['pareto']} is not drawn: these results do not say how many bytes were sent", file=sys.stderr)

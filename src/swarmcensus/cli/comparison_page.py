@@ -1,0 +1,126 @@
+"""What the terminal shows of a comparison: a table of worlds, of pairs if asked for, what it means, and the verdict."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from rich.table import Table
+
+from swarmcensus.basics.statistics import FEWEST
+from swarmcensus.basics.terminal import UNFOLDED, console, table
+from swarmcensus.results.comparing import Comparison
+from swarmcensus.results.comparison_cells import COSTS, PAIR_HEADS, Cell, columns, head, pair_rows, rows_of
+
+MARKS = {"best": "*", "level": "="}
+
+
+def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
+    """Print a comparison: as many worlds as have `limit` rows together, at least one (0: all).
+
+    `again` is the command that shows it. In a terminal that is too narrow, each measure has a table of its own.
+    """
+    out = console()
+    worlds = _fitting(found, limit)
+    world, contender = rows_of(found, worlds)
+    first = np.append(True, world[1:] != world[:-1])
+    names = list(found.field.worlds[0])
+    left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
+    for name in names:
+        left[name] = [str(found.field.worlds[w][name]) if new else "" for w, new in zip(world, first, strict=True)]
+    left["contender"] = [found.contenders[c] for c in contender]
+    if not names:
+        del left["world"]
+    cells = columns(found, worlds)
+    pages = [_rows(left, cells)]
+    if pages[0].__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
+        pages = [_rows(left, {name: one}) for name, one in cells.items()]
+    out.print(title)
+    for page in pages:
+        out.print(page)
+    for line in _legend(found, cells):
+        out.print(line, style="dim")
+    if worlds < len(found.field.worlds):
+        out.print(f"{worlds:,} of {len(found.field.worlds):,} worlds; all of them: {again} --limit 0", soft_wrap=True)
+    if with_pairs:
+        out.print()
+        out.print(_pairs(found, worlds))
+        for line in PAIRS:
+            out.print(line, style="dim")
+    out.print()
+    for sentence in found.verdict:
+        out.print(sentence)
+    for caution in found.cautions:
+        out.print(f"caution: {caution}", style="yellow")
+    if not with_pairs:
+        count = sum(int((~np.isnan(one.corrected)).sum()) for one in found.contests)
+        out.print(
+            f"all {count:,} differences, their effects and p-values: {again} --pairs, or --csv FILE", soft_wrap=True
+        )
+
+
+PAIRS = (
+    "one - other: the median of the trials' differences (of shares and what is sent: the mean); [95 %]: by bootstrap "
+    "over trials, each by itself",
+    "effect: matched rank-biserial correlation, from -1 to 1, above 0 where the first is better",
+    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method for all tests of this comparison",
+)
+
+
+def _fitting(found: Comparison, limit: int) -> int:
+    """How many worlds have at most so many rows."""
+    rows = np.cumsum((found.settings >= 0).sum(axis=1))
+    return len(rows) if not limit else max(1, int(np.searchsorted(rows, limit, side="right")))
+
+
+def _rows(left: dict[str, list[str]], cells: dict[str, list[Cell]]) -> Table:
+    heads, texts = [(name, name == "world") for name in left], []
+    for name, column in cells.items():
+        wide, wider = (max(map(len, part), default=0) for part in list(zip(*column, strict=True))[:2])
+        marked = any(cell.standing for cell in column)
+        wide = max(wide, len(name) if wider else 0)
+        heads.append((name + (f" {'[95 %]':>{wider}}" if wider else ""), True))
+        texts.append(
+            [
+                f"{MARKS.get(cell.standing, ' ')} " * marked
+                + f"{cell.value:>{wide}}" + f" {cell.interval:>{wider}}" * bool(wider)
+                for cell in column
+            ]
+        )  # fmt: skip
+    return table(heads, zip(*left.values(), *texts, strict=True))
+
+
+def _pairs(found: Comparison, worlds: int) -> Table:
+    texts = ("measure", "one", "other", "[95 %]", "one is better in", "told apart")
+    rows: Sequence[tuple[str, ...]] = pair_rows(found, worlds)
+    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or found.field.worlds[0]]
+    heads = [(PAIR_HEADS[k], PAIR_HEADS[k] not in texts) for k in kept]
+    return table(heads, ([row[k] for k in kept] for row in rows))
+
+
+def _idle(name: str, value: object) -> bool:
+    """Whether a coordinate says nothing: it is empty, or links lose nothing."""
+    return str(value) in ("", "nan") or (name == "link_success" and value == 1.0)
+
+
+def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
+    """What columns and marks mean, and what all worlds have in common."""
+    trials = found.contests[0].trials[found.settings >= 0]
+    few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
+        "; [95 %]: by bootstrap over trials; always: in every trial"
+    )  # fmt: skip
+    many = f"{trials.max()}" if trials.min() == trials.max() else f"{trials.min()} to {trials.max()}"
+    said = [
+        f"{head(one)}: {one.meaning}" + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
+        for one in found.measures
+    ]
+    tests = sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
+    same = [f"{name} {value}" for name, value in found.field.common.items() if not _idle(name, value)]
+    costs = [name for name in COSTS.values() if name in cells]
+    means = "means over robots and trials" if len(costs) > ("memory" in costs) else ""
+    return [
+        "; ".join(said),
+        f"values: the median over {many} trials of each one's median robot (of shares and what is sent: means){few}",
+        *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
+        f"* best in its world, told apart from all others; = first, or not told apart from the first; {tests:,} tests, "
+        "corrected by Holm's method",
+        *([f"all with {', '.join(same)}"] if same else []),
+    ]

@@ -1,0 +1,119 @@
+"""Average ranks on a line, and bars over those that are not told apart: the critical-difference diagram.
+
+Demsar, "Statistical comparisons of classifiers over multiple data sets", 2006; with bars after pairwise tests instead
+of one critical difference, as Benavoli, Corani and Mangili advise in "Should we really use post-hoc tests based on
+mean-ranks?", 2016.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.rankings import groups
+from swarmcensus.figures.lettering import shortened, wrapped
+from swarmcensus.figures.sheets import SMALL, TITLE, caption_panels
+from swarmcensus.results.contests import Contest
+from swarmcensus.results.standings import Standings
+
+WIDE = 6.4  # inches: the figure
+NAMES = 1.75  # inches on either side for the names
+LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
+OVER, UNDER = 0.62, 0.12  # inches for a caption and the numbers, and under the last name
+FOOT = 0.25  # inches under all panels
+MOST = 40  # contenders that have room
+HELD_BACK = "0.35"
+
+
+def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = None) -> Figure:
+    """Draw a panel for each measure of a comparison, the best contender on the left of its line.
+
+    Ranks are means over the trials and worlds that all contenders have met. A bar joins contenders no two of which are
+    told apart over all these worlds, by the tests of the comparison. Raises InputError where all have met in none, for
+    more contenders than have room, and for several measures in one `ax`.
+    """
+    drawn = [k for k, one in enumerate(found.contests) if len(one.ranks)]
+    if not drawn:
+        raise InputError("ranks: there is no world in which all contenders have finished the same trials")
+    if len(found.contenders) > MOST:
+        raise InputError(
+            f"ranks: a line has room for {MOST} contenders, not {len(found.contenders)}: select some settings"
+        )
+    if ax is not None and len(drawn) > 1:
+        raise InputError(f"ax holds one panel, not {len(drawn)}: name one metric")
+    joined = [_joined(found, found.contests[k]) for k in drawn]
+    high = [OVER + UNDER + BAR * (len(bars) + 1) + LINE * ((len(found.contenders) + 1) // 2) for bars in joined]
+    lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
+    room = 0.22 * len(lines) + 0.1 * bool(lines)
+    panels = [ax] if ax is not None else _panels(high, room, lines)
+    captions = [
+        f"{one.label}: average rank over {_over(found.contests[k])}" for k in drawn for one in [found.measures[k]]
+    ]
+    if ax is not None and title:
+        captions = [title]
+    caption_panels(panels, captions, 0.3, WIDE - 0.3)
+    for k, bars, panel, inches in zip(drawn, joined, panels, high, strict=True):
+        _draw(panel, found.contenders, found.contests[k].average_ranks, bars, inches - OVER)
+    figure: Figure = panels[0].figure.canvas.figure
+    return figure
+
+
+def _joined(found: Standings, contest: Contest) -> list[list[int]]:
+    order = np.argsort(contest.average_ranks, kind="stable").tolist()
+    return groups(order, found.apart_overall(contest))
+
+
+def _over(contest: Contest) -> str:
+    worlds, trials = int(contest.met.sum()), len(contest.ranks)
+    return f"{trials} trials" + (f" in {worlds:,} worlds" if worlds > 1 else "")
+
+
+def _panels(high: list[float], room: float, title: list[str]) -> list[Axes]:
+    total = sum(high) + room + FOOT
+    figure = Figure(figsize=(WIDE, total))
+    FigureCanvasAgg(figure)
+    figure.text(0.2 / WIDE, 0.1 / total, "1 is best; a bar joins those that are not told apart", fontsize=SMALL)
+    if title:
+        figure.suptitle("\n".join(title), x=0.2 / WIDE, y=1 - 0.1 / total, ha="left", va="top", fontsize=TITLE,
+                        parse_math=False)  # fmt: skip
+    tops = total - room - np.cumsum([0.0, *high[:-1]])
+    return [
+        figure.add_axes((0.2 / WIDE, (top - inches) / total, 1 - 0.4 / WIDE, (inches - OVER) / total))
+        for top, inches in zip(tops.tolist(), high, strict=True)
+    ]
+
+
+def _draw(axes: Axes, names: list[str], ranks: np.ndarray, bars: list[list[int]], inches: float) -> None:
+    """One line: x are ranks, y inches below it."""
+    count = len(names)
+    wide = (axes.bbox.width / axes.figure.dpi - 2 * NAMES) / max(count - 1, 1)  # inches from rank to rank
+    left, right = 1 - NAMES / wide, count + NAMES / wide
+    axes.set_xlim(left, right)
+    axes.set_ylim(inches, 0)
+    axes.set_axis_off()
+    axes.plot([1, count], [0, 0], color="black", linewidth=1, clip_on=False)
+    step = max(1, count // 12)
+    for rank in range(1, count + 1, step):
+        axes.plot([rank, rank], [0, -0.05], color="black", linewidth=1, clip_on=False)
+        axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=SMALL)
+    for level, bar in enumerate(bars):
+        y, ends = BAR * (level + 0.9), ranks[bar]
+        axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color="black", linewidth=3,
+                  solid_capstyle="butt")  # fmt: skip
+    order = np.argsort(ranks, kind="stable").tolist()
+    better = order[: (count + 1) // 2]
+    for side, edge, far, ha in (
+        (better, 1.0, left, "right"),
+        (order[len(better) :][::-1], float(count), right, "left"),
+    ):
+        for k, contender in enumerate(side):
+            y = BAR * (len(bars) + 1) + LINE * (k + 0.5)
+            end = edge + 0.05 / wide * (-1 if far < edge else 1)
+            axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=HELD_BACK, linewidth=0.7)
+            text = f"{shortened(names[contender], 72 * (NAMES - 0.45), SMALL)}  {ranks[contender]:.2f}"
+            text = text if ha == "right" else f"{ranks[contender]:.2f}  {text[: text.rindex('  ')]}"
+            axes.text(end + 0.04 / wide * (-1 if far < edge else 1), y, text, ha=ha, va="center", fontsize=SMALL,
+                      parse_math=False)  # fmt: skip

@@ -1,0 +1,148 @@
+"""Which brain is better in which world, by how much, for which cost, and what trials do not tell: `sc.compare`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.bootstrap import centres
+from swarmcensus.basics.corrections import fewest_trials
+from swarmcensus.basics.errors import InputError
+from swarmcensus.results import comparison_tables, measures, selecting
+from swarmcensus.results.contenders import NONE, Field, field_of
+from swarmcensus.results.contests import ALPHA, Asked, Contest, contests
+from swarmcensus.results.measures import COSTS, SIZES, Measure
+from swarmcensus.results.standings import Standings
+from swarmcensus.results.store import load
+from swarmcensus.results.summaries import asked_anew, failed_trials
+from swarmcensus.results.verdicts import verdict
+
+Floats = NDArray[np.float64]
+
+
+class Comparison(Standings):
+    """Contenders in worlds: `table`, `pairs`, `ranks` and `duels` are pandas tables, `verdict` says it in sentences.
+
+    Printed, it is these sentences and the cautions.
+    """
+
+    @property
+    def verdict(self) -> list[str]:
+        """Who is best in how many worlds, who is not told apart from it, and what that costs, a sentence each."""
+        return verdict(self)
+
+    @property
+    def table(self) -> Any:
+        """A pandas table with a row for each world and contender.
+
+        Of each measure there are its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world
+        and its `_standing`: "best" is told apart from all others, "level" is first or not told apart from the first,
+        "behind" is told apart from it. Then come costs and sizes.
+        """
+        return comparison_tables.table(self)
+
+    @property
+    def pairs(self) -> Any:
+        """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`."""
+        return comparison_tables.pairs(self)
+
+    @property
+    def ranks(self) -> Any:
+        """A pandas table with a row for each measure and contender: its average rank, and where it is first."""
+        return comparison_tables.ranks(self)
+
+    @property
+    def duels(self) -> Any:
+        """A pandas table with a row for each measure and pair: who is ahead in how much of the worlds they all met."""
+        return comparison_tables.duels(self)
+
+    def __str__(self) -> str:
+        """What came of it, in sentences."""
+        return "\n".join([*self.verdict, *(f"caution: {one}" for one in self.cautions)])
+
+
+def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), where: str | None = None) -> Comparison:
+    """Compare brains, and a brain's parameters, within each world, paired trial by trial (docs/comparing.md).
+
+    `metric` names the measures that are compared and corrected for, as "correct" or ["final_error", "my_metric:low"];
+    by default they are the final error, the convergence, the right decisions, consensus where brains decide, and
+    metrics of files. `where` picks settings, as in `swarmcensus show`. Raises InputError, as where there is nothing to
+    compare.
+    """
+    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
+    field, cautions = field_of(data)
+    some, unsaid = measures.chosen(data, metric)
+    compared = [field.spread(measures.numbers(data, one.name)) for one in some]
+    if all(np.isnan(numbers).all() for numbers in compared):
+        raise InputError("there is nothing to compare: no trial of these settings has been run")
+    asked = zip(compared, some, strict=True)
+    found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked])
+    costs = {
+        name: centres(field.spread(measures.numbers(data, name)), "mean")
+        for name in COSTS
+        if not measures.lacks(data, name)
+    }
+    sizes = {name: field.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
+    settings = np.where(field.place == NONE, NONE, data["setting"].values[field.place])
+    cautions += [*unsaid, *_cautions(data, field, some, compared, found, costs)]
+    title = str(data.attrs.get("title", ""))
+    return Comparison(title, field, some, found, costs, sizes, settings, cautions)
+
+
+def _cautions(
+    data: xr.Dataset,
+    field: Field,
+    some: list[Measure],
+    compared: list[Floats],
+    found: list[Contest],
+    costs: dict[str, Floats],
+) -> list[str]:
+    """What should be known of a comparison before it is believed, a sentence each."""
+    cautions = []
+    failed = len(failed_trials(data))
+    if failed:
+        cautions.append(f"{failed} trial{'s' * (failed > 1)} failed, and no trial that failed is compared")
+    counts = found[0].trials[field.place != NONE]
+    if counts.min() < counts.max():
+        cautions.append(
+            f"contenders have {counts.min()} to {counts.max()} trials: those are compared that both of a pair have, "
+            "and over all worlds those that all have in all of them"
+        )
+    for one, numbers in zip(some, compared, strict=True):
+        lacking = np.isnan(numbers).all(axis=2) & (field.place != NONE)
+        if lacking.any():
+            names = [name for name, lacks in zip(field.contenders, lacking.any(axis=0), strict=True) if lacks]
+            cautions.append(
+                f"{one.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
+            )
+    tests = sum(int((~np.isnan(part)).sum()) for one in found for part in (one.corrected, one.duels_corrected))
+    least, most = fewest_trials(tests, ALPHA), max(int((~np.isnan(n)).sum(axis=2).max()) for n in compared)
+    if most < least:
+        cautions.append(
+            f"{most} trial{'s' * (most > 1)} cannot tell anything apart among {tests:,} tests: run {least} or more, "
+            "or compare fewer measures or worlds"
+        )
+    lacks = dict.fromkeys(one for name in COSTS if name not in costs for one in measures.lacks(data, name))
+    lacks |= dict.fromkeys(name for name in SIZES if name not in data)
+    if lacks:
+        cautions.append(f"these results do not say what brains cost: they have no {', no '.join(lacks)}")
+    if "anonymous" in data:
+        seen = field.spread(data["anonymous"].values.astype(np.float64))
+        cautions += [
+            f"{name} is not anonymous: it uses its robot's name"
+            for k, name in enumerate(field.contenders)
+            if (seen[:, k] == 0).any()
+        ]
+    if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
+        cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
+    return cautions
+
+
+def _worlds(which: NDArray[np.bool_]) -> str:
+    numbers = np.flatnonzero(which).tolist()
+    several = ", ".join(map(str, numbers[:8])) + (", ..." if len(numbers) > 8 else "")
+    return f"world{'s' * (len(numbers) > 1)} {several}"

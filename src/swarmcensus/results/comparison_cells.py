@@ -1,0 +1,122 @@
+"""A comparison as text, cell by cell: what a terminal shows and a paper prints are the same digits."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.statistics import FEWEST
+from swarmcensus.results.contests import pairs_of
+from swarmcensus.results.measures import Measure
+from swarmcensus.results.standings import Standings
+
+MOST_DECIMALS = 6
+NEVER = "never"
+ALWAYS = "always"
+LEAST_P = 0.001  # smaller ones are said to be smaller
+COSTS = {"messages_sent": "messages", "bytes_sent": "bytes", "memory_bytes": "memory"}  # heads of columns
+Floats = NDArray[np.float64]
+
+
+class Cell(NamedTuple):
+    """A value, its interval and its standing as text, each empty where there is none."""
+
+    value: str
+    interval: str = ""
+    standing: str = ""
+
+
+def head(measure: Measure) -> str:
+    """What a column of a measure is called."""
+    return f"{measure.label} %" if measure.share else measure.label
+
+
+def rows_of(found: Standings, worlds: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The places of those that are compared in the first so many worlds: worlds and contenders, a row each."""
+    world, contender = np.nonzero(found.settings[:worlds] >= 0)
+    return world, contender
+
+
+def columns(found: Standings, worlds: int) -> dict[str, list[Cell]]:
+    """By the heads of columns, a cell for each row of `rows_of`: the measures, then what brains cost."""
+    at, cells = rows_of(found, worlds), {}
+    for one, contest in zip(found.measures, found.contests, strict=True):
+        low, high = (ends[at] for ends in contest.value_ends)
+        standing = found.standing(contest)[at]
+        texts = numbers(contest.values[at], low, high, contest.trials[at], one)
+        cells[head(one)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
+    for name, values in (found.costs | found.sizes).items():
+        if name in COSTS and name not in [one.name for one in found.measures]:
+            cells[COSTS[name]] = [Cell(amount(value)) for value in values[at]]
+    return cells
+
+
+def numbers(
+    values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure, endless: str = NEVER
+) -> list[tuple[str, str]]:
+    """Values and their intervals as text, in two digits of a usual interval (one of rounds).
+
+    What is infinite is `endless`. Where all trials are the same, the interval is "always".
+    """
+    times = 100.0 if measure.share else 1.0
+    widths = times * (high - low)
+    widths = widths[np.isfinite(widths)]
+    digits = 1 if measure.unit in ("rounds", "observations") else 2
+    decimals = (
+        min(max(places(float(np.median(widths)), digits), int(measure.share)), MOST_DECIMALS) if widths.size else 4
+    )
+    known = values[np.isfinite(values)]
+    if not widths.size and (times * known == np.rint(times * known)).all():
+        decimals = int(measure.share)
+    out = []
+    ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # not -0.00
+    for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
+        text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals))
+        if np.isnan(least):
+            interval = (ALWAYS if count >= FEWEST and not np.isnan(value) else "-") * bool(
+                widths.size or count >= FEWEST
+            )
+        out.append(("-" if np.isnan(value) else text, interval))
+    return out
+
+
+def amount(value: float) -> str:
+    """What is sent or remembered: in whole numbers from 100 on, else in three digits."""
+    return "-" if np.isnan(value) else f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
+
+
+def p_value(p: float) -> str:
+    """A p-value in three decimals, or that it is less than can be told in them."""
+    return f"< {LEAST_P}" if p < LEAST_P else f"{p:.3f}"
+
+
+def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
+    """A row for each measure, world and pair: all that `PAIR_HEADS` says, as text."""
+    rows: list[tuple[str, ...]] = []
+    for one, contest in zip(found.measures, found.contests, strict=True):
+        trials = (contest.tests.below + contest.tests.equal + contest.tests.above)[:worlds]
+        world, pair = at = np.nonzero(trials)
+        better = contest.tests.below if contest.low else contest.tests.above
+        low, high = (ends[at] for ends in contest.difference_ends)
+        texts = numbers(contest.difference[at], low, high, trials[at], one, "inf")
+        for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
+            first, second = (found.contenders[c] for c in pairs_of(len(found.contenders))[p])
+            equal = contest.tests.equal[w, p]
+            rows.append(
+                (
+                    *(head(one), str(w), first, second, *texts[k]),
+                    f"{better[w, p]}" + (f" + {equal} equal" if equal else "") + f" of {trials[w, p]}",
+                    f"{(-1 if contest.low else 1) * contest.tests.balance[w, p] + 0.0:.2f}",
+                    p_value(contest.tests.p[w, p]),
+                    p_value(contest.corrected[w, p]),
+                    "yes" if contest.apart[w, p] else "no",
+                )
+            )
+    return rows
+
+
+PAIR_HEADS = (
+    *("measure", "world", "one", "other", "one - other", "[95 %]", "one is better in"),
+    *("effect", "p", "p, corrected", "told apart"),
+)

@@ -1,0 +1,57 @@
+r"""A comparison as a LaTeX table of the package booktabs, to be read into a paper by \input."""
+
+from pathlib import Path
+
+from swarmcensus.basics.files import whole
+from swarmcensus.results.comparison_cells import Cell, columns, rows_of
+from swarmcensus.results.standings import Standings
+
+ESCAPED = {
+    "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
+    ">": r"\textgreater{}", "|": r"\textbar{}", **{mark: f"\\{mark}" for mark in "&%$#_{}"},
+}  # fmt: skip
+
+
+def escaped(text: str) -> str:
+    """Text that LaTeX prints as it is."""
+    return "".join(ESCAPED.get(letter, letter) for letter in " ".join(text.split()))
+
+
+def latex(found: Standings, worlds: int | None = None) -> str:
+    """The table of the first so many worlds (by default of all): a row for each world and contender.
+
+    Bold is what is best in its world, and a star marks what is level with the first.
+    """
+    worlds = len(found.field.worlds) if worlds is None else worlds
+    world, contender = rows_of(found, worlds)
+    names = list(found.field.worlds[0])
+    cells = columns(found, worlds)
+    heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
+    lines = [
+        f"% {len(found.field.worlds)} worlds, {len(found.contenders)} contenders: {' '.join(found.title.split())}",
+        rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
+        " & ".join(heads) + r" \\", r"\midrule",
+    ]  # fmt: skip
+    before = None
+    for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
+        if before not in (None, w):
+            lines.append(r"\addlinespace")
+        said = [escaped(str(found.field.worlds[w][name])) if w != before else "" for name in names]
+        lines.append(
+            " & ".join([*said, escaped(found.contenders[c]), *(_cell(one[row]) for one in cells.values())]) + r" \\"
+        )
+        before = w
+    lines += [r"\bottomrule", r"\end{tabular}"]
+    return "\n".join(lines) + "\n"
+
+
+def write_latex(found: Standings, path: str | Path) -> None:
+    """Write `latex` of all worlds, whole or not at all. Raises InputError."""
+    with whole(path) as beside:
+        beside.write_text(latex(found), encoding="utf-8")
+
+
+def _cell(cell: Cell) -> str:
+    value = escaped(cell.value).replace("-", "$-$") if cell.value != "-" else "--"
+    value = rf"\textbf{{{value}}}" if cell.standing == "best" else value + r"$^{*}$" * (cell.standing == "level")
+    return f"{value} {{\\footnotesize {escaped(cell.interval).replace('-', '$-$')}}}" if cell.interval else value

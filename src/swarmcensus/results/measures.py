@@ -1,0 +1,171 @@
+"""What contenders are compared by: each measure with its direction, and the one number that a trial has of it.
+
+Robots of a trial share a network and hear one another, so that a trial counts once. Of errors and times its number is
+the median over robots, which infinities and stray robots do not move, of shares and of what is sent the mean, as those
+add up.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from swarmcensus.basics.bootstrap import Statistic, centres
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.results.values import metrics_in
+
+Floats = NDArray[np.float64]
+BLOCK = 2**22  # numbers that are sorted at once
+
+
+@dataclass(frozen=True)
+class Measure:
+    """Something that a trial has one number of; `low` is whether less of it is better.
+
+    `statistic` is what that number is over the robots, and what a setting's is over its trials; `share` is whether it
+    is one, to be printed in percent.
+    """
+
+    name: str
+    label: str
+    unit: str
+    meaning: str
+    low: bool = True
+    statistic: Statistic = "median"
+    share: bool = False
+
+
+OURS = {
+    one.name: one
+    for one in (
+        Measure("final_error", "final error", "1", "|x - f| after the last round"),
+        Measure("convergence_error", "error at K", "1", "|x - f| at K"),
+        Measure("convergence_round", "K", "rounds", "round of convergence"),
+        Measure("correct", "right", "1", "robots in the correct bin at the last checkpoint", False, "mean", True),
+        Measure("consensus_right", "exit", "1", "trials whose consensus is on the right option", False, "mean", True),
+        Measure("consensus_round", "consensus", "rounds", "round of the first consensus of all robots"),
+        Measure("decided", "decided", "1", "robots that decided", False, "mean", True),
+        Measure("decision_round", "decision", "rounds", "round of a robot's first decision"),
+        Measure("decision_change", "last change", "rounds", "round of a robot's last change of its decision"),
+        Measure("done_round", "done", "rounds", "round in which a robot is done"),
+        Measure("done_error", "error when done", "1", "|x - f| of the estimate that a robot is done with"),
+        Measure("local_convergence_error", "local error at K", "1", "|x - f| of the local estimate at its K"),
+        Measure("local_convergence_step", "local K", "observations", "convergence of the local estimate"),
+        Measure("messages_sent", "messages", "messages", "messages sent by a robot", statistic="mean"),
+        Measure("messages_heard", "heard", "messages", "messages heard by a robot", statistic="mean"),
+        Measure("bytes_sent", "bytes", "bytes", "bytes sent by a robot", statistic="mean"),
+    )
+}
+MADE_OF = {  # of measures that are no variable: the variables that they need
+    "final_error": ("final_estimate",), "decided": ("decision",), "done_error": ("done_estimate",),
+    "bytes_sent": ("messages_sent", "message_bytes"),
+}  # fmt: skip
+USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
+COSTS = ("messages_sent", "bytes_sent")
+SIZES = {"memory_bytes": "memory", "message_bytes": "message"}  # bytes, of a setting
+LOWER = {"first_right": True, "mean_error": True, "largest_jump": True, "swarm_right": True, "time_right": False}
+WAYS = {"low": True, "high": False}
+
+
+def known(data: xr.Dataset) -> dict[str, Measure]:
+    """All measures that these results have numbers of, by their names, but metrics whose direction nobody has told."""
+    found = {name: one for name, one in OURS.items() if not lacks(data, name)}
+    return found | {name: _of_file(data, name, LOWER[name]) for name in metrics_in(data) if name in LOWER}
+
+
+def lacks(data: xr.Dataset, name: str) -> list[str]:
+    """The variables that a measure of ours needs and results have not."""
+    return [one for one in MADE_OF.get(name, (name,)) if one not in data]
+
+
+def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
+    """The measures that are asked for, as "correct" or "my_metric:low", else the usual ones with all metrics of files.
+
+    With them come cautions: of metrics that are left out, as nobody has told whether low or high is better. Raises
+    InputError for a measure that is not there, a direction that is none and one given twice.
+    """
+    there, files = known(data), metrics_in(data)
+    if isinstance(asked, str):
+        asked = [asked]
+    measures: dict[str, Measure] = {}
+    for text in asked:
+        name, colon, way = text.partition(":")
+        if colon and way not in WAYS:
+            raise InputError(f"--metric {text}: after the colon comes low or high, whichever is better")
+        if name not in there and name not in files:
+            raise InputError(f"--metric {text}: {_absent(data, name, [*there, *(f for f in files if f not in there)])}")
+        if name not in there and not colon:
+            raise InputError(f"--metric {text}: is low or high better? Write {name}:low or {name}:high")
+        if name in measures:
+            raise InputError(f"--metric {text}: {name} is given twice")
+        measures[name] = there[name] if name in OURS or not colon else _of_file(data, name, WAYS[way])
+        if name in OURS and colon and WAYS[way] != OURS[name].low:
+            raise InputError(f"--metric {text}: of {name}, {'low' if OURS[name].low else 'high'} is better")
+    if measures:
+        return list(measures.values()), []
+    cautions = [
+        f"{name} is not compared, as nobody has told which way is better: --metric {name}:low or {name}:high"
+        for name in files
+        if name not in there
+    ]
+    usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
+    return usual + [one for name, one in there.items() if name in files], cautions
+
+
+def _absent(data: xr.Dataset, name: str, names: list[str]) -> str:
+    if name in OURS:
+        return f"these results have no variable {' and no '.join(lacks(data, name))}; there are {', '.join(names)}"
+    return f"{did_you_mean(name, names)}there are {', '.join(names)}"
+
+
+def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
+    about = data[name].attrs
+    return Measure(name, name, str(about.get("units", "1")), str(about.get("long_name", name)), low)
+
+
+def numbers(data: xr.Dataset, name: str) -> Floats:
+    """The one number of each trial of a measure, (setting, trial): NaN of trials that have not run or failed."""
+    if name == "correct":
+        last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
+        found = data["correct"].transpose("setting", "checkpoint", "trial").values
+        values = found[np.arange(len(last)), last]
+        return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
+    if name == "bytes_sent":
+        return np.asarray(numbers(data, "messages_sent") * data["message_bytes"].values[:, np.newaxis], np.float64)
+    array = data[MADE_OF.get(name, (name,))[0]]
+    if "robot" not in array.dims:
+        return _known(array.transpose("setting", "trial").values)
+    statistic = OURS[name].statistic if name in OURS else "median"
+    values = array.transpose("setting", "trial", "robot").values
+    robots = data["honest" if "honest" in data else "robots"].values
+    truth = _truth(data) if name in ("final_error", "done_error") else None
+    out = np.empty(values.shape[:2])
+    step = max(1, BLOCK // max(1, values[0].size))
+    for first in range(0, len(values), step):
+        rows = slice(first, first + step)
+        some = _known(values[rows])
+        if name == "decided":  # of -1, which is no option, it is known that there is none
+            some = np.where(np.isnan(values[rows]), np.nan, values[rows] >= 0)
+        if truth is not None:
+            some = np.abs(some - truth[rows, :, np.newaxis])
+        mine = np.arange(some.shape[2]) < robots[rows, np.newaxis, np.newaxis]
+        out[rows] = centres(np.where(mine, some, np.nan), statistic)
+    return out
+
+
+def _known(values: NDArray[Any]) -> Floats:
+    """Numbers as float64, NaN where whole ones say that they are missing."""
+    return np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
+
+
+def _truth(data: xr.Dataset) -> Floats:
+    """The fill ratio that estimates are held against, (setting, trial): see `truth` in docs/study-file.md."""
+    nominal = np.broadcast_to(data["fill_ratio"].values[:, np.newaxis], (data.sizes["setting"], data.sizes["trial"]))
+    if data.attrs.get("truth") != "floor":
+        return np.asarray(nominal, np.float64)
+    own = data["true_fill_ratio"].transpose("setting", "trial").values
+    return np.where(np.isnan(own), nominal, own)

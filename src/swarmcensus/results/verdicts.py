@@ -1,0 +1,88 @@
+"""A comparison in sentences: who is best in how many worlds, who is not told apart from it, and what it costs."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.rankings import groups
+from swarmcensus.results.comparison_cells import amount, p_value
+from swarmcensus.results.contests import Contest
+from swarmcensus.results.standings import Standings
+
+UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}
+MOST_NAMED = 6  # contenders in a sentence
+
+
+def verdict(found: Standings) -> list[str]:
+    """One sentence a measure about the worlds, one about all of them together, and one about costs."""
+    sentences = []
+    for one, contest in zip(found.measures, found.contests, strict=True):
+        sentences.append(f"{one.label}: {_by_world(found, contest)}")
+        if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
+            sentences.append(f"{one.label}, over all worlds: {_overall(found, contest)}")
+    return sentences + costs(found)
+
+
+def costs(found: Standings) -> list[str]:
+    """What each contender sends and remembers, a sentence for all; nothing where results do not say it."""
+    if not found.costs and "memory_bytes" not in found.sizes:
+        return []
+    said = []
+    for k, name in enumerate(found.contenders[:MOST_NAMED]):
+        sent = [f"sends {_span(v[:, k])} {UNITS[n]}" for n, v in found.costs.items()][-1:]  # bytes, where known
+        held = [f"remembers {_span(v[:, k])} bytes" for n, v in found.sizes.items() if n == "memory_bytes"]
+        said.append(f"{name} {' and '.join(sent + held)}")
+    more = f"; and {len(found.contenders) - MOST_NAMED} more" if len(found.contenders) > MOST_NAMED else ""
+    return [f"cost of a robot in a trial: {'; '.join(said)}{more}"]
+
+
+def _by_world(found: Standings, contest: Contest) -> str:
+    """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
+    standing = found.standing(contest)
+    worlds = int((standing != "").any(axis=1).sum())
+    counts = {name: (standing == name).sum(axis=0).tolist() for name in ("best", "level")}
+    if not (standing == "behind").any():
+        return "nobody is told apart from whoever is first" + " in any world" * (worlds > 1)
+    order = np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist()
+    parts = []
+    for k in order[:MOST_NAMED]:
+        best, level = counts["best"][k], counts["level"][k]
+        if worlds == 1:
+            how = "best" if best else "level at the top" if level else "behind"
+        elif best or level:
+            said = [f"best in {best}"] * (best > 0) + [f"level at the top in {level}"] * (level > 0)
+            how = " and ".join(said)
+        else:
+            how = "behind in all"
+        parts.append(f"{found.contenders[k]} is {how}")
+    more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
+    return f"of {worlds:,} worlds, " * (worlds > 1) + "; ".join(parts) + more
+
+
+def _overall(found: Standings, contest: Contest) -> str:
+    """Average ranks, best first, and who is not told apart."""
+    average, apart = contest.average_ranks, found.apart_overall(contest)
+    order = np.argsort(average, kind="stable").tolist()
+    ranked = ", ".join(f"{found.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
+    more = ", ..." if len(order) > MOST_NAMED else ""
+    level = groups(order, apart)
+    if not level:
+        told = "all are told apart"
+    elif len(level[0]) == len(order):
+        told = "none is told apart from another"
+    else:
+        several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
+        told = f"not told apart: {'; '.join(several)}"
+    return f"average ranks {ranked}{more}; {told} (Friedman's test: p {_equals(contest.friedman[1])})"
+
+
+def _equals(p: float) -> str:
+    return text if (text := p_value(p)).startswith("<") else f"= {text}"
+
+
+def _span(values: NDArray[np.float64]) -> str:
+    """What a contender has in all worlds: one number, or the least and the most."""
+    known = values[np.isfinite(values)]
+    if not known.size:
+        return "an unknown number of"
+    low, high = amount(known.min()), amount(known.max())
+    return low if low == high else f"{low} to {high}"

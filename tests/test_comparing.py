@@ -1,0 +1,355 @@
+"""Brains in worlds: who meets whom, by what measures, what is told of it, and what is said where it cannot be."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.basics.bootstrap import centres, intervals
+from swarmcensus.results import measures
+from swarmcensus.results.contenders import field_of
+from swarmcensus.results.latex import escaped, latex
+from tests.contending import made_up, without
+from tests.test_signed_ranks import by_every_sign
+
+NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
+
+
+# ---- who meets whom
+
+
+def test_a_contender_is_a_brain_with_the_parameters_that_vary_among_its_settings():
+    data = made_up()
+    assert field_of(data)[0].contenders == NAMES
+    few = data.isel(setting=(data["prior"] != 10).values)
+    assert field_of(few)[0].contenders == ["minimalistic", "bayes-bots", "voter"]
+    named = data.assign_coords(prior=("setting", ["", "(1, 2)", "(2, 1)", ""] * 2))  # a vector is text
+    assert field_of(named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
+
+
+def test_a_world_is_all_else_that_settings_are():
+    field, cautions = field_of(made_up())
+    assert field.worlds == [{"topology": "ring"}, {"topology": "full"}]
+    assert field.common["fill_ratio"] == 0.55
+    assert "assumed_accuracy" not in field.common
+    assert field.place.tolist() == [[0, 1, 2, 3], [4, 5, 6, 7]]
+    assert cautions == []
+
+
+def test_results_without_parameters_have_none():
+    data = made_up(brains=2).drop_vars("prior")
+    del data.attrs["parameters"]
+    assert field_of(data)[0].contenders == ["minimalistic", "bayes-bots"]
+
+
+def test_what_does_not_pair_is_told():
+    data = made_up()
+    lacking = sc.compare(data.isel(setting=[0, 1, 2, 3, 4, 5]))
+    assert any("voter is not in 1 of 2 worlds" in one for one in lacking.cautions)
+    assert lacking.contests[0].met.tolist() == [True, False]
+    assert len(lacking.duels) == 0
+    alone = sc.compare(data.isel(setting=[0, 1, 2, 3, 4]))
+    assert any("1 world has one contender only, and is left out" in one for one in alone.cautions)
+    assert len(alone.field.worlds) == 1
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ([0, 4], "there is nothing to compare: all settings are of minimalistic"),
+        ([0, 5], "no two of minimalistic and bayes-bots have met the same world"),
+        ([0, 0, 1], "settings 0 and 0 are both of minimalistic in the same world"),
+    ],
+)
+def test_where_nothing_can_be_compared_it_is_said(settings, said):
+    with pytest.raises(sc.InputError, match=said):
+        sc.compare(made_up().isel(setting=settings))
+
+
+def test_damaged_parameters_are_named():
+    data = made_up()
+    for text, said in (
+        ("{", "names no parameters"),
+        ('{"bayes-bots": ["zeal"]}', "no coordinate zeal, the parameter of"),
+    ):
+        data.attrs["parameters"] = text
+        with pytest.raises(sc.InputError, match=said):
+            sc.compare(data)
+
+
+# ---- the number of a trial
+
+
+def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
+    data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
+    data["decision"][0, 0, 0] = np.nan
+    values = {name: data[name].transpose("setting", ..., "trial", "robot").values for name in
+              ("final_estimate", "convergence_round", "messages_sent", "decision")}  # fmt: skip
+    for setting, honest in enumerate(data["honest"].values):
+        for trial in range(data.sizes["trial"]):
+            mine = {name: one[setting, trial, :honest].tolist() for name, one in values.items()}
+            known = [one for one in mine["decision"] if one == one]
+            expected = {
+                "final_error": np.median([abs(x - 0.55) for x in mine["final_estimate"]]),
+                "convergence_round": np.median(mine["convergence_round"]),
+                "messages_sent": sum(mine["messages_sent"]) / honest,
+                "bytes_sent": sum(mine["messages_sent"]) / honest * float(data["message_bytes"][setting]),
+                "decided": sum(one >= 0 for one in known) / len(known),
+                "correct": float(data["correct"][setting, 0, trial]),
+            }
+            for name, number in expected.items():
+                assert measures.numbers(data, name)[setting, trial] == pytest.approx(number, rel=1e-12), name
+
+
+def test_errors_are_held_against_the_trials_own_floor_where_the_study_says_so():
+    data = made_up()
+    data.attrs["truth"] = "floor"
+    data["true_fill_ratio"][:] = 0.5
+    off = np.median(data["final_estimate"].values - 0.5, axis=2)
+    assert measures.numbers(data, "final_error") == pytest.approx(off)
+
+
+def test_right_is_at_the_last_checkpoint_that_a_setting_reaches():
+    data = made_up(brains=2)
+    wide = data.drop_vars("correct").drop_dims("checkpoint").assign_coords(checkpoint=[100, 500])
+    right = np.random.default_rng(1).uniform(size=(4, 2, 20))
+    wide["correct"] = (("setting", "checkpoint", "trial"), right)
+    wide["rounds"] = ("setting", [500, 100, 99, 600])
+    found = measures.numbers(wide, "correct")
+    assert (found[0] == right[0, 1]).all()
+    assert (found[1] == right[1, 0]).all()
+    assert np.isnan(found[2]).all()
+    assert (found[3] == right[3, 1]).all()
+
+
+def with_metric(data, name="lowest"):
+    data = data.copy()
+    data[name] = (("setting", "trial", "robot"), data["final_estimate"].values, {"units": "1", "long_name": "lowest"})
+    data.attrs["metrics"] = json.dumps({name: {"name": name, "sha256": "", "source": ""}})
+    return data
+
+
+def test_metrics_of_files_are_compared_where_it_is_known_which_way_is_better():
+    plain = sc.compare(with_metric(made_up()))
+    assert "lowest" not in [one.name for one in plain.measures]
+    assert any("--metric lowest:low or lowest:high" in one for one in plain.cautions)
+    for way, low in (("low", True), ("high", False)):
+        found = sc.compare(with_metric(made_up(gap=0.5)), f"lowest:{way}")
+        assert (found.measures[0].low, len(found.measures)) == (low, 1)
+        assert found.ranks["contender"][found.ranks["average_rank"].argmin()] == NAMES[0 if low else 3]
+    shipped = sc.compare(with_metric(made_up(), "mean_error"))
+    assert shipped.measures[-1].name == "mean_error"
+
+
+@pytest.mark.parametrize(
+    ("metric", "said"),
+    [
+        ("final_eror", "--metric final_eror: did you mean"),
+        ("lowest", "is low or high better"),
+        ("lowest:up", "comes low or high"),
+        ("correct:low", "of correct, high is better"),
+        (["correct", "correct"], "given twice"),
+        ("done_round", "no variable done_round"),
+    ],
+)
+def test_a_measure_that_is_not_there_is_named(metric, said):
+    with pytest.raises(sc.InputError, match=said):
+        sc.compare(with_metric(made_up()), metric)
+
+
+# ---- what comes of it
+
+
+def test_pairs_are_what_scipy_says_trial_by_trial():
+    data = made_up(gap=0.15)
+    found = sc.compare(data, ["final_error", "correct"])
+    frame = found.pairs
+    assert len(frame) == 2 * 2 * 6
+    for row in frame.to_dict("records"):
+        numbers = measures.numbers(data, row["measure"])[4 * row["world"] :]
+        one, other = (numbers[NAMES.index(row[name])] for name in ("one", "other"))
+        off = np.round(one - other, 12)
+        low = row["measure"] == "final_error"
+        assert row["difference"] == pytest.approx(np.median(off) if low else off.mean(), abs=1e-11)
+        assert row["one_value"] == pytest.approx(np.median(one) if low else one.mean())
+        better, equal = ((off < 0) if low else (off > 0)).mean(), (off == 0).mean()
+        assert row["superiority"] == pytest.approx(better + equal / 2)
+        if low:
+            assert row["p"] == pytest.approx(stats.wilcoxon(off, method="exact").pvalue)
+        elif (off != 0).sum() <= 12:  # ties and zeros
+            assert row["p"] == pytest.approx(by_every_sign(off))
+        assert (row["effect"] > 0) == (row["superiority"] > 0.5) or abs(row["effect"]) < 0.3
+    duels = found.duels
+    every = np.concatenate([frame["p"], duels["p"]])
+    corrected = np.concatenate([frame["p_holm"], duels["p_holm"]])
+    order = np.argsort(every)
+    assert corrected[order] == pytest.approx(
+        np.minimum(1, np.maximum.accumulate(every[order] * np.arange(len(every), 0, -1)))
+    )
+    assert (frame["told_apart"] <= (frame["p_holm"] <= 0.05)).all()
+    assert frame["told_apart"].any()
+
+
+def test_average_ranks_are_those_of_each_trial_and_world():
+    data = made_up(gap=0.1)
+    found = sc.compare(data, ["final_error", "consensus_round"])
+    for name in ("final_error", "consensus_round"):
+        numbers = measures.numbers(data, name).reshape(2, 4, 20)
+        by_hand = stats.rankdata(numbers, axis=1).mean(axis=(0, 2))
+        ranks = found.ranks[found.ranks["measure"] == name]
+        assert ranks["average_rank"].to_numpy() == pytest.approx(by_hand)
+        duel = found.duels[found.duels["measure"] == name].iloc[0]
+        ahead = (numbers[:, 0] < numbers[:, 1]).mean() - (numbers[:, 0] > numbers[:, 1]).mean()
+        assert duel["ahead"] == pytest.approx(ahead)
+
+
+def test_the_best_is_told_apart_from_all_and_the_level_are_not_from_the_first():
+    found = sc.compare(made_up(gap=0.6), "final_error")
+    assert found.table["final_error_standing"].tolist() == ["best", "behind", "behind", "behind"] * 2
+    assert found.verdict[0].startswith(
+        "final error: of 2 worlds, minimalistic is best in 2; bayes-bots prior=1 is behind"
+    )
+    alike = sc.compare(made_up(), "final_error")
+    assert set(alike.table["final_error_standing"]) == {"level"}
+    assert alike.verdict[0] == "final error: nobody is told apart from whoever is first in any world"
+    assert "none is told apart from another" in alike.verdict[1]
+
+
+def test_the_cost_is_said_beside():
+    found = sc.compare(made_up(brains=2))
+    sent = measures.numbers(made_up(brains=2), "bytes_sent").mean(axis=1)
+    ends = [sorted({f"{min(one):,.0f}", f"{max(one):,.0f}"}) for one in (sent[::2], sent[1::2])]
+    said = [" to ".join(one) for one in ends]
+    assert found.verdict[-1] == (
+        f"cost of a robot in a trial: minimalistic sends {said[0]} bytes and remembers 48 bytes; "
+        f"bayes-bots sends {said[1]} bytes and remembers 60 bytes"
+    )
+    assert {"messages_sent", "bytes_sent", "memory_bytes"} <= {*found.table.columns}
+    old = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
+    assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in old.cautions)
+    part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
+    assert "minimalistic sends 502 messages;" in part.verdict[-1]
+
+
+def test_a_brain_that_uses_names_is_marked():
+    data = made_up()
+    data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
+    assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
+
+
+def test_what_never_comes_is_the_worst_and_never_against_never_is_even():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["consensus_round"][:] = np.inf
+    even = sc.compare(data, "consensus_round").pairs.iloc[0]
+    assert (even["difference"], even["p"], even["superiority"]) == (0, 1, 0.5)
+    data["consensus_round"][0, :9] = 100.0
+    [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
+    assert row["p"] == 2 / 2**9
+    assert (row["difference"], row["effect"], row["superiority"]) == (-math.inf, 1, 0.95)
+
+
+def test_a_constant_difference_has_a_p_and_no_interval():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["convergence_round"][1] = data["convergence_round"][0] + 7
+    [row] = sc.compare(data, "convergence_round").pairs.to_dict("records")
+    assert (row["difference"], row["p"], row["told_apart"]) == (-7, 2 / 2**10, True)
+    assert math.isnan(row["difference_low"])
+
+
+def test_a_difference_that_points_the_other_way_than_the_test_tells_nothing_apart():
+    """Better in most trials, and much worse in a few: the mean says one thing and the ranks another."""
+    data = made_up(brains=2, worlds=("ring",), trials=30)
+    data["correct"][0, 0] = [1.0] * 28 + [0.0] * 2
+    data["correct"][1, 0] = [0.97] * 30
+    [row] = sc.compare(data, "correct").pairs.to_dict("records")
+    assert row["p_holm"] < 0.05
+    assert row["difference"] < 0 < row["effect"]
+    assert not row["told_apart"]
+
+
+def test_trials_that_only_one_has_are_not_compared():
+    data = without(made_up(brains=2, worlds=("ring",)), 0, [3, 4])
+    data = without(data, 1, [4, 5, 6])
+    found = sc.compare(data, "final_error")
+    [row] = found.pairs.to_dict("records")
+    assert row["trials"] == 16
+    kept = [t for t in range(20) if t not in (3, 4, 5, 6)]
+    assert row["p"] == sc.compare(data.isel(trial=kept), "final_error").pairs["p"][0]
+    [said] = [one for one in found.cautions if "trials" in one]
+    assert said.startswith("contenders have 17 to 18 trials: those are compared that both of a pair have, and over")
+
+
+def test_too_few_trials_are_said_to_be():
+    found = sc.compare(made_up(trials=6), "final_error")
+    [said] = [one for one in found.cautions if "cannot tell anything apart" in one]
+    assert said.startswith("6 trials cannot tell anything apart among 18 tests: run 10 or more")
+    assert not any("cannot tell" in one for one in sc.compare(made_up(trials=10), "final_error").cautions)
+    assert np.isnan(sc.compare(made_up(trials=5), "final_error").table["final_error_low"]).all()
+
+
+def test_results_of_which_nothing_has_run_are_named():
+    data = made_up(trials=3)
+    for setting in range(8):
+        data = without(data, setting, [0, 1, 2])
+    with pytest.raises(sc.InputError, match="no trial of these settings has been run"):
+        sc.compare(data, "final_error")
+
+
+def test_equal_brains_are_told_apart_in_few_results():
+    """From the dataset on: of 200, more than 20 would be by chance in less than one case of 1,000, if 5 % were."""
+    alarms = 0
+    for seed in range(200):
+        found = sc.compare(
+            made_up(brains=3, trials=10, robots=2, seed=seed), ["final_error", "correct", "consensus_round"]
+        )
+        alarms += any(one.apart.any() or one.duels_apart.any() for one in found.contests)
+    assert alarms <= stats.binom.ppf(0.999, 200, 0.05)
+
+
+# ---- intervals
+
+
+def test_intervals_of_medians_are_those_of_resamples_drawn_one_by_one():
+    random = np.random.default_rng(3)
+    values = random.normal(size=(1, 15))
+    drawn = np.median(random.choice(values[0], (20_000, 15)), axis=1)
+    low, high = intervals(values, "median")
+    tail = stats.norm.cdf(-math.sqrt(15 / 14) * stats.t.ppf(0.975, 14))
+    assert (drawn < low[0]).mean() <= tail + 0.005 <= (drawn <= low[0]).mean() + 0.01
+    assert (drawn > high[0]).mean() <= tail + 0.005 <= (drawn >= high[0]).mean() + 0.01
+
+
+def test_intervals_of_means_are_stretched_to_students():
+    random = np.random.default_rng(4)
+    values = random.normal(size=(1, 200))
+    low, high = intervals(values, "mean")
+    error = values.std(ddof=1) / math.sqrt(200)
+    assert [low[0], high[0]] == pytest.approx(values.mean() + np.array([-1, 1]) * 1.972 * error, abs=0.1 * error)
+
+
+def test_medians_and_their_intervals_bear_infinity_and_what_is_missing():
+    rows = np.array([[1, 2, 3, 4, np.inf, np.inf, np.inf, np.nan], [-np.inf, -np.inf, -np.inf, -1, 1, *[np.inf] * 3]])
+    assert centres(rows, "median").tolist() == [4, 0]
+    low, high = intervals(rows, "median")
+    assert (low.tolist(), high.tolist()) == ([1, -np.inf], [np.inf, np.inf])
+    assert np.isnan(intervals(np.full((1, 8), 2.0), "median")).all()
+    assert np.isnan(centres(np.full((1, 8), np.nan), "mean")).all()
+
+
+# ---- LaTeX
+
+
+def test_latex_escapes_names_and_marks_the_best():
+    data = made_up(brains=2, gap=0.8)
+    data["brain"] = ("setting", ["a_b & 50%.py", r"c\d{}^~#$.py"] * 2)
+    text = latex(sc.compare(data, "final_error"))
+    assert r"a\_b \& 50\%.py & " in text
+    assert r"c\textbackslash{}d\{\}\textasciicircum{}\textasciitilde{}\#\$.py" in text
+    assert text.count(r"\textbf{") == 2
+    rows = [line for line in text.splitlines() if line.endswith(r"\\")]
+    columns = text.partition(r"\begin{tabular}{")[2].partition("}")[0]
+    assert {line.replace(r"\&", "").count("&") + 1 for line in rows} == {len(columns)}
+    assert escaped("\n line ") == "line"
