@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.bootstrap import Statistic, centres
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.results.values import metrics_in
+from swarmcensus.results.values import metrics_in, robots_in
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -49,6 +49,7 @@ OURS = {
         Measure("consensus_right", "exit", "1", "trials whose consensus is on the right option", False, "mean", True),
         Measure("consensus_round", "consensus", "rounds", "round of the first consensus of all robots"),
         Measure("decided", "decided", "1", "robots that decided", False, "mean", True),
+        Measure("decided_right", "decided right", "1", "robots that decided for the right option", False, "mean", True),
         Measure("decision_round", "decision", "rounds", "round of a robot's first decision"),
         Measure("decision_change", "last change", "rounds", "round of a robot's last change of its decision"),
         Measure("done_round", "done", "rounds", "round in which a robot is done"),
@@ -61,7 +62,8 @@ OURS = {
     )
 }
 MADE_OF = {  # of measures that are no variable: the variables that they need
-    "final_error": ("final_estimate",), "decided": ("decision",), "done_error": ("done_estimate",),
+    "final_error": ("final_estimate",), "decided": ("decision",),
+    "decided_right": ("decision", "right_option"), "done_error": ("done_estimate",),
     "bytes_sent": ("messages_sent", "message_bytes"),
 }  # fmt: skip
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
@@ -141,7 +143,8 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         return _known(array.transpose("setting", "trial").values)
     statistic = OURS[name].statistic if name in OURS else "median"
     values = array.transpose("setting", "trial", "robot").values
-    robots = data["honest" if "honest" in data else "robots"].values
+    robots = robots_in(data).values
+    right = data["right_option"].transpose("setting", "trial").values if name == "decided_right" else None
     truth = _truth(data) if name in ("final_error", "done_error") else None
     out = np.empty(values.shape[:2])
     step = max(1, BLOCK // max(1, values[0].size))
@@ -150,6 +153,9 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         some = _known(values[rows])
         if name == "decided":  # of -1, which is no option, it is known that there is none
             some = np.where(np.isnan(values[rows]), np.nan, values[rows] >= 0)
+        if right is not None:
+            known_right = np.where(np.isnan(right[rows]), np.nan, 1.0)[:, :, np.newaxis]
+            some = np.where(np.isnan(some), np.nan, some == right[rows, :, np.newaxis]) * known_right
         if truth is not None:
             some = np.abs(some - truth[rows, :, np.newaxis])
         mine = np.arange(some.shape[2]) < robots[rows, np.newaxis, np.newaxis]

@@ -46,6 +46,7 @@ DECISIONS: dict[str, Kind] = {
     "consensus": (PER_TRIAL, np.float64, "1", "the first option that all robots agreed on; -1: none"),
     "consensus_round": (PER_TRIAL, np.float64, "rounds", "the first round after which they did; infinite: never"),
     "consensus_right": (PER_TRIAL, np.float64, "1", "1 if that option is right, 0 if not, or if there is none"),
+    "right_option": (PER_TRIAL, np.float64, "1", "the option that is right; missing where none is"),
 }
 ENDINGS: dict[str, Kind] = {
     "done_round": (PER_ROBOT, np.float64, "rounds", "the first after which the robot was done; infinite: never"),
@@ -62,7 +63,7 @@ ESTIMATES: dict[str, Kind] = {
 }  # fmt: skip
 EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but for metrics of files
 ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
-SPARSE = ("done_estimate", "consensus_right")  # not of each trial that is done
+SPARSE = ("done_estimate", "consensus_right", "right_option")  # not of each trial that is done
 SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 MISSING = -1  # for whole numbers; NaN for the others
@@ -204,7 +205,7 @@ def _decided(batch: Batch, metrics: Metrics) -> Columns:
         places = {"decision": DECISION, "decision_round": DECIDED_IN, "decision_change": CHANGED}
         no_one = np.isnan(batch.consensus[:, :1])  # decides, and somebody may yet be done
         found |= {name: np.where(no_one, np.nan, verdicts[..., place]) for name, place in places.items()}
-        names = ("consensus", "consensus_round", "consensus_right")
+        names = ("consensus", "consensus_round", "consensus_right", "right_option")
         found |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
     if metrics.ends:
         found |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}

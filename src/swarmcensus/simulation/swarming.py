@@ -115,25 +115,23 @@ def check_verdicts(setting: Setting, verdicts: np.ndarray, first: int) -> None:
 
 
 def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:
-    """What all robots agreed on, when, and whether it is right (trial, 3); all NaN where no brain decides.
-
-    Of `n` options the k-th is right for fill ratios in [k/n, (k + 1)/n), the last one for 1 too; of white and black
-    neither is right at 0.5, and it is NaN whether the one that was agreed on is.
-    """
+    """What all robots agreed on, when, whether it is right, and what is (trial, 4); all NaN where no brain decides."""
     if not any(brain.decides for brain in setting.crew):
-        return np.full((len(agreed), 3), np.nan)
-    options = setting.brain.options
-    right = np.asarray(agreed[:, 0] == right_option(truth, options), np.float64)
-    right[agreed[:, 0] < 0.0] = 0.0
+        return np.full((len(agreed), 4), np.nan)
+    right = right_option(truth, setting.brain.options)
+    is_right = np.full(len(agreed), np.nan) if np.isnan(right) else (agreed[:, 0] == right).astype(np.float64)
+    return np.column_stack([agreed, is_right, np.full(len(agreed), right)])
+
+
+def right_option(truth: float, options: int) -> float:
+    """Which of so many options is right: the k-th of n for fill ratios in [k/n, (k + 1)/n), the last one for 1 too.
+
+    Of white and black neither is at 0.5: NaN.
+    """
     if options == 2 and truth == 0.5:
-        right[:] = np.nan
-    return np.column_stack([agreed, right])
-
-
-def right_option(truth: float, options: int) -> int:
-    """Which of so many options is right."""
+        return np.nan
     edges = np.arange(options + 1) / options
-    return min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1)
+    return float(min(int(np.searchsorted(edges, truth, side="right")) - 1, options - 1))
 
 
 def fields_of(
