@@ -82,7 +82,7 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
     made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
-    compiler.compile_world("riding").wish(made, minds, body, np.full(len(minds), np.inf), 0, 1, wishes)
+    compiler.compile_world("riding").wish(*made, minds, body, np.full(len(minds), np.inf), 0, 1, wishes)
     return wishes
 
 

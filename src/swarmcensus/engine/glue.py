@@ -1,6 +1,7 @@
 """The few lines that fit one brain, or one metric, to the compiled loops: a module that is written for it."""
 
 import ast
+import functools
 import itertools
 from collections.abc import Iterable
 from typing import Any
@@ -137,6 +138,7 @@ def is_flagged(brain: Brain, mixed: bool) -> bool:
     return mixed or brain.uses.silence
 
 
+@functools.lru_cache(maxsize=256)
 def outbox_width(brain: Brain, mixed: bool = False) -> int:
     """How many numbers the engine keeps of a message: what it adds, where `receive` only adds."""
     return len(_kept(brain, mixed)) + is_flagged(brain, mixed)

@@ -13,22 +13,27 @@ from swarmcensus.engine.modes import (
     BLOCK,
     DECISION,
     END_ROUND,
+    FULL,
     HEAR,
+    HEARD,
     IS_DONE,
     LUCK_FUSE,
     LUCK_OBSERVE,
+    PAIRS,
     SENSE,
     VERDICTS,
 )
 from swarmcensus.engine.random import word_of, words
+from swarmcensus.engine.swarms import Swarm
 
-from .minds import ZERO, begin, believe_all, forget_verdicts, is_said, judge, put, settle
+from .minds import ZERO, begin, believe_all, count_known, forget_verdicts, is_said, judge, put, settle
 from .rounds import advance, advance_alone, bounds_of, most_links
 
 
 @entry
 def simulate(
-    swarm, memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
     looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
     delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
     extremes, first_step, last_step, stop,
@@ -44,8 +49,9 @@ def simulate(
     Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
     convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
     same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
-    with the same room: `rows` then hold the step's.
+    with the same room: `rows` then hold the step's. What comes first is a `Swarm`.
     """
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
     robots = memory.shape[0]
     segment = rows.shape[0]
     segments = (rounds + segment - 1) // segment
@@ -57,7 +63,6 @@ def simulate(
     nothing = all_counts[0, :, :0]
     unjudged = all_verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
-    honest = swarm.honest
     low = extremes[0]
     high = extremes[1]
     for trial in range(where.shape[0]):
@@ -78,6 +83,11 @@ def simulate(
             begin(swarm, memory, assumed_b[trial], assumed_w[trial])
             believe_all(swarm, memory, start, ZERO)
             forget_verdicts(all_verdicts[trial], agreed[trial])
+            count_known(swarm, all_counts[trial], stops, rounds)
+            if flag < 0 and threshold == 0 and stops.shape[1] == 0 and links != PAIRS:
+                for i in range(all_counts.shape[2]):
+                    degree = robots - 1 if links == FULL else bounds[i + 1] - bounds[i]
+                    all_counts[trial, HEARD, i] = rounds * degree
             for i in range(robots):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -130,16 +140,22 @@ def simulate(
 
 
 @entry
-def believe(swarm, history, estimates):
-    """The estimates (round, robot) of minds (round, robot, field)."""
+def believe(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest, history, estimates
+):  # fmt: skip
+    """The estimates (round, robot) of minds (round, robot, field) of a `Swarm`."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
 
 
 @entry
-def decided(swarm, history, estimates, verdicts):
+def decided(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest, history, estimates, verdicts
+):  # fmt: skip
     """What minds (round, robot, field) that believe in `estimates` (round, robot) have decided, as (round, robot, 2):
-    the option, and whether they are done."""
+    the option, and whether they are done. What comes first is a `Swarm`."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
     robots = history.shape[1]
     told = np.empty((robots, VERDICTS))
     agreed = np.empty(2)
@@ -154,14 +170,16 @@ def decided(swarm, history, estimates, verdicts):
 
 @entry
 def follow(
-    swarm, outbox, b, w, readings, every, periodic, first_message, senders, receivers, history, estimates
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    outbox, b, w, readings, every, periodic, first_message, senders, receivers, history, estimates,
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
 
     A round ends every `every` steps and at the last. With `periodic`, all messages pass at the end of each
     whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have
-    one brain. Luck is that of the step; of messages also of their place among all.
+    one brain. Luck is that of the step; of messages also of their place among all. What comes first is a `Swarm`.
     """
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
     robots = np.uint64(readings.shape[1])
     minds = swarm.minds[0]
     memory = np.empty((readings.shape[1], swarm.fields[0]))
@@ -196,4 +214,5 @@ def follow(
             call(minds[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
             k += 1
             put(history[k], memory)
-    believe(swarm, history, estimates)
+    for k in range(history.shape[0]):
+        believe_all(swarm, history[k], estimates, np.uint64(k) * robots)

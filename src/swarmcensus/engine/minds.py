@@ -103,6 +103,17 @@ def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
 
 
 @njit(nogil=True)
+def count_known(swarm, counts, stops, rounds):
+    """What robots send that are never silent, one message a round until they fail; that of others is not known yet."""
+    for i in range(counts.shape[1]):
+        last = rounds
+        if stops.shape[1] > 0 and stops[TALKING, i] - 1 < last:
+            last = stops[TALKING, i] - 1
+        counts[SENT, i] = last if swarm.flag < 0 else 0
+        counts[HEARD, i] = 0
+
+
+@njit(nogil=True)
 def count_sent(swarm, outbox, said, stops, tick, counts):
     """Who of those that may be silent talks in this round; of others it is known beforehand."""
     for i in range(counts.shape[1]):

@@ -22,6 +22,7 @@ from swarmcensus.engine.modes import (
     SENSE,
 )
 from swarmcensus.engine.random import unit, words
+from swarmcensus.engine.swarms import Swarm
 
 from .minds import (
     ZERO,
@@ -29,6 +30,7 @@ from .minds import (
     arrives,
     begin,
     believe_all,
+    count_known,
     count_said,
     count_sent,
     forget_verdicts,
@@ -42,8 +44,13 @@ from .minds import (
 
 
 @entry
-def wake(swarm, memory, b, w, outbox, start, verdicts, agreed):
-    """Blank minds that believe in b and w; what they would say, and their estimates before any observation."""
+def wake(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    memory, b, w, outbox, start, counts, verdicts, agreed, stops, rounds,
+):  # fmt: skip
+    """Blank minds of a `Swarm` that believe in b and w; what they would say, and estimate before any observation."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    count_known(swarm, counts, stops, rounds)
     begin(swarm, memory, b, w)
     nothing = np.full(memory.shape[0], -1.0)
     luck = np.zeros(memory.shape[0], np.uint64)
@@ -96,6 +103,20 @@ def hear_each(
 
 @entry
 def ride(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
+):  # fmt: skip
+    """`live_on` of a `Swarm`."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    live_on(
+        swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+        looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
+    )  # fmt: skip
+
+
+@njit(nogil=True)
+def live_on(
     swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
     looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
 ):  # fmt: skip
@@ -169,7 +190,17 @@ def ride(
 
 
 @entry
-def wish(swarm, memory, body, paces, trial, tick, wishes):
+def wish(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    memory, body, paces, trial, tick, wishes,
+):  # fmt: skip
+    """`ask_all` of a `Swarm`."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    ask_all(swarm, memory, body, paces, trial, tick, wishes)
+
+
+@njit(nogil=True, error_model="python")
+def ask_all(swarm, memory, body, paces, trial, tick, wishes):
     """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
 
     `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at

@@ -184,7 +184,7 @@ def advance(
                     place(luck, fused),
                 )
             elif r >= 0 and links != FULL:
-                for run in range(of_block[block], of_block[block + 1]):
+                for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     base = bases[group]
                     if one_by_one:
@@ -210,7 +210,7 @@ def advance(
                 silence_failed(readings, stops, k + 1, start, end)
                 if lucky:
                     words(swarm.luck, trial, k + 1, LUCK_OBSERVE, start, end - start, luck[0])
-                for run in range(of_block[block], of_block[block + 1]):
+                for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     offset = np.int64(a - start)
                     call(

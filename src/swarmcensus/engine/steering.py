@@ -7,21 +7,24 @@ import numpy as np
 
 from swarmcensus.engine.compiler import entry
 from swarmcensus.engine.modes import HEARD, PACE
+from swarmcensus.engine.swarms import Swarm
 
-from .riding import ride, wish
+from .riding import ask_all, live_on
 from .walk import walk
 
 
 @entry
 def live(
     state, body, half, walk_key, trial, around, senders, wishes, floor,
-    swarm, memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, counts, verdicts, agreed,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    memory, outbox, rows, b, w, read_key, link_key, threshold, delay, kept, counts, verdicts, agreed,
     stops, stop,
 ):  # fmt: skip
     """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
 
     `around` is what `walk` takes from anchors to following, `kept` the empty room of `ride` for what is recorded.
     """
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
     n = memory.shape[0]
     looked = np.zeros((1, n), np.bool_)
     black = np.zeros((1, n), np.bool_)
@@ -37,11 +40,11 @@ def live(
             return
         for i in range(n):
             black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
-        ride(
+        live_on(
             swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
             looked, black, heard, senders, *kept, counts, verdicts, agreed, stops, stop,
         )  # fmt: skip
         if tick >= delay and swarm.additive and threshold == 0 and stops.shape[1] == 0 and swarm.flag < 0:
             for i in range(n):
                 counts[HEARD, i] += heard[i + 1] - heard[i]
-        wish(swarm, memory, body, state[PACE], trial, tick, wishes)
+        ask_all(swarm, memory, body, state[PACE], trial, tick, wishes)

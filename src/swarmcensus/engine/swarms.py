@@ -11,7 +11,8 @@ class Swarm(NamedTuple):
     """Robots in groups that are alike; minds of a group lie in rows as long as its brain asks for, a row a robot.
 
     In `memory` (robot, field) a group has room for all robots, from its base on, and uses the rows of its own; that is
-    so little that nothing is gained by packing them.
+    so little that nothing is gained by packing them. What CPython calls takes the items one by one: Numba is slow to
+    tell the type of a tuple of them.
     """
 
     minds: Any  # (group, function): addresses of the brains' functions, see `modes.py`
@@ -34,4 +35,4 @@ def runs_of(group: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     first = np.unique(np.concatenate([np.arange(0, robots, BLOCK), cuts]))
     runs = np.stack([group[first], first, np.append(first[1:], robots)], axis=1).astype(np.uint64)
     of_block = np.searchsorted(first, np.arange(0, robots + BLOCK, BLOCK))
-    return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.int64)
+    return runs, of_block[: -(-robots // BLOCK) + 1].astype(np.uint64)

@@ -72,7 +72,7 @@ def infer(
         try:
             made = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
             compiler.compile_world("kernel").follow(
-                made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
+                *made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
                 senders, receivers, history, estimates,
             )  # fmt: skip
             fields = fields_of((used,), made, history, estimates)

@@ -9,6 +9,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.networks import Links
 
+NO_GROUPS = np.zeros((0, 0), np.int64)
+ALL_HONEST = np.zeros((0, 0), np.bool_)
+NO_PACES = np.zeros((0, 0))
 NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
 
 
@@ -63,7 +66,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         loss_threshold=setting.loss_threshold,
         luck=setting.luck_keys(seed),
         walk=setting.walk_key(seed) if moves else NO_KEY,
-        paces=np.stack([setting.paces(seed, first + t) for t in range(trials if moves else 1)]),
+        paces=np.stack([setting.paces(seed, first + t) for t in range(trials)]) if moves else NO_PACES,
         links=links,
         group=group,
         honest=honest,
@@ -71,7 +74,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
 
 
 def _who(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
-    group, honest = np.zeros((0, setting.robots), np.int64), np.ones((0, setting.robots), np.bool_)
+    group, honest = NO_GROUPS, ALL_HONEST
     if not setting.members:
         return group, honest
     who, crew = setting.who(seed, first, trials), setting.crew

@@ -14,7 +14,6 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
-    counts_of,
     fields_of,
     outbox_of,
     swarm_of,
@@ -52,8 +51,11 @@ class Rider:
             self.outbox = outbox_of(self.swarm, setting, self.delay + 1)
             verdicts, agreed = verdicts_of(setting, 1, robots)
             self.verdicts, self.agreed = verdicts[0], agreed[0]
-            self.kernel.wake(self.swarm, self.memory, *beliefs, self.outbox, self.start, self.verdicts, self.agreed)
-        self.counts = counts_of(setting, given, self.swarm, 1)[0]
+            self.counts = np.zeros((2, robots), np.int64)
+            self.kernel.wake(
+                *self.swarm, self.memory, *beliefs, self.outbox, self.start, self.counts, self.verdicts, self.agreed,
+                self.stops, setting.rounds,
+            )  # fmt: skip
         self.hears_all = (
             self.swarm.additive and self.swarm.flag < 0 and not given.loss_threshold and not self.stops.shape[1]
         )
@@ -63,7 +65,7 @@ class Rider:
     ) -> None:
         """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
         self.kernel.ride(
-            self.swarm, self.memory, self.outbox, self.rows, self.trial,
+            *self.swarm, self.memory, self.outbox, self.rows, self.trial,
             chunk.tick, *self.sensors, *self.keys,
             self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders,
             *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
@@ -155,7 +157,7 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
-            ground.all_tiles(), rider.swarm, rider.memory, rider.outbox,
+            ground.all_tiles(), *rider.swarm, rider.memory, rider.outbox,
             rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING,
             rider.counts, rider.verdicts, rider.agreed, rider.stops, stop,
         )  # fmt: skip

@@ -1,5 +1,6 @@
 """A setting's robots as the engine's loops take them, with room for what is counted of them and what they decide."""
 
+import functools
 from collections.abc import Container
 
 import numpy as np
@@ -7,32 +8,31 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.engine import compiler
-from swarmcensus.engine.modes import (
-    FULL,
-    HEARD,
-    LISTED,
-    NEVER,
-    SENT,
-    TALKING,
-    VERDICTS,
-    WRONG,
-)
+from swarmcensus.engine.modes import VERDICTS, WRONG
 from swarmcensus.engine.swarms import Swarm, runs_of
 from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.studies.settings import Setting
 
 NO_LUCK = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
+NOTHING = np.full(4, np.nan)
 DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fields
 
 
 def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
     """The swarm of some trials. Raises NotCompiled."""
     if not setting.members:
-        return swarm((setting.brain,), np.zeros(setting.robots, np.int64), use, given.luck)
+        found = alike(setting.brain, setting.robots, use)
+        return found._replace(luck=given.luck) if given.luck.size else found
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
     return swarm(setting.crew, group, use, given.luck, honest)
+
+
+@functools.lru_cache(maxsize=256)
+def alike(brain: Brain, robots: int, use: str) -> Swarm:
+    """A swarm of robots that have one brain, without luck: nothing alters it. Raises NotCompiled."""
+    return swarm((brain,), np.zeros(robots, np.int64), use)
 
 
 def swarm(
@@ -69,34 +69,6 @@ def outbox_of(made: Swarm, setting: Setting, rounds: int) -> np.ndarray:
     return compiler.outbox(setting.brain, rounds * setting.robots, made.fields.size > 1)
 
 
-def counts_of(setting: Setting, given: Inputs, made: Swarm, trials: int) -> np.ndarray:
-    """How many messages each robot sends and hears on a fixed network (trial, what, robot), as far as that is known.
-
-    The engine adds the others: those of robots that may be silent, and what is heard where messages may be lost.
-    """
-    counts = np.zeros((trials, 2, setting.robots), np.int64)
-    if made.flag >= 0:
-        return counts
-    counts[:, SENT] = sent_by_all(setting, given.stops)
-    links = given.links
-    if links is None or given.loss_threshold or given.stops.shape[2] or links.mode not in (LISTED, FULL):
-        return counts
-    if links.mode == FULL:
-        counts[:, HEARD] = setting.rounds * (setting.robots - 1)
-        return counts
-    graphs = links.starts.size - 1  # one for all trials, or one for each
-    graph = np.repeat(np.arange(graphs), np.diff(links.starts))
-    heard = np.bincount(graph * setting.robots + links.receivers, minlength=graphs * setting.robots)
-    counts[:, HEARD] = setting.rounds * heard.reshape(graphs, setting.robots)
-    return counts
-
-
-def sent_by_all(setting: Setting, stops: np.ndarray) -> np.ndarray:
-    """How many messages each robot sends that is never silent, (trial, robot), or one trial and robot for all."""
-    talks = stops[:, TALKING] if stops.shape[2] else np.full((1, 1), NEVER)
-    return np.asarray(np.minimum(talks - 1, setting.rounds))
-
-
 def verdicts_of(setting: Setting, trials: int, robots: int) -> tuple[np.ndarray, np.ndarray]:
     """Room for what robots decide (trial, robot, what), none where none does, and for what all agree on (trial, 2)."""
     judged = any(brain.decides or brain.ends for brain in setting.crew)
@@ -117,7 +89,7 @@ def check_verdicts(setting: Setting, verdicts: np.ndarray, first: int) -> None:
 def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:
     """What all robots agreed on, when, whether it is right, and what is (trial, 4); all NaN where no brain decides."""
     if not any(brain.decides for brain in setting.crew):
-        return np.full((len(agreed), 4), np.nan)
+        return np.broadcast_to(NOTHING, (len(agreed), 4))
     right = right_option(truth, setting.brain.options)
     is_right = np.full(len(agreed), np.nan) if np.isnan(right) else (agreed[:, 0] == right).astype(np.float64)
     return np.column_stack([agreed, is_right, np.full(len(agreed), right)])
@@ -158,7 +130,7 @@ def fields_of(
             fields[name] = values if len(brains) == 1 else np.where(where, values, known)
     if any(brain.decides or brain.ends for brain in brains):
         told = np.empty((*estimates.shape, 2))
-        compiler.compile_world("kernel").decided(made, history, estimates, told)
+        compiler.compile_world("kernel").decided(*made, history, estimates, told)
         fields |= {free(DECIDED, fields): told[..., 0]} if any(brain.decides for brain in brains) else {}
         fields |= {free(IS_DONE, fields): told[..., 1]} if any(brain.ends for brain in brains) else {}
     return fields

@@ -18,7 +18,6 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
-    counts_of,
     fields_of,
     outbox_of,
     swarm_of,
@@ -126,10 +125,10 @@ def _live(
         rows,
         np.empty((segments, setting.robots if segments > 1 else 0, numbers)),
     )
-    counts = counts_of(setting, given, made, trials)
+    counts = np.zeros((trials, 2, setting.robots), np.int64)
     verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
     arguments = (
-        made, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
+        *made, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
@@ -221,7 +220,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
         numbers = int(made.fields.sum())
         history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
         kernel.simulate(
-            made, history[-1], outbox_of(made, setting, 2), np.empty((1, robots)), history[:-1], trial,
+            *made, history[-1], outbox_of(made, setting, 2), np.empty((1, robots)), history[:-1], trial,
             *given.sensors, *given.beliefs, setting.fill_ratio, False,
             looks, rounds, given.readings, given.order, given.losses,
             links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
@@ -229,7 +228,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
             np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
             np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
         )  # fmt: skip
-        kernel.believe(made, history, estimates)
+        kernel.believe(*made, history, estimates)
     compiler.compile_world().round_readings(
         *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
     )

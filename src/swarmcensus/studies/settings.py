@@ -4,6 +4,7 @@ Each address holds just what its draws depend on. So two settings that differ on
 meet the same tiles and readings, trial by trial, and no setting's numbers depend on its place in a grid.
 """
 
+import functools
 import hashlib
 from dataclasses import dataclass, replace
 
@@ -19,6 +20,8 @@ from swarmcensus.worlds.ground import Ground
 from swarmcensus.worlds.networks import Links, Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
+
+NO_LUCK = np.zeros(0, np.uint64)
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class Setting:
             **({"members": "; ".join(map(str, self.members))} if self.members else {}),
         }
 
-    @property
+    @functools.cached_property
     def crew(self) -> tuple[Brain, ...]:
         """The brains that live in the swarm, each once, its own first."""
         return tuple(dict.fromkeys([self.brain, *(m.brain for m in self.members if m.brain)]))
@@ -211,7 +214,7 @@ class Setting:
         The brain is no part of it: two that ask for luck have the same.
         """
         if not any(brain.uses.luck for brain in self.crew):
-            return np.zeros(0, np.uint64)
+            return NO_LUCK
         content = {"robots": self.robots, "topology": self.topology.content, **self._where}
         return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
 
