@@ -79,7 +79,7 @@ class Rider:
         if wishes.size:
             assert self.setting.body is not None
             self.kernel.wish(
-                self.swarm, self.memory, self.setting.body.numbers, self.given.paces[0], self.trial, tick, wishes
+                *self.swarm, self.memory, self.setting.body.numbers, self.given.paces[0], self.trial, tick, wishes
             )
 
     def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
