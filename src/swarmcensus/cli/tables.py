@@ -111,6 +111,8 @@ def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, lis
     """The columns of a summary's numbers, intervals beside their values or below them."""
     trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
     numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **watched}.items())
+    if "consensus_right" in frame:
+        numbers["exit %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["consensus_right"]]
     if "half_width" in frame or (frame["trials"] < trials).any():
         numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
     if frame["failed"].any():
@@ -171,6 +173,9 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
         f"K: {unit} of convergence, error: |x - f| at K (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
+        *(["robots that are not honest are not counted"] if "honest" in data else []),
+        *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
         *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
         *(_anew(data, key) for key in asked_anew(data)),
         *(
@@ -182,6 +187,13 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
             else []
         ),
     ]
+
+
+def _named(data: xr.Dataset) -> list[str]:
+    """The brains that know their robots' names."""
+    if "anonymous" not in data:
+        return []
+    return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
 
 
 def _anew(data: xr.Dataset, key: str) -> str:
@@ -232,7 +244,7 @@ def shipped() -> None:
         except InputError as error:
             rows.append((name, "-", "-", str(error)))
             continue
-        what = (brain.functions.__doc__ or "").strip().splitlines()[0]
+        what = (brain.functions.__doc__ or "").strip().splitlines()[0] + " Not anonymous." * brain.uses.name
         rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))
     heads = [("brain", False), ("memory", True), ("message", True), ("what it does", False)]
     console().print(table(heads, rows))

@@ -110,6 +110,10 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
         save(trace, path)
     elif Path(path).suffix == ".csv":
         flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
+        for name, values in trace.data_vars.items():
+            if values.dims == ("round", "robot", f"item_{name}"):
+                for k in range(values.shape[2]):
+                    flat[f"{name}[{k}]"] = values[:, :, k]
         if "position" in trace:
             for axis in ("x", "y"):
                 flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)

@@ -12,12 +12,13 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
-from swarmcensus.results import selecting
+from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
 from swarmcensus.results.values import bounds_in, metrics_in, robots_in
 
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
+MEANS = ("messages_sent", "messages_heard", "bytes_sent", "decided", "decided_right", "consensus_right")
 MEDIANS = ("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error")
 NEVER = "infinity"  # in JSON, which has no such number
 BLOCK = 2**22  # values that are sorted at once
@@ -78,6 +79,9 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])
     correct = np.where(ran, data["correct"].values[np.arange(len(ran)), place], 0.0)
     columns["correct"] = np.where(columns["trials"] > 0, correct.sum(axis=1) / np.maximum(columns["trials"], 1), np.nan)
+    for name in MEANS:
+        if not measures.lacks(data, name):
+            columns[name] = _means(data, name, ran)
     if "half_width" in data:
         columns["half_width"] = data["half_width"].values
     return columns
@@ -204,6 +208,14 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
     least, most = bounds_in(data, name)
     last = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else most
     return np.asarray(np.clip(ends, least, last))
+
+
+def _means(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """The mean over the trials that are done, each the mean of its robots, a setting; NaN where none has it."""
+    values = measures.numbers(data, name)
+    known = ran & ~np.isnan(values)
+    total = np.where(known, values, 0.0).sum(axis=1)
+    return np.where(known.any(axis=1), total / np.maximum(known.sum(axis=1), 1), np.nan)
 
 
 def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:
