@@ -14,6 +14,7 @@ from swarmcensus.cli import comparison_page
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.pareto_fronts import draw_pareto, front
 from swarmcensus.figures.rank_lines import draw_ranks
+from swarmcensus.results.values import MESSAGES
 from tests.contending import made_up
 
 STUDY = """
@@ -90,7 +91,7 @@ def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch)
     assert main(["compare", str(two)]) == 0
     out = re.sub(r"\x1b\[[\d;]*m", "", capsys.readouterr().out)
     heads = [line for line in out.splitlines() if line.startswith("world")]
-    assert len(heads) == 3
+    assert len(heads) == 6  # three measures and three costs
     assert all(len(line) <= 70 for line in heads)
 
 
@@ -121,18 +122,28 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     out, tex = tmp_path / "c.png", tmp_path / "c.tex"
     assert main(["compare", str(two), "--out", str(out), "--latex", str(tex)]) == 0
     told = capsys.readouterr()
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["c-ranks.png", "c.tex"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["c-pareto.png", "c-ranks.png", "c.tex"]
     assert tex.read_text().count(r"\\") == 9
-    assert "c-pareto.png is not drawn: these results do not say how many bytes were sent" in told.err
+    assert "is not drawn" not in told.err
+
+
+def test_what_an_older_file_does_not_say_is_told(two, tmp_path, capsys):
+    old = sc.load(two).drop_vars([*MESSAGES, "memory_bytes", "message_bytes", "anonymous"])
+    sc.save(old.assign_attrs(format="swarmcensus results 2"), tmp_path / "old.nc")
+    assert main(["compare", str(tmp_path / "old.nc"), "--out", str(tmp_path / "c.png")]) == 0
+    assert (tmp_path / "c-ranks.png").is_file()
+    assert not (tmp_path / "c-pareto.png").exists()
+    assert "c-pareto.png is not drawn: these results do not say how many bytes were sent" in capsys.readouterr().err
+    assert main(["plot", str(tmp_path / "old.nc"), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 2
+    assert "cost 'bytes_sent': these results have no such cost" in capsys.readouterr().err
 
 
 def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
     assert main(["compare", str(two), "--out", str(tmp_path / "a.svg")]) == 0
     assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0
     assert (tmp_path / "a-ranks.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
-    capsys.readouterr()
-    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 2
-    assert "cost 'bytes_sent': these results have no such cost" in capsys.readouterr().err
+    assert main(["plot", str(two), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 0
+    assert (tmp_path / "a-pareto.svg").read_bytes() == (tmp_path / "c.svg").read_bytes()
 
 
 # ---- what is drawn

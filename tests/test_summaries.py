@@ -14,6 +14,7 @@ from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
 from swarmcensus.paper.report import rounded
 from swarmcensus.results import summaries
+from swarmcensus.results.values import MESSAGES
 
 MANY = """
 trials = 6
@@ -44,6 +45,8 @@ def partial(many):
         for name in ("convergence_error", "final_estimate"):
             data[name].values[setting, trials] = np.nan
         data["correct"].values[setting, :, trials] = np.nan
+        for name in MESSAGES:
+            data[name].values[setting, trials] = -1
     data.attrs["failed"] = json.dumps([{"setting": 4, "trial": 3, "why": "division by zero"}])
     data.attrs["trials_done"] -= 4 + 6 + 1
     return data
