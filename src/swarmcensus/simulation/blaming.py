@@ -2,12 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import line_of
-from swarmcensus.engine.modes import FULL, PAIRS, SENSING, TALKING
+from swarmcensus.engine.modes import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
+from swarmcensus.engine.random import chance, word_of, words
+from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
@@ -27,7 +30,8 @@ def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
     try:
         _live(setting, seed, trial)
     except Exception as error:
-        return line_of(error, setting.brain.path)
+        lines = (line_of(error, brain.path) for brain in setting.crew)
+        return next(filter(None, lines), "")
     return ""
 
 
@@ -35,35 +39,59 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
     """The trial's minds, step by step, as the engine runs them."""
     from swarmcensus.engine.minds import heard_by
 
-    known = replace(setting, brain=brains.load("minimalistic"))
+    alone = tuple(replace(member, brain=None) for member in setting.members)
+    known = replace(setting, brain=brains.load("minimalistic"), members=alone)
     given = inputs_of(setting, seed, trial)
-    functions, stops = setting.brain.functions, given.stops[0]
+    stops = given.stops[0]
+    group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
+    brain = [setting.crew[one] for one in group]
     b, w = (belief[0] for belief in given.beliefs)
-    minds = [setting.brain.robot(float(b[i % b.size]), float(w[i % w.size])) for i in range(setting.robots)]
+    minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.body.message_delay if setting.body else 0
     looks, threshold, key = setting.observations_per_round, given.loss_threshold, given.losses
 
     def works(part: int, robot: int, tick: int) -> bool:
         return stops.shape[1] == 0 or bool(tick < stops[part, robot])
 
-    said = [[functions.broadcast(me) for me in minds]]
+    def luck(tick: int, part: int) -> np.ndarray:
+        words_ = np.zeros(setting.robots, np.uint64)
+        if given.luck.size:
+            words(given.luck, trial, tick, part, 0, setting.robots, words_)
+        return words_
+
+    def say() -> list[Any]:
+        return [oracle.fixed(one.functions.broadcast(me)) for one, me in zip(brain, minds, strict=True)]
+
+    said = [say()]
     for tick, (blacks, pairs) in enumerate(_lived(known, seed, trial), start=1):
-        for i, me in enumerate(minds):
-            if not np.isnan(blacks[i]) and works(SENSING, i, tick):
-                functions.observe(me, float(blacks[i]), float(looks))
-        said.append([functions.broadcast(me) for me in minds])
-        for message in said[-1] if setting.brain.sums else ():  # what it adds is found when it is said
-            functions.receive(setting.brain.robot(0.0, 0.0), message)
+        seen, fused, steered = (luck(tick, part) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER))
+        for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
+            if not np.isnan(blacks[i]) and works(SENSING, i, tick) and not oracle.is_done(one, me):
+                oracle.give(one, me, seen, i)
+                one.functions.observe(me, float(blacks[i]), float(looks))
+        said.append(say())
+        for message in said[-1] if setting.additive else ():  # what it adds is found when it is said
+            if message is not None:
+                setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
         for receiver, sender in pairs if tick >= delay else ():
+            message = said[-1 - delay][sender]
             lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
-            if not lost and works(TALKING, sender, tick - delay):
-                functions.receive(minds[receiver], said[-1 - delay][sender])
+            if not lost and works(TALKING, sender, tick - delay) and message is not None:
+                if brain[receiver].uses.luck:
+                    word = word_of(given.luck[2], given.luck[3], trial, tick, receiver, sender)
+                    minds[receiver].luck = chance(np.uint64(word))
+                brain[receiver].functions.receive(minds[receiver], message)
         del said[: -1 - delay]
-        for me in minds:
-            functions.fuse(me)
-            functions.estimate(me)
-            if setting.brain.steers and setting.body:
-                functions.steer(me)
+        for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
+            oracle.give(one, me, fused, i)
+            one.functions.fuse(me)
+            one.functions.estimate(me)
+            for name in ("decide", "done"):
+                if name in one.says.functions:
+                    getattr(one.functions, name)(me)
+            if one.steers and setting.body:
+                oracle.give(one, me, steered, i)
+                one.functions.steer(me)
 
 
 def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:

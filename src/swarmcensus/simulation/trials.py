@@ -200,8 +200,10 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
     if isinstance(error, compiler.NotCompiled):
-        what = f"it cannot be compiled: swarmcensus brains --check {setting.brain.path} says why"
-    return InputError(f"brain {setting.brain.name!r} fails in {which} of {setting}: {what}")
+        paths = " or ".join(str(brain.path) for brain in setting.crew)
+        what = f"it cannot be compiled: swarmcensus brains --check {paths} says why"
+    names = " or ".join(repr(brain.name) for brain in setting.crew)
+    return InputError(f"brain {names} fails in {which} of {setting}: {what}")
 
 
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
