@@ -121,11 +121,12 @@ class Minds:
     """The minds of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
     def __init__(
-        self, setting: Setting, seed: int, trial: int, failed: Failures, parts: tuple[int, int] = (0, 1)
+        self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False
     ) -> None:
         _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
         self.setting, self.trial, self.failed = setting, trial, failed
-        self.losses, self.luck, self.parts = setting.losses_key(seed), setting.luck_keys(seed), parts
+        self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)
+        self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
         crew = [setting.brain, *(member.brain or setting.brain for member in setting.members)]
         self.brains = [crew[k] for k in (setting.who(seed, trial, 1)[0] if setting.members else [0] * n)]

@@ -104,6 +104,7 @@ def fuse(me):
     own = me.n / me.t if me.t > 0.0 else 0.5
     talk = (me.pile[0] + me.pile[1]) / (1.25 * me.heard) if me.heard > 0.0 else me.luck
     me.x = me.weight * own + (1.0 - me.weight) * talk
+    me.mood = 0.5 * (me.mood + me.luck)
     me.heard = 0.0
     for k in range(2):
         me.pile[k] = 0.0

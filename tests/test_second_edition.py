@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from swarmcensus.engine.modes import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, HEARD, SENT
+from swarmcensus.simulation import metrics
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference, reference_walks
 from tests.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
 from tests.small import FAULTS, GO, SEED, failing, heard_in
+from tests.test_lives import local_curves
 
 SOME = [{"robots": 0.4, "brain": brain(TALKS, "talks.py"), "honest": False}]
 CASES = {
@@ -84,3 +86,14 @@ def test_on_the_move(name):
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))
     assert np.array(ride.readings[1:]) == pytest.approx(np.array(life.readings), nan_ok=True)
     check(setting, 1, life.minds, ride.fields, ride.estimates, batch, 0.0)
+
+
+@pytest.mark.parametrize("source", [ALL, ADDS], ids=["all", "adds"])
+def test_alone(source):
+    """The local estimate, observation by observation: nobody is heard, whoever is done looks no more."""
+    for setting in fixed(brain(source), robots=5, rounds=4, looks=3, members=SOME if source == ALL else ()):
+        curves = local_curves(setting, 1)
+        batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO, local=True)
+        honest = [not setting.members or k == 0 for k in setting.who(SEED, 1, 1)[0]]
+        assert (batch.final[0] == curves[-1][honest]).all()
+        assert (batch.convergence[0] == metrics.convergence(curves)[honest]).all()
