@@ -45,6 +45,11 @@ def key_of(key: np.ndarray) -> Key:
     return int(key[0]), int(key[1])
 
 
+def chance(word: int) -> float:
+    """The 52 uppermost bits as a number in (0, 1)."""
+    return (2 * (word >> 12) + 1) / 2.0**53
+
+
 def robots_word(key: np.ndarray, trial: int, tick: int, robot: int, part: int = 0) -> int:
     """A robot's own 64 bits of a tick; robots 2 j and 2 j + 1 share a block."""
     return threefry(key_of(key), (trial, tick), (part, robot // 2))[robot % 2]
@@ -113,33 +118,67 @@ def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
 
 
 class Minds:
-    """The minds of a swarm, what they said in each tick, and their estimates."""
+    """The minds of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
-    def __init__(self, setting: Setting, seed: int, trial: int, failed: Failures) -> None:
+    def __init__(
+        self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False
+    ) -> None:
         _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
         self.setting, self.trial, self.failed = setting, trial, failed
-        self.f = setting.brain.functions
-        self.losses = setting.losses_key(seed)
+        self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)
+        self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
-        every = zip(np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
-        self.minds = [setting.brain.robot(*beliefs) for beliefs in every]
-        self.said = [[self.f.broadcast(me) for me in self.minds]]
-        self.estimates = [[self.f.estimate(me) for me in self.minds]]
+        crew = [setting.brain, *(member.brain or setting.brain for member in setting.members)]
+        self.brains = [crew[k] for k in (setting.who(seed, trial, 1)[0] if setting.members else [0] * n)]
+        every = zip(self.brains, np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
+        self.minds = [brain.robot(*beliefs, float(i)) for i, (brain, *beliefs) in enumerate(every)]
+        self.said = [[self.says(i) for i in range(n)]]
+        self.estimates = [[self.call("estimate", i) for i in range(n)]]
+        self.sent, self.heard = [0] * n, [0] * n
+        self.decisions: list[list[float]] = []
+        self.done: list[list[bool]] = []
+
+    def call(self, name: str, i: int, *given: object) -> object:
+        """A function of robot i's brain."""
+        return getattr(self.brains[i].functions, name)(self.minds[i], *given)
+
+    def says(self, i: int) -> object:
+        """Its message, or None: a vector as it is now."""
+        message = self.call("broadcast", i)
+        return message and tuple(tuple(part) if isinstance(part, list) else part for part in message)
+
+    def is_done(self, i: int) -> bool:
+        """Whether it makes no more readings."""
+        return self.brains[i].ends and bool(self.call("done", i))
+
+    def cast(self, i: int, tick: int, part: int) -> None:
+        """Give luck for a call of its own: 0 of `observe`, 1 of `fuse`, 2 of `steer`."""
+        if self.brains[i].uses.luck:
+            self.minds[i].luck = chance(robots_word(self.luck[:2], self.trial, tick, i, part))
 
     def live(self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0) -> None:
         """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse."""
-        for i, me in enumerate(self.minds):
-            if not math.isnan(blacks[i]) and tick < self.failed.sensing[i]:
-                self.f.observe(me, float(blacks[i]), float(looks))
-        self.said.append([self.f.broadcast(me) for me in self.minds])
-        for i, me in enumerate(self.minds):
+        n = len(self.minds)
+        for i in range(n):
+            if not math.isnan(blacks[i]) and tick < self.failed.sensing[i] and not self.is_done(i):
+                self.cast(i, tick, self.parts[0])
+                self.call("observe", i, float(blacks[i]), float(looks))
+        self.said.append([self.says(i) for i in range(n)])
+        for i in range(n):
+            self.sent[i] += self.said[-1][i] is not None and tick < self.failed.talking[i]
             for j in heard[i] if tick >= delay else ():
-                spoke = tick - delay < self.failed.talking[j]
+                spoke = tick - delay < self.failed.talking[j] and self.said[tick - delay][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
-                    self.f.receive(me, self.said[tick - delay][j])
-        for me in self.minds:
-            self.f.fuse(me)
-        self.estimates.append([self.f.estimate(me) for me in self.minds])
+                    if self.brains[i].uses.luck:
+                        self.minds[i].luck = chance(threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0])
+                    self.heard[i] += 1
+                    self.call("receive", i, self.said[tick - delay][j])
+        for i in range(n):
+            self.cast(i, tick, self.parts[1])
+            self.call("fuse", i)
+        self.estimates.append([self.call("estimate", i) for i in range(n)])
+        self.decisions.append([float(self.call("decide", i)) if self.brains[i].decides else -1.0 for i in range(n)])
+        self.done.append([self.is_done(i) for i in range(n)])
 
 
 def fixed(

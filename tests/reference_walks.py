@@ -204,6 +204,7 @@ class Life:
     colours: list[list[bool]]
     readings: list[list[float]]
     estimates: list[list[float]]
+    minds: Minds
 
 
 def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
@@ -216,7 +217,7 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     b, w = (np.broadcast_to(side_of[0], n) for side_of in setting.accuracies(seed, trial, 1)[:2])
     swarm, minds = placed(n, side, body, walk, trial), Minds(setting, seed, trial, failed)
     begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
-    out = Life(begin, [], [], [], minds.estimates)
+    out = Life(begin, [], [], [], minds.estimates, minds)
     wants: list[tuple[float, float] | None] = [None] * n
     for tick in range(1, setting.rounds + 1):
         now = step(swarm, side, body, walk, trial, tick, failed.moving, wants)
@@ -228,6 +229,8 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
             read.append(float(black[i] == right) if able else math.nan)
         minds.live(tick, read, 1, now.heard, body.message_delay)
         if setting.brain.steers:
+            for i in range(n):
+                minds.cast(i, tick, 2)
             wants = [wish(me, setting.brain.functions.steer, body) for me in minds.minds]
         out.ticks.append(now)
         out.colours.append(black)

@@ -114,7 +114,7 @@ def local_curves(setting, trial):
     readings = record_readings(setting, SEED, trial)
     for i, at in enumerate(failed.sensing):
         readings[(at - 1) * looks :, i] = np.nan
-    lone = reference.Minds(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial))
+    lone = reference.Minds(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial), True)
     for step, row in enumerate(readings, start=1):
         lone.live(step, row.tolist(), 1, [[] for _ in row])
     return np.array(lone.estimates)

@@ -52,7 +52,9 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
             elif _of_record(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
                 _check_set(node, function.name, vectors, parameters, given)
     if "luck" in given:
-        _check_luck(tree, sums)
+        _check_luck(tree)
+    for name in given if sums else ():
+        _check_sums(tree, name)
 
 
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
@@ -75,7 +77,7 @@ def _check_set(
         raise Wrong(f"{function} sets me.{node.attr}, a vector: its items are set one by one", node.lineno)
 
 
-def _check_luck(tree: ast.Module, sums: Collection[str]) -> None:
+def _check_luck(tree: ast.Module) -> None:
     functions = _functions(tree)
     for name in ("broadcast", "estimate", "decide", "done"):
         found = _reads("luck", called_by(name, functions), functions)
@@ -85,9 +87,13 @@ def _check_luck(tree: ast.Module, sums: Collection[str]) -> None:
                 f"{name} reads me.luck{through}, which is fresh in {', '.join(LUCKY[:-1])} and {LUCKY[-1]} alone",
                 functions[found[0]].lineno,
             )
-    found = _reads("luck", called_by("receive", functions), functions)
-    if sums and found:
-        what = "receive reads me.luck: by SUMS what it adds depends on the message alone"
+
+
+def _check_sums(tree: ast.Module, name: str) -> None:
+    functions = _functions(tree)
+    found = _reads(name, called_by("receive", functions), functions)
+    if found:
+        what = f"receive reads me.{name}: by SUMS what it adds depends on the message alone"
         raise Wrong(what, functions[found[0]].lineno)
 
 

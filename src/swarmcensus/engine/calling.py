@@ -105,7 +105,8 @@ def _plain_call(function, *arguments):
 
 
 def _plain_view(items, shape, dtype):
-    seen = items.reshape(-1).view(dtype)[: np.prod(shape, dtype=int)]
+    size = np.prod(shape, dtype=int) * np.dtype(dtype).itemsize // items.itemsize  # what comes after it is another's
+    seen = items.reshape(-1)[:size].view(dtype)
     return seen.reshape(shape) if isinstance(shape, tuple) else seen
 
 

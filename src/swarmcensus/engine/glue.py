@@ -204,7 +204,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
         given = "".join(
             f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
         )
-        lines += ["hearer = nobody(record)", f"receive(hearer, ({given}))"]
+        lines += ["hearer = nobody(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
         lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
@@ -213,6 +213,17 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
             else:
                 lines += [f"outbox[i, {start}] = 1.0 * {name}"]
     return lines + [f"{column} = 1.0" for column in flag]
+
+
+def _equipped(brain: Brain) -> list[str]:
+    """The lines that give the parameters of `me` to another mind; what `receive` does not read costs nothing."""
+    lines = []
+    for name, value in brain.parameters.items():
+        if length(value):
+            lines += [f"for k in range({length(value)}):", f"    hearer.{name}[k] = me.{name}[k]"]
+        else:
+            lines += [f"hearer.{name} = me.{name}"]
+    return lines
 
 
 def _starts(message: dict[str, int]) -> list[tuple[int, int]]:

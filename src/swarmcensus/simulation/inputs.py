@@ -64,7 +64,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         order=setting.readings_key(seed, "order") if order else NO_KEY,
         losses=setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
         loss_threshold=setting.loss_threshold,
-        luck=setting.luck_keys(seed),
+        luck=setting.luck_keys(seed, alone=order),
         walk=setting.walk_key(seed) if moves else NO_KEY,
         paces=np.stack([setting.paces(seed, first + t) for t in range(trials)]) if moves else NO_PACES,
         links=links,

@@ -111,7 +111,7 @@ def fields_of(
 ) -> dict[str, np.ndarray]:
     """What a trace shows of minds (round, robot, number): MEMORY's fields, and of brains that decide what and when.
 
-    In a mixed swarm a field is NaN of robots whose brain has none of its name.
+    In a mixed swarm a field is NaN of robots whose brain has none of its name, or a shorter vector.
     """
     robots = estimates.shape[1]
     fields: dict[str, np.ndarray] = {}
@@ -124,16 +124,26 @@ def fields_of(
         for _, first, last in (run for run in made.runs.tolist() if run[0] == group):
             own[first:last] = True
         for name in brain.memory:
-            values = minds[name]
-            where = own[:, np.newaxis] if values.ndim == 3 else own
-            known = fields.get(name, np.full(values.shape, np.nan))
-            fields[name] = values if len(brains) == 1 else np.where(where, values, known)
+            fields[name] = minds[name] if len(brains) == 1 else _with(fields.get(name), minds[name], own)
     if any(brain.decides or brain.ends for brain in brains):
         told = np.empty((*estimates.shape, 2))
         compiler.compile_world("kernel").decided(*made, history, estimates, told)
         fields |= {free(DECIDED, fields): told[..., 0]} if any(brain.decides for brain in brains) else {}
         fields |= {free(IS_DONE, fields): told[..., 1]} if any(brain.ends for brain in brains) else {}
     return fields
+
+
+def _with(known: np.ndarray | None, values: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """A field of some robots, `own`, beside what is known of the others': numbers, or vectors as long as the longest."""
+    parts = [values] if known is None else [known, values]
+    longest = max(part.shape[2] if part.ndim == 3 else 0 for part in parts)
+    if not longest:
+        return np.where(own, values, np.nan if known is None else known)
+    out = np.full((*values.shape[:2], longest), np.nan)
+    for part, where in zip(parts[::-1], (own, ~own), strict=False):
+        wide = part if part.ndim == 3 else part[..., np.newaxis]
+        out[:, where, : wide.shape[2]] = wide[:, where]
+    return out
 
 
 def free(name: str, taken: Container[str]) -> str:

@@ -208,14 +208,16 @@ class Setting:
             **self._where,
         )
 
-    def luck_keys(self, seed: int) -> np.ndarray:
+    def luck_keys(self, seed: int, alone: bool = False) -> np.ndarray:
         """The addresses of brains' luck, of their own calls and of messages; empty where none asks for it.
 
-        The brain is no part of it: two that ask for luck have the same.
+        The brain is no part of it: two that ask for luck have the same; nor, of robots that are `alone`, the network,
+        for settings that differ in it share their local estimates.
         """
         if not any(brain.uses.luck for brain in self.crew):
             return NO_LUCK
-        content = {"robots": self.robots, "topology": self.topology.content, **self._where}
+        network = {} if alone else {"topology": self.topology.content}
+        content = {"robots": self.robots, **network, **self._where}
         return np.concatenate([address(seed, purpose, **content) for purpose in ("luck", "luck of messages")])
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
