@@ -220,5 +220,6 @@ def test_on_a_cluster(here, known):
     )
     with cluster:
         for name in TEXTS:
-            assert main(["run", f"{name}.toml", "--scheduler", cluster.scheduler_address, "--out", f"{name}-far.nc"]) == 0
+            where = ["--scheduler", cluster.scheduler_address, "--out", f"{name}-far.nc"]
+            assert main(["run", f"{name}.toml", *where]) == 0
             assert same(sc.load(f"{name}-far.nc"), known[name])

@@ -42,7 +42,8 @@ def _by_world(found: Standings, contest: Contest) -> str:
     counts = {name: (standing == name).sum(axis=0).tolist() for name in ("best", "level")}
     if not (standing == "behind").any():
         return "nobody is told apart from whoever is first" + " in any world" * (worlds > 1)
-    order = np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist()
+    there = (standing != "").any(axis=0)
+    order = [k for k in np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist() if there[k]]
     parts = []
     for k in order[:MOST_NAMED]:
         best, level = counts["best"][k], counts["level"][k]

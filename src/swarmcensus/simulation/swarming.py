@@ -134,7 +134,7 @@ def fields_of(
 
 
 def _with(known: np.ndarray | None, values: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """A field of some robots, `own`, beside what is known of the others': numbers, or vectors as long as the longest."""
+    """A field of some robots, `own`, beside what is known of the others: numbers, or vectors as long as the longest."""
     parts = [values] if known is None else [known, values]
     longest = max(part.shape[2] if part.ndim == 3 else 0 for part in parts)
     if not longest:
