@@ -120,7 +120,7 @@ def same(one, other):
 def test_they_do_what_they_are_to_try(known):
     """Some robots are silent, some decide, some are done, some swarms agree, some hear more than they say."""
     for data in known.values():
-        assert {0, 1, 2, 3, 4, 5} <= set(data["messages_sent"].values.ravel().tolist())
+        assert len(np.unique(data["messages_sent"])) > 6
         assert (data["decision_round"] < np.inf).any()
         assert (data["consensus"] >= 0).any()
         assert (data["consensus"] == -1).any()
@@ -220,6 +220,6 @@ def test_on_a_cluster(here, known):
     )
     with cluster:
         for name in TEXTS:
-            where = ["--scheduler", cluster.scheduler_address, "--out", f"{name}-far.nc"]
-            assert main(["run", f"{name}.toml", *where]) == 0
-            assert same(sc.load(f"{name}-far.nc"), known[name])
+            out = f"{name}-far.nc"
+            assert main(["run", f"{name}.toml", "--scheduler", cluster.scheduler_address, "--out", out]) == 0
+            assert same(sc.load(out), known[name])

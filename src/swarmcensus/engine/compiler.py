@@ -52,6 +52,11 @@ ALWAYS = ("sense", "hear", "end_round", "believe")  # what of a brain is needed 
 class NotCompiled(Exception):
     """A brain of which Numba makes no machine code, in Numba's own words."""
 
+    def __init__(self, brain: Brain, said: str) -> None:
+        """Say which, and why."""
+        super().__init__(said)
+        self.brain = brain
+
 
 def compiled(function: types.FunctionType, checked: bool = False) -> Any:
     """Machine code without the GIL that divides as CPython does: by zero is an error, not infinity.
@@ -187,7 +192,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     except MemoryError:
         raise
     except Exception as error:
-        raise NotCompiled(str(error)) from error
+        raise NotCompiled(brain, str(error)) from error
     if not_compiled():
         return np.array(found, object)
     return np.array([address or 0 for address in found], np.uint64)

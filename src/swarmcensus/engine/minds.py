@@ -171,7 +171,7 @@ def forget_verdicts(verdicts, agreed):
         verdicts[i, DONE_IN] = np.inf
         verdicts[i, DONE_ESTIMATE] = np.nan
         verdicts[i, IS_DONE] = 0.0
-        verdicts[i, WRONG] = np.nan
+        verdicts[i, WRONG] = -1.0  # which is right
     agreed[0] = -1.0
     agreed[1] = np.inf
 

@@ -89,7 +89,7 @@ class Rider:
         rows = self.rows
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
         self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
-        check_verdicts(self.setting, self.verdicts[np.newaxis], self.trial)
+        check_verdicts(self.setting, self.given, self.verdicts[np.newaxis])
         where, value, counts = where[honest], value[honest], self.counts[:, honest]
         verdicts = self.verdicts[honest] if self.verdicts.size else self.verdicts
         error = np.abs(value - truth)

@@ -75,22 +75,23 @@ def verdicts_of(setting: Setting, trials: int, robots: int) -> tuple[np.ndarray,
     return np.empty((trials, robots if judged else 0, VERDICTS)), np.empty((trials, 2))
 
 
-def check_verdicts(setting: Setting, verdicts: np.ndarray, first: int) -> None:
+def check_verdicts(setting: Setting, given: Inputs, verdicts: np.ndarray) -> None:
     """Raise InputError where a brain decided for what is no option."""
-    wrong = np.argwhere(~np.isnan(verdicts[..., WRONG])) if verdicts.size else ()
+    wrong = np.argwhere(verdicts[..., WRONG] != -1.0) if verdicts.size else ()
     for trial, robot in wrong[:1]:
-        brain = setting.brain
+        brain = setting.crew[given.group[trial, robot]] if given.group.size else setting.brain
         raise InputError(
-            f"brain {brain.name!r} fails in trial {first + trial} of {setting}: decide gives "
+            f"brain {brain.name!r} fails in trial {given.first + trial} of {setting}: decide gives "
             f"{verdicts[trial, robot, WRONG]:g}: -1 (undecided) or an option from 0 to {brain.options - 1} is right"
         )
 
 
 def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:
     """What all robots agreed on, when, whether it is right, and what is (trial, 4); all NaN where no brain decides."""
-    if not any(brain.decides for brain in setting.crew):
+    options = [brain.options for brain in setting.crew if brain.decides]  # all the same
+    if not options:
         return np.broadcast_to(NOTHING, (len(agreed), 4))
-    right = right_option(truth, setting.brain.options)
+    right = right_option(truth, options[0])
     is_right = np.full(len(agreed), np.nan) if np.isnan(right) else (agreed[:, 0] == right).astype(np.float64)
     return np.column_stack([agreed, is_right, np.full(len(agreed), right)])
 
@@ -134,7 +135,7 @@ def fields_of(
 
 
 def _with(known: np.ndarray | None, values: np.ndarray, own: np.ndarray) -> np.ndarray:
-    """A field of some robots, `own`, beside what is known of the others: numbers, or vectors as long as the longest."""
+    """A field of some robots, `own`, beside what is known of the others': numbers, or vectors as long as any."""
     parts = [values] if known is None else [known, values]
     longest = max(part.shape[2] if part.ndim == 3 else 0 for part in parts)
     if not longest:

@@ -155,7 +155,7 @@ def _live(
         if sound:
             raise
         raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
-    check_verdicts(setting, verdicts, first)
+    check_verdicts(setting, given, verdicts)
     consensus = consensus_of(setting, agreed, setting.fill_ratio)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
@@ -196,14 +196,12 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
     """What a failing brain is told by."""
-    text = str(error).strip()
+    text, crew = str(error).strip(), setting.crew
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
     if isinstance(error, compiler.NotCompiled):
-        paths = " or ".join(str(brain.path) for brain in setting.crew)
-        what = f"it cannot be compiled: swarmcensus brains --check {paths} says why"
-    names = " or ".join(repr(brain.name) for brain in setting.crew)
-    return InputError(f"brain {names} fails in {which} of {setting}: {what}")
+        crew, what = (error.brain,), f"it cannot be compiled: swarmcensus brains --check {error.brain.path} says why"
+    return InputError(f"brain {' or '.join(repr(brain.name) for brain in crew)} fails in {which} of {setting}: {what}")
 
 
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:

@@ -92,11 +92,16 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
         if one.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
         for brain in dict.fromkeys(one.brain or []):
-            for other in brains:
+            for other in (*brains, *(b for before in members[:n] for b in before.brain or [])):
                 if brain.message != other.message:
                     raise ValueError(
                         f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_said(brain)}), and that of "
                         f"{other.name!r} ({_said(other)}): brains that live together say the same"
+                    )
+                if brain.decides and other.decides and brain.options != other.options:
+                    raise ValueError(
+                        f"members[{n}].brain = {brain.name!r}: its OPTIONS is {brain.options}, and that of "
+                        f"{other.name!r} {other.options}: brains that live together decide among the same"
                     )
     for robots in sizes:
         for chosen in itertools.product(*(one.robots for one in members)):
