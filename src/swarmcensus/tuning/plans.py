@@ -10,7 +10,6 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.results.measures import Measure
-from swarmcensus.results.values import kinds_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.budgets import Budget
@@ -53,6 +52,7 @@ class Plan:
         files = [metric.sha256 for metric in measure.metrics]
         return {
             "brain": self.before.told,
+            "source": self.before.sha256[:16],
             "parameters": " ".join(map(str, self.ranges)),
             "metric": self.metric,
             "seed": self.study.seed,
@@ -69,19 +69,21 @@ def plan_of(
     """Hold what is asked for against the study. Raises InputError, naming what is not there and what is."""
     if not 1 <= trials <= MOST_TRIALS:
         raise InputError(f"--trials {trials}: a candidate has 1 to {MOST_TRIALS} trials in each world")
-    settings = study.settings()
-    before = _chosen(list(dict.fromkeys(setting.brain for setting in settings)), brain)
+    before = chosen(study, brain)
     ranges = ranges_of(parameters, before)
-    mine = (setting for setting in settings if setting.brain.as_written == before.as_written)
+    mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
     worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in mine))
     measure = measure_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
-    assert kinds_of(study.measure.metrics).keys() == lows.keys()
     return Plan(study, before, worlds, ranges, metric, measure, lows.get(measure.name, 0.0), budget, trials)
 
 
-def _chosen(brains: list[Brain], name: str | None) -> Brain:
-    """The brain of this name, as the study gives it first, or the only one that has parameters."""
+def chosen(study: Study, name: str | None) -> Brain:
+    """The brain of this name, as the study gives it first, or the only one that has parameters.
+
+    Raises InputError where there is none, or none to choose.
+    """
+    brains = list(dict.fromkeys(setting.brain for setting in study.settings()))
     tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
     if name is None:
         if len(tunable) != 1:

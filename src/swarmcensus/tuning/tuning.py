@@ -71,7 +71,7 @@ def tune(
     """
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
-    files = _files(out)
+    files = files_of(out)
     show = progress or (lambda _: None)
     jobs = pools.threads(jobs)
     with (
@@ -91,7 +91,7 @@ def tune(
     return Tuned(tuned, plan.before, values, ended.evaluations, evidence, text)
 
 
-def _files(out: str | Path | None) -> dict[str, Path]:
+def files_of(out: str | Path | None) -> dict[str, Path]:
     """The files of a search by their endings. Raises InputError where they cannot be written."""
     if out is None:
         return {}
