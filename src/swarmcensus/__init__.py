@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from swarmcensus.runs.verifying import verify
     from swarmcensus.simulation.inferring import infer
     from swarmcensus.studies.study import Study
+    from swarmcensus.tuning.tuning import tune
 
 _HOME = {
     "InputError": "basics.errors",
@@ -41,6 +42,7 @@ _HOME = {
     "run": "runs.running",
     "save": "results.store",
     "summary": "results.summaries",
+    "tune": "tuning.tuning",
     "verify": "runs.verifying",
 }
 __all__ = [
@@ -58,6 +60,7 @@ __all__ = [
     "run",
     "save",
     "summary",
+    "tune",
     "verify",
 ]
 

@@ -15,6 +15,7 @@ from swarmcensus.cli.options import parser
 from swarmcensus.cli.plotting import plot
 from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.tracing import infer, replay
+from swarmcensus.cli.tuning import tune
 from swarmcensus.results.presence import check_there
 
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
@@ -75,5 +76,5 @@ def _complain(what: object) -> None:
 
 COMMANDS = {
     run.__name__: run
-    for run in (run, reproduce, show, compare, merge, status, verify, plot, export, replay, infer, brains)
+    for run in (run, reproduce, show, compare, tune, merge, status, verify, plot, export, replay, infer, brains)
 } | {"list": choices}

@@ -99,6 +99,33 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
 
+    sub = command("tune", "Search for good values of a brain's parameters, and evaluate them where the search was not.")
+    sub.add_argument("study", type=Path, metavar="STUDY.toml")
+    sub.add_argument("--brain", metavar="NAME", help="which of the study's brains, if several have parameters")
+    sub.add_argument(
+        "--parameters",
+        nargs="+",
+        required=True,
+        metavar="NAME=LOW:HIGH",
+        help="where to look, as prior=1:100, prior=1:100:log, k=1:9:whole, weights[0]=0:1",
+    )
+    sub.add_argument(
+        "--metric",
+        default="final_error",
+        metavar="NAME",
+        help="a measure as of compare, as correct, or my_metric:low (default: %(default)s)",
+    )
+    sub.add_argument(
+        "--budget", default="200", metavar="N|TIME", help="evaluations, or a time as '10 min' (default: %(default)s)"
+    )
+    sub.add_argument(
+        "--trials", type=_from_one, default=10, help="in each world of an evaluation (default: %(default)s)"
+    )
+    sub.add_argument("--seed", type=_from_zero, help="instead of the study's own")
+    sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core); the values do not depend on it")
+    sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: the brain's name with -tuned.toml, here")
+    sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with the log")
+
     sub = command("status", "Say how far a study is that runs, or was cut off, and when it ends.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
 

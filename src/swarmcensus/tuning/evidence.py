@@ -1,0 +1,116 @@
+"""What a search was worth: the brain with the values found against the brain as it was, where the search never was."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics.digits import places, rounded
+from swarmcensus.brains import Brain
+from swarmcensus.results.comparing import Comparison, compare
+from swarmcensus.results.comparison_cells import p_value
+from swarmcensus.studies.settings import Setting
+
+BETTER, WORSE, LEVEL = "better", "worse", "not told apart"
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What the comparison of two says; `comparison` is of the tuned brain with the brain as it was, and with no other.
+
+    `everyone` is of all brains of the study beside. Both are None where the search ended at the values there were.
+    """
+
+    tuned: str
+    before: str
+    comparison: Comparison | None
+    everyone: Comparison | None
+
+    @property
+    def verdict(self) -> str:
+        """Whether the tuned brain is "better" than it was, over all worlds, "worse", or "not told apart"."""
+        if self.comparison is None:
+            return LEVEL
+        [contest] = self.comparison.contests
+        if contest.met.sum() > 1:
+            told, ahead = bool(contest.duels_apart[0]), float(contest.ahead[0])
+        else:
+            told, ahead = bool(contest.apart[0, 0]), float(contest.tests.balance[0, 0]) * (-1 if contest.low else 1)
+        first = self._first
+        return LEVEL if not told or not ahead else BETTER if (ahead > 0) == first else WORSE
+
+    @property
+    def _first(self) -> bool:
+        """Whether the tuned one is the first of the pair."""
+        assert self.comparison is not None
+        return self.comparison.contenders[0] == self.tuned
+
+    @property
+    def sentences(self) -> list[str]:
+        """What is said of it: one of all worlds, one for each world, and one of the study's other brains."""
+        if self.comparison is None:
+            return [f"the search ended at the values there were: {self.before}"]
+        measure = self.comparison.measures[0]
+        pairs = self.comparison.pairs.to_dict("records")
+        told = {LEVEL: "is not told apart from", BETTER: "is better than", WORSE: "is worse than"}[self.verdict]
+        over = ""
+        for row in self.comparison.duels.to_dict("records"):
+            share = row["ahead"] if self._first else -row["ahead"]
+            over = f" over all {len(pairs)} worlds: ahead in {share:+.2f} of them, p {_equals(row['p_holm'])}"
+        one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
+        lines = [f"{measure.label}: {self.tuned} {told} {self.before}{over}{one}"]
+        if over:
+            lines += [f"world {row['world']}{_where(self.comparison, row)}: {self._of_world(row)}" for row in pairs]
+        if self.everyone is not None:
+            lines += [f"beside the study's others: {line}" for line in self.everyone.verdict[:2] if "cost" not in line]
+        return lines
+
+    def _of_world(self, row: dict[str, Any]) -> str:
+        """Such as "median of differences -0.0021 [-0.0030, -0.0011], better in 25 of 30 trials, p < 0.001"."""
+        assert self.comparison is not None
+        measure, sign = self.comparison.measures[0], 1 if self._first else -1
+        ends = sorted((sign * row["difference_low"], sign * row["difference_high"]))
+        difference = sign * row["difference"] + 0.0
+        unit = f" {measure.unit}" if measure.unit != "1" else ""
+        if np.isfinite([difference, *ends]).all():
+            text = " ".join(rounded(difference, ends[0], ends[1], places(ends[1] - ends[0])))
+        else:
+            text = f"{difference:.3g}"
+        superiority = row["superiority"] if self._first else 1 - row["superiority"]
+        apart = "" if row["told_apart"] else ", not told apart"
+        return (
+            f"{measure.statistic} of differences {text}{unit}, better in {superiority:.0%} of {row['trials']} trials, "
+            f"p {_equals(row['p_holm'])}{apart}"
+        )
+
+
+def evidence_of(data: xr.Dataset, settings: list[Setting], tuned: Brain, before: Brain, metric: str) -> Evidence:
+    """Compare two brains in the results of an evaluation, whose settings these are, and then all of them."""
+    mine = [k for k, one in enumerate(settings) if one.brain in (tuned, before)]
+    found = compare(data.isel(setting=mine), metric)
+    names = _names(data, settings, mine, found, (tuned, before))
+    everyone = compare(data, metric) if len(mine) < len(settings) else None
+    return Evidence(*names, found, everyone)
+
+
+def _names(
+    data: xr.Dataset, settings: list[Setting], mine: list[int], found: Comparison, two: tuple[Brain, Brain]
+) -> tuple[str, str]:
+    """What the comparison calls each of the two: the contender whose setting is of that brain."""
+    numbers = data["setting"].values[mine].tolist()
+    brain_of = {number: settings[k].brain for number, k in zip(numbers, mine, strict=True)}
+    called: dict[Brain, str] = {}
+    for world in found.settings.tolist():
+        called |= {brain_of[number]: name for number, name in zip(world, found.contenders, strict=True) if number >= 0}
+    return called[two[0]], called[two[1]]
+
+
+def _where(found: Comparison, row: dict[str, Any]) -> str:
+    """A world's coordinates that differ among worlds, in brackets."""
+    told = ", ".join(f"{name} {value}" for name, value in found.field.worlds[row["world"]].items())
+    return f" ({told})" if told else ""
+
+
+def _equals(p: float) -> str:
+    return text if (text := p_value(p)).startswith("<") else f"= {text}"

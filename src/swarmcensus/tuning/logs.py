@@ -1,0 +1,174 @@
+"""The log of a search: a CSV file to which each evaluation is added as a line, from which a search goes on.
+
+Its first line says, behind a #, what search it is of, its second what is usual in each world (see `objectives`).
+"""
+
+import contextlib
+import json
+import os
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO, Self
+
+import numpy as np
+from filelock import FileLock, Timeout
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_writable, whole
+
+FORMAT = "# swarmcensus tune 1 "
+USUAL = "# usual "
+HINT = "Tune with --fresh to begin anew, or write elsewhere with --out"
+TO_DISK = 0.5  # seconds between waits for the disk: a process that is killed loses nothing, a power cut so much
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One candidate and what came of it; the first one is the brain as it was, of generation 0."""
+
+    generation: int
+    values: tuple[float, ...]
+    loss: float
+    failed: int  # trials
+    seconds: float  # since the search began, without the pauses where it was cut off
+
+
+class Log:
+    """The evaluations so far, on disk where there is a path; no other search may have it as long as the block lasts."""
+
+    def __init__(self, path: Path | None, identity: Mapping[str, Any], places: Sequence[str], fresh: bool) -> None:
+        """Name the search by what makes it what it is, and the columns of its values."""
+        self.path, self.identity, self.places, self.fresh = path, dict(identity), list(places), fresh
+        self.evaluations: list[Evaluation] = []
+        self.usual: NDArray[np.float64] | None = None
+        self._file: BinaryIO | None = None
+        self._last = 0.0
+
+    def __enter__(self) -> Self:
+        """Take what is there. Raises InputError where another search holds it, or where it is of another."""
+        if self.path is None:
+            return self
+        check_writable(self.path)
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=0)
+        try:
+            self._lock.acquire()
+        except Timeout:
+            raise InputError(f"{self.path}: another search is writing it") from None
+        except OSError as error:
+            raise InputError(f"cannot write {self.path}: {error.strerror or error}") from error
+        try:
+            kept = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
+            if kept == 0:
+                with whole(self.path) as beside:
+                    beside.write_text(self._head(), encoding="utf-8")
+            self._file = self.path.open("r+b")
+            self._file.truncate(kept or None) if kept else None
+            self._file.seek(0, os.SEEK_END)
+        except BaseException:
+            self._release()
+            raise
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave it on disk."""
+        if self._file is not None:
+            self._to_disk()
+            self._file.close()
+            self._release()
+
+    def _release(self) -> None:
+        with contextlib.suppress(OSError):
+            Path(self._lock.lock_file).unlink(missing_ok=True)
+        self._lock.release()
+
+    def set_usual(self, usual: NDArray[np.float64]) -> None:
+        """Keep what is usual in each world."""
+        self.usual = usual
+        self._add(USUAL + json.dumps(usual.tolist()) + "\n" + self._columns())
+
+    def add(self, one: Evaluation) -> None:
+        """Keep an evaluation: a line, whole once this returns."""
+        self.evaluations.append(one)
+        numbers = [len(self.evaluations) - 1, one.generation, *one.values, one.loss, one.failed, round(one.seconds, 3)]
+        self._add(",".join(map(repr, numbers)) + "\n")
+
+    def _head(self) -> str:
+        return FORMAT + json.dumps(self.identity) + "\n"
+
+    def _columns(self) -> str:
+        return ",".join(["evaluation", "generation", *self.places, "loss", "failed", "seconds"]) + "\n"
+
+    def _add(self, text: str) -> None:
+        if self._file is None:
+            return
+        try:
+            self._file.write(text.encode())
+            self._file.flush()
+            if time.monotonic() - self._last >= TO_DISK:
+                self._to_disk()
+        except OSError as error:
+            raise InputError(f"cannot write {self.path}: {error.strerror or error}") from error
+
+    def _to_disk(self) -> None:
+        assert self._file is not None
+        os.fsync(self._file.fileno())
+        self._last = time.monotonic()
+
+    def _read(self, data: bytes) -> int:
+        """Take over the whole lines, and say how many bytes they are: what was cut short behind them is left out."""
+        end = data.rfind(b"\n") + 1
+        if not end:
+            return self._must_be_ours(data)
+        try:
+            head, *lines = data[:end].decode().splitlines()
+        except UnicodeDecodeError:
+            raise InputError(f"{self.path} is no log of a search. {HINT}") from None
+        self._check(head)
+        if len(lines) < 3:  # the start was not through
+            return len(head.encode()) + 1
+        try:
+            if not lines[0].startswith(USUAL) or lines[1] + "\n" != self._columns():
+                raise ValueError
+            self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(-1, 2)
+        except ValueError:
+            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {HINT}") from None
+        for number, line in enumerate(lines[2:]):
+            try:
+                self.evaluations.append(self._parsed(line, number))
+            except ValueError:
+                raise InputError(
+                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all behind it, or begin anew "
+                    "with --fresh"
+                ) from None
+        return end
+
+    def _must_be_ours(self, data: bytes) -> int:
+        """A file without a whole line is a log only if it is the beginning of one."""
+        if data and not self._head().encode().startswith(data):
+            raise InputError(f"{self.path} is no log of a search. {HINT}")
+        return 0
+
+    def _check(self, head: str) -> None:
+        """Raise InputError, saying how they differ, where a log is of another search."""
+        try:
+            if not head.startswith(FORMAT):
+                raise ValueError
+            found = dict(json.loads(head.removeprefix(FORMAT)))
+        except (ValueError, TypeError):
+            raise InputError(f"{self.path} is no log of a search. {HINT}") from None
+        differ = [key for key, mine in self.identity.items() if found.get(key) != mine]
+        if differ:
+            said = "; ".join(f"{key} is {found.get(key)!r} there and {self.identity[key]!r} here" for key in differ)
+            raise InputError(f"{self.path} is of another search: {said}. {HINT}")
+
+    def _parsed(self, line: str, number: int) -> Evaluation:
+        first, generation, *rest = line.split(",")
+        *numbers, failed, seconds = rest
+        values = [float(one) for one in numbers]
+        if int(first) != number or len(values) != len(self.places) + 1 or not 0.0 <= values[-1] <= 1.0:
+            raise ValueError
+        return Evaluation(int(generation), tuple(values[:-1]), values[-1], int(failed), float(seconds))

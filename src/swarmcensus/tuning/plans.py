@@ -1,0 +1,104 @@
+"""What a search is: of which brain, in which worlds, over which ranges, by which measure."""
+
+import hashlib
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.version import __version__
+from swarmcensus.brains import Brain
+from swarmcensus.results.measures import Measure
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.tuning.budgets import Budget
+from swarmcensus.tuning.ranges import Range, ranges_of, start_of, with_values
+from swarmcensus.tuning.searching import library
+from swarmcensus.tuning.trying import measure_of
+
+MOST_TRIALS = 100_000
+
+
+@dataclass(frozen=True)
+class Plan:
+    """All that a search needs to know before it begins."""
+
+    study: Study
+    before: Brain  # with the parameters that the study gives first
+    worlds: list[Setting]
+    ranges: list[Range]
+    metric: str  # as it was asked for
+    measure: Measure
+    least: float  # that the measure can be
+    budget: Budget
+    trials: int
+
+    @property
+    def start(self) -> tuple[float, ...]:
+        """The values that there are, one a range."""
+        return start_of(self.ranges, self.before)
+
+    def brain_of(self, values: Sequence[float]) -> Brain:
+        """The brain with other values."""
+        return with_values(self.before, self.ranges, values)
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """What makes a search what it is: the same, and told the same, it asks for the same candidates."""
+        worlds = "".join(world.fingerprint(self.study.seed) for world in self.worlds)
+        measure = self.study.measure
+        measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
+        files = [metric.sha256 for metric in measure.metrics]
+        return {
+            "brain": self.before.told,
+            "source": self.before.sha256[:16],
+            "parameters": " ".join(map(str, self.ranges)),
+            "metric": self.metric,
+            "seed": self.study.seed,
+            "trials": self.trials,
+            "worlds": hashlib.blake2b(repr((measured, files)).encode(), digest_size=8).hexdigest(),
+            "version": __version__,
+            "cma": str(library().__version__),
+        }
+
+
+def plan_of(
+    study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int
+) -> Plan:
+    """Hold what is asked for against the study. Raises InputError, naming what is not there and what is."""
+    if not 1 <= trials <= MOST_TRIALS:
+        raise InputError(f"--trials {trials}: a candidate has 1 to {MOST_TRIALS} trials in each world")
+    before = chosen(study, brain)
+    ranges = ranges_of(parameters, before)
+    mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
+    worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in mine))
+    measure = measure_of(study, worlds, metric)
+    lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
+    return Plan(study, before, worlds, ranges, metric, measure, lows.get(measure.name, 0.0), budget, trials)
+
+
+def chosen(study: Study, name: str | None) -> Brain:
+    """The brain of this name, as the study gives it first, or the only one that has parameters.
+
+    Raises InputError where there is none, or none to choose.
+    """
+    brains = list(dict.fromkeys(setting.brain for setting in study.settings()))
+    tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
+    if name is None:
+        if len(tunable) != 1:
+            what = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
+            raise InputError(f"--brain: {what}")
+        name = tunable[0]
+    found = next((brain for brain in brains if brain.name == name), None)
+    if found is None:
+        names = list(dict.fromkeys(brain.name for brain in brains))
+        raise InputError(f"--brain {name}: {did_you_mean(name, names)}the study has {', '.join(names)}")
+    if not found.parameters:
+        raise InputError(f"--brain {name}: it has no PARAMETERS, and so nothing to look for")
+    return found
+
+
+def _none(brains: list[Brain]) -> str:
+    names = dict.fromkeys(brain.name for brain in brains)
+    return f"no brain of the study ({', '.join(names)}) has PARAMETERS, and so there is nothing to look for"

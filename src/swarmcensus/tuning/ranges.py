@@ -1,0 +1,150 @@
+"""Where a parameter is looked for: a range, of which every value has a place in [0, 1]."""
+
+import math
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.brains import Brain, length
+
+Scale = Literal["linear", "log", "whole"]
+FORM = "should be such as prior=1:100, prior=1:100:log or prior=1:100:whole"
+PLACE = re.compile(r"(\w+)(?:\[(\d{1,6})\])?")
+DIGITS = 5  # of a value, or of a linear range's width: as many as a search can mean, and a person reads
+LARGEST = 1e100
+
+
+@dataclass(frozen=True)
+class Range:
+    """The values that a parameter, or one item of a vector, may take."""
+
+    name: str
+    item: int | None  # of a vector
+    low: float
+    high: float
+    scale: Scale = "linear"
+
+    @property
+    def place(self) -> str:
+        """What is looked for, as "prior" or "weights[0]"."""
+        return self.name if self.item is None else f"{self.name}[{self.item}]"
+
+    def __str__(self) -> str:
+        """As it is written."""
+        scale = "" if self.scale == "linear" else f":{self.scale}"
+        return f"{self.place}={self.low:.15g}:{self.high:.15g}{scale}"
+
+    def value(self, share: float) -> float:
+        """The value at a place in [0, 1], in so many digits as are worth writing."""
+        if self.scale == "whole":
+            count = self.high - self.low + 1
+            return self.low + min(math.floor(share * count), count - 1)
+        if self.scale == "log":
+            found = float(f"{self.low * (self.high / self.low) ** share:.{DIGITS}g}")
+        else:
+            width = self.high - self.low
+            found = round(self.low + share * width, DIGITS - 1 - math.floor(math.log10(width)))
+        return min(max(found, self.low), self.high)
+
+    def share(self, value: float) -> float:
+        """The place of a value, or of the end of the range that is nearest to it."""
+        value = min(max(value, self.low), self.high)
+        if self.scale == "whole":
+            return (round(value) - self.low + 0.5) / (self.high - self.low + 1)
+        if self.scale == "log":
+            return math.log(value / self.low) / math.log(self.high / self.low)
+        return (value - self.low) / (self.high - self.low)
+
+    @property
+    def step(self) -> float:
+        """The share that one value of whole numbers takes; 0 of others."""
+        return 1 / (self.high - self.low + 1) if self.scale == "whole" else 0.0
+
+
+def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
+    """The ranges of some of a brain's parameters. Raises InputError, naming the text and what would be right."""
+    found: list[Range] = []
+    for text in [texts] if isinstance(texts, str) else texts:
+        try:
+            one = _parsed(str(text))
+            _check(one, brain)
+            if one.place in [other.place for other in found]:
+                raise ValueError(f"{one.place} is given twice")
+        except ValueError as error:
+            raise InputError(f"--parameters {text}: {error}") from None
+        found.append(one)
+    if not found:
+        raise InputError(f"--parameters: none is given; the brain {brain.name!r} has {_known(brain)}")
+    return found
+
+
+def start_of(ranges: Iterable[Range], brain: Brain) -> tuple[float, ...]:
+    """The values that a brain has now."""
+    found = []
+    for one in ranges:
+        value = brain.parameters[one.name]
+        found.append(value[one.item or 0] if isinstance(value, tuple) else value)
+    return tuple(found)
+
+
+def with_values(brain: Brain, ranges: Iterable[Range], values: Iterable[float]) -> Brain:
+    """The brain with other values there; all others stay as they are."""
+    changed = dict(brain.parameters)
+    for one, value in zip(ranges, values, strict=True):
+        old = changed[one.name]
+        changed[one.name] = (
+            tuple(value if k == one.item else kept for k, kept in enumerate(old)) if isinstance(old, tuple) else value
+        )
+    return brain.with_parameters(changed)
+
+
+def _parsed(text: str) -> Range:
+    place, equals, rest = text.partition("=")
+    parts, named = rest.split(":"), PLACE.fullmatch(place.strip())
+    if not (equals and named and len(parts) in (2, 3)):
+        raise ValueError(FORM)
+    scale = parts[2].strip() if len(parts) == 3 else "linear"
+    if scale not in get_args(Scale):
+        raise ValueError(f"{did_you_mean(scale, get_args(Scale))}a range is log, whole or, with neither, linear")
+    low, high = (_number(part) for part in parts[:2])
+    if not low < high:
+        raise ValueError("the range is empty: it should be low:high, with low below high")
+    if scale == "log" and low <= 0:
+        raise ValueError("on a logarithmic scale both ends should be above 0")
+    if scale == "whole" and not (low.is_integer() and high.is_integer()):
+        raise ValueError("of whole numbers both ends should be whole")
+    return Range(named[1], None if named[2] is None else int(named[2]), low, high, scale)  # type: ignore[arg-type]
+
+
+def _number(text: str) -> float:
+    try:
+        found = float(text)
+    except ValueError:
+        raise ValueError(FORM) from None
+    if not abs(found) <= LARGEST:
+        raise ValueError(f"{text.strip()} is no number to search up to: {LARGEST:g} is the largest")
+    return found
+
+
+def _known(brain: Brain) -> str:
+    names = (
+        name if not (long := length(value)) else f"{name}[0] to {name}[{long - 1}]"
+        for name, value in brain.parameters.items()
+    )
+    return ", ".join(names)
+
+
+def _check(one: Range, brain: Brain) -> None:
+    if one.name not in brain.parameters:
+        hint = did_you_mean(one.name, brain.parameters)
+        raise ValueError(f"the brain {brain.name!r} has no parameter {one.name!r}: {hint}it has {_known(brain)}")
+    long = length(brain.parameters[one.name])
+    if long and one.item is None:
+        raise ValueError(f"{one.name} is a vector of {long}: its items are given one by one, as {one.name}[0]=0:1")
+    if not long and one.item is not None:
+        raise ValueError(f"{one.name} is a number, and has no items")
+    if one.item is not None and one.item >= long:
+        raise ValueError(f"{one.name} is a vector of {long}: its items are {one.name}[0] to {one.name}[{long - 1}]")

@@ -1,0 +1,47 @@
+"""How a search and its evaluation are told, in the comments of the fragment."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from swarmcensus.basics.version import __version__
+from swarmcensus.brains import Brain
+from swarmcensus.tuning.evidence import BETTER, Evidence
+from swarmcensus.tuning.fragments import fragment
+from swarmcensus.tuning.plans import Plan
+from swarmcensus.tuning.rounds import Ended
+from swarmcensus.tuning.searching import library
+from swarmcensus.tuning.seeds import seed_for
+
+
+def report(plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, files: Mapping[str, Path]) -> str:
+    """The fragment's text."""
+    worlds, seed = len(plan.worlds), plan.study.seed
+    head = [f"{plan.before.name}, tuned for the study {plan.study.name!r} by swarmcensus {__version__}"]
+    if evidence.verdict != BETTER:
+        head += ["There is no evidence that the line below is worth anything: read on"]
+    said = [
+        *evidence.sentences,
+        f"evaluated in {_several(worlds, 'world')} with seed {seed}, the study's own, and {plan.study.trials} trials "
+        "in each, none of which the search has seen; p-values are corrected by Holm's method",
+    ]
+    names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
+    why = "until it had narrowed down" if ended.narrowed else "as many as the budget allows"
+    told = [
+        f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",
+        f"by {plan.metric}: {plan.measure.meaning}",
+        f"with CMA-ES (cma {library().__version__}): {len(ended.evaluations)} evaluations in {ended.generations} "
+        f"generations, {plan.trials} trials in each world; {why} ({plan.budget.text})",
+        f"training seeds {seed_for(seed, 'training')} (the brain as it was) and those that follow from {seed}, one a "
+        f"generation; the search's own {seed_for(seed, 'search')}",
+        f"the brain's source has SHA-256 {tuned.sha256}",
+        *names,
+    ]
+    return fragment(tuned, head, said, told)
+
+
+def _told(plan: Plan, values: tuple[float, ...]) -> str:
+    return ", ".join(f"{one.place} = {value:.6g}" for one, value in zip(plan.ranges, values, strict=True))
+
+
+def _several(count: int, what: str) -> str:
+    return f"{count:,} {what}{'s' * (count != 1)}"

@@ -1,0 +1,73 @@
+"""The search: CMA-ES, by the library cma, over the places of values in their ranges.
+
+It asks for a generation of candidates and is told how bad each is. Of these only the order counts. With the same seed
+and told the same, it asks for the same.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.tuning.ranges import Range
+
+WIDTH = 0.25  # of the first generation, as a standard deviation in [0, 1]
+FEWEST = 2  # dimensions that the library searches: of one parameter there is a second one that means nothing
+STEPS = 0.3  # of whole numbers: a search that is narrower than this would try one of them only
+
+
+class Search:
+    """Generations of candidates, each a value for every range."""
+
+    def __init__(self, ranges: Sequence[Range], start: Sequence[float], seed: int) -> None:
+        """Begin around the start. Raises InputError where the library is not installed."""
+        self.ranges = ranges
+        self._random = np.random.default_rng(seed)
+        lacking = max(0, FEWEST - len(ranges))
+        places = [one.share(value) for one, value in zip(ranges, start, strict=True)] + [0.5] * lacking
+        least = [STEPS * one.step for one in ranges] + [0.0] * lacking
+        options = {
+            "bounds": [0, 1], "verbose": -9, "seed": np.nan, "randn": self._normal, "minstd": least,
+        }  # fmt: skip  # seed: the library's would be that of all of NumPy
+        self._strategy: Any = library().CMAEvolutionStrategy(places, WIDTH, options)
+        self._asked: list[Any] = []
+
+    def _normal(self, *shape: int) -> Any:
+        return self._random.standard_normal(shape)
+
+    @property
+    def size(self) -> int:
+        """How many candidates a generation has."""
+        return int(self._strategy.popsize)
+
+    @property
+    def ended(self) -> bool:
+        """Whether it has narrowed down so far, or sees so little change, that more would find nothing."""
+        return bool(self._strategy.stop())
+
+    def ask(self) -> list[tuple[float, ...]]:
+        """The next generation's values."""
+        self._asked = self._strategy.ask()
+        return [self._values(one) for one in self._asked]
+
+    def tell(self, losses: Sequence[float]) -> None:
+        """How bad each of them is."""
+        self._strategy.tell(self._asked, list(losses))
+
+    @property
+    def favourite(self) -> tuple[float, ...]:
+        """The middle of what it would ask for next: what all generations agree on, and not one's luckiest candidate."""
+        return self._values(self._strategy.result.xfavorite)
+
+    def _values(self, places: Any) -> tuple[float, ...]:
+        return tuple(one.value(float(place)) for one, place in zip(self.ranges, places, strict=False))
+
+
+def library() -> Any:
+    """The package cma. Raises InputError where it is not installed."""
+    try:
+        import cma
+    except ImportError:
+        raise InputError("tuning needs the package cma: pip install 'swarmcensus[tune]'") from None
+    return cma

@@ -1,0 +1,111 @@
+"""Candidates tried: a generation at once, in all worlds, by the threads of this process, and nothing is written."""
+
+import copy
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.brains import Brain
+from swarmcensus.results import store
+from swarmcensus.results.measures import Measure, chosen, numbers
+from swarmcensus.results.values import LOCAL, Values
+from swarmcensus.runs import pools
+from swarmcensus.runs.tasks import bundled, plan
+from swarmcensus.runs.working import Progress, State, work
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+Floats = NDArray[np.float64]
+Keep = Callable[[int, Floats], None]  # a candidate's place, and its numbers (world, trial): NaN of trials that failed
+
+
+def measure_of(study: Study, worlds: list[Setting], metric: str) -> Measure:
+    """The measure of this name. Raises InputError where such worlds have none, or nobody says what is better."""
+    blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
+    return chosen(blank, [metric])[0][0]
+
+
+class Training:
+    """Worlds in which candidates are tried, with threads that wait for them as long as the block lasts."""
+
+    def __init__(self, study: Study, worlds: list[Setting], measure: Measure, trials: int, jobs: int) -> None:
+        """Each candidate has so many trials in each world."""
+        self.study, self.worlds, self.measure, self.trials, self.jobs = study, worlds, measure, trials, jobs
+        self.local = measure.name in LOCAL
+
+    def __enter__(self) -> Self:
+        """Begin the threads."""
+        self._executor = ThreadPoolExecutor(self.jobs, thread_name_prefix="swarmcensus")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End them."""
+        self._executor.shutdown(cancel_futures=True)
+
+    def compile(self, show: Callable[[Progress], None]) -> None:
+        """Compile what the worlds need: candidates differ in numbers alone, and need nothing else."""
+        pools.compile_for([(self.study, self.worlds)], lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
+
+    def cost(self) -> float:
+        """The predicted seconds of a candidate on one core."""
+        every = np.ones((len(self.worlds), self.trials), np.bool_)
+        local = every if self.local else None
+        return sum(task.cost for task in plan(self.worlds, every, local, pools.BUNDLE_SECONDS))
+
+    def run(self, brains: Sequence[Brain], seed: int, keep: Keep, show: Callable[[Progress], None]) -> list[str]:
+        """Run all candidates on the same trials, and `keep` the numbers of each as soon as it is through, in order.
+
+        What comes back is why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C, when those that
+        were through are kept.
+        """
+        seeded = copy.copy(self.study)
+        seeded.seed = seed
+        settings = [replace(world, brain=brain) for brain in brains for world in self.worlds]
+        values = Values(seeded, settings, self.trials, self.local)
+        wanted = np.ones((len(settings), self.trials), np.bool_)
+        tasks = plan(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
+        tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate through, then the next
+        kept = 0
+
+        def report(progress: Progress) -> None:
+            nonlocal kept
+            through = self._through(state)
+            while kept < len(brains) and through[kept]:
+                several = kept + int(np.argmin(np.append(through[kept:], False)))
+                for place, found in enumerate(self._numbers(seeded, settings, values, kept, several), start=kept):
+                    keep(place, found)
+                    kept = place + 1
+            show(progress)
+
+        state = State(seeded, settings, values, report, None, np.zeros(0), slice(None))
+        state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
+        pool = pools.Threads(self._executor, self.jobs, seeded, settings)
+        try:
+            stopped = work(state, bundled(tasks, pools.BUNDLE_SECONDS), pool)
+        except BaseException:
+            pool.halt()
+            raise
+        report(Progress(state.done, state.total, state.work_done, state.work_total))
+        if stopped:
+            raise KeyboardInterrupt
+        return [failure.why for failure in state.failures]
+
+    def _through(self, state: State) -> NDArray[np.bool_]:
+        """Which candidates have no trial left to run, (candidate,)."""
+        ended = state.values.finished()
+        for failure in state.failures:
+            ended[failure.setting, failure.trial] = True
+        return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
+
+    def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
+        """The numbers of candidates from `first` to before `last`, (candidate, world, trial)."""
+        rows = slice(first * len(self.worlds), last * len(self.worlds))
+        some = copy.copy(values)
+        some.arrays = {name: array[rows] for name, array in values.arrays.items()}
+        mine = settings[rows]
+        found = numbers(store.dataset(study, mine, [""] * len(mine), some), self.measure.name)
+        return found.reshape(last - first, len(self.worlds), self.trials)

@@ -1,0 +1,119 @@
+"""Parameters of a brain that are good in a study's worlds: `sc.tune`."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.brains import Brain, Value
+from swarmcensus.runs import pools
+from swarmcensus.runs.working import Progress
+from swarmcensus.studies.study import Study
+from swarmcensus.tuning.budgets import budget_of
+from swarmcensus.tuning.evaluating import evaluate, evaluation_of
+from swarmcensus.tuning.evidence import Evidence, evidence_of
+from swarmcensus.tuning.logs import Evaluation, Log
+from swarmcensus.tuning.plans import Plan, plan_of
+from swarmcensus.tuning.reports import report
+from swarmcensus.tuning.rounds import search_on
+from swarmcensus.tuning.trying import Training
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """What a search came to: the brain with the values found, all evaluations, and the evidence."""
+
+    brain: Brain
+    before: Brain
+    values: dict[str, float]  # what was looked for, as "prior" or "weights[0]"
+    evaluations: list[Evaluation]
+    evidence: Evidence
+    text: str  # a study file's fragment, with the evidence as comments
+
+    @property
+    def parameters(self) -> dict[str, Value]:
+        """All parameters of the tuned brain."""
+        return self.brain.parameters
+
+    @property
+    def verdict(self) -> str:
+        """Whether the tuned brain is "better" than it was, "worse", or "not told apart"."""
+        return self.evidence.verdict
+
+    def __str__(self) -> str:
+        """What came of it, in sentences."""
+        return "\n".join(self.evidence.sentences)
+
+
+def tune(
+    study: Study | str | Path,
+    parameters: Sequence[str] | str,
+    brain: str | None = None,
+    metric: str = "final_error",
+    *,
+    budget: int | str = 200,
+    trials: int = 10,
+    jobs: int | None = None,
+    out: str | Path | None = None,
+    fresh: bool = False,
+    progress: Callable[[Progress], None] | None = None,
+    say: Callable[[str], None] | None = None,
+) -> Tuned:
+    """Search for good values of a brain's parameters in a study's worlds, and hold them against what was there.
+
+    `parameters` are ranges, as ["prior=1:100:log", "weights[0]=0:1"]; `brain` is needed where several of the study's
+    brains have parameters. `budget` is a number of evaluations or a time, as "10 min"; each evaluation has so many
+    `trials` in each world, with seeds of their own. With `out`, a .toml file, the fragment is written there, and beside
+    it the log, .csv, from which the same call goes on, unless `fresh`, and the evaluation's results, .nc. `progress`
+    and `say` are as for `run`. Raises InputError, and after Ctrl-C KeyboardInterrupt, when what is done is in the log.
+    """
+    study = study if isinstance(study, Study) else Study.load(study)
+    plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
+    files = files_of(out)
+    show = progress or (lambda _: None)
+    jobs = pools.threads(jobs)
+    with (
+        Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], fresh) as log,
+        Training(study, plan.worlds, plan.measure, trials, jobs) as training,
+    ):
+        if log.evaluations and say:
+            say(f"{log.path}: found {len(log.evaluations):,} evaluations")
+        ended = search_on(plan, log, training, show)
+        tuned = plan.brain_of(ended.values)
+        evidence = _evidence(plan, tuned, files.get(".nc"), jobs, show, say, fresh)
+        text = report(plan, tuned, ended, evidence, files)
+        if files:
+            with whole(files[".toml"]) as beside:
+                beside.write_text(text, encoding="utf-8")
+    values = dict(zip((one.place for one in plan.ranges), ended.values, strict=True))
+    return Tuned(tuned, plan.before, values, ended.evaluations, evidence, text)
+
+
+def files_of(out: str | Path | None) -> dict[str, Path]:
+    """The files of a search by their endings. Raises InputError where they cannot be written."""
+    if out is None:
+        return {}
+    if Path(out).suffix != ".toml":
+        raise InputError(f"--out {out}: the values found are written as .toml")
+    files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
+    for path in files.values():
+        check_writable(path)
+    return files
+
+
+def _evidence(
+    plan: Plan,
+    tuned: Brain,
+    out: Path | None,
+    jobs: int,
+    show: Callable[[Progress], None],
+    say: Callable[[str], None] | None,
+    fresh: bool,
+) -> Evidence:
+    if tuned == plan.before:
+        return Evidence(tuned.told, plan.before.told, None, None)
+    study = evaluation_of(plan.study, tuned)
+    data: Any = evaluate(study, out, jobs, show, say, fresh)
+    return evidence_of(data, study.settings(), tuned, plan.before, plan.metric)
