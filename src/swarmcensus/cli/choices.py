@@ -22,17 +22,23 @@ def choices(options: argparse.Namespace) -> int:
 
 
 def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
-    """Each one's name, its keys, the first line of its file, which is not run, and the package that gives it."""
+    """Each one's name, its keys, or a brain's parameters, the first line of its file, which is not run, and the package that gives it."""
+    from swarmcensus import brains
+
     door = importlib.import_module(f"swarmcensus.{DOORS[kind]}").DOOR
     for name in door.names:
         keys = ""
         try:
-            tree = ast.parse(door.path(name).read_text(encoding="utf-8-sig"))
-            text = ast.get_docstring(tree) or ""
+            source = door.path(name).read_text(encoding="utf-8-sig")
+            tree = ast.parse(source)
+            text = (ast.get_docstring(tree) or "").partition("\n")[0]
             keys = ", ".join(_keys(tree, (*MAKERS, name.replace("-", "_"))))
+            if kind == "brains":
+                brain = brains.unread(name, source)
+                keys, text = ", ".join(brain.parameters), text + " Not anonymous." * brain.uses.name
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
-        yield name, keys, text.partition("\n")[0], door.giver(name)
+        yield name, keys, text, door.giver(name)
 
 
 def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
