@@ -22,7 +22,7 @@ def choices(options: argparse.Namespace) -> int:
 
 
 def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
-    """Each one's name, its keys, or a brain's parameters, the first line of its file, which is not run, and the package that gives it."""
+    """Each one's name, its keys or parameters, the first line of its file, which is not run, and whose it is."""
     from swarmcensus import brains
 
     door = importlib.import_module(f"swarmcensus.{DOORS[kind]}").DOOR
