@@ -4,6 +4,7 @@ It asks for a generation of candidates and is told how bad each is. Of these onl
 and told the same, it asks for the same.
 """
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -14,6 +15,7 @@ from swarmcensus.tuning.ranges import Range
 
 WIDTH = 0.25  # of the first generation, as a standard deviation in [0, 1]
 FEWEST = 2  # dimensions that the library searches: of one parameter there is a second one that means nothing
+AS_MANY = 2  # times the candidates a generation that the library would have: trials are noisy, and more average out
 STEPS = 0.3  # of whole numbers: a search that is narrower than this would try one of them only
 
 
@@ -27,8 +29,9 @@ class Search:
         lacking = max(0, FEWEST - len(ranges))
         places = [one.share(value) for one, value in zip(ranges, start, strict=True)] + [0.5] * lacking
         least = [STEPS * one.step for one in ranges] + [0.0] * lacking
+        size = AS_MANY * (4 + int(3 * math.log(len(places))))
         options = {
-            "bounds": [0, 1], "verbose": -9, "seed": np.nan, "randn": self._normal, "minstd": least,
+            "bounds": [0, 1], "popsize": size, "minstd": least, "verbose": -9, "seed": np.nan, "randn": self._normal,
         }  # fmt: skip  # seed: the library's would be that of all of NumPy
         self._strategy: Any = library().CMAEvolutionStrategy(places, WIDTH, options)
         self._asked: list[Any] = []
