@@ -256,7 +256,7 @@ def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_pa
     whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
     lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
     assert len(lines) == 3 + 61
-    for cut in (0, 1, 2, 3, 4, 5, 15, 40, 63, 64):
+    for cut in (0, 1, 3, 4, 15, 63):
         for torn in (b"", lines[cut][:9] if cut < len(lines) else b""):
             (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]) + torn)
             again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")

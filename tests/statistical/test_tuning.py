@@ -22,8 +22,8 @@ def called_better(folder, seeds):
 
 
 def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path):
-    """Of 150 studies: more than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
-    assert called_better(tmp_path, 150) <= stats.binom.ppf(0.999, 150, 0.05)  # 17
+    """Of 100 studies: more than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
+    assert called_better(tmp_path, 100) <= stats.binom.ppf(0.999, 100, 0.05)  # 13
 
 
 def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
