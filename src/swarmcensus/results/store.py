@@ -1,5 +1,6 @@
 """The dataset's schema: how results are laid out, stored, opened and exported."""
 
+import functools
 import importlib.metadata
 import json
 import platform
@@ -113,7 +114,7 @@ def provenance(study: Study) -> dict[str, Any]:
         **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
         "machine": f"{platform.system()} {platform.machine()}",
         "processor": _processor(),
-        "library_versions": ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES),
+        "library_versions": _libraries(),
     }
 
 
@@ -122,6 +123,12 @@ def _parameters(study: Study) -> dict[str, list[str]]:
     return {brain.name: list(brain.parameters) for brain in study.brains if brain.parameters}
 
 
+@functools.cache
+def _libraries() -> str:
+    return ", ".join(f"{n} {importlib.metadata.version(n)}" for n in LIBRARIES)
+
+
+@functools.cache
 def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()

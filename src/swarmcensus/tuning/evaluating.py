@@ -46,25 +46,31 @@ def evaluate(
     say: Callable[[str], None] | None,
     fresh: bool,
 ) -> xr.Dataset:
-    """Run an evaluation; with `out` what is finished is kept there, and not run again.
-
-    Raises InputError where `out` holds results of another kind, and Interrupted after Ctrl-C.
-    """
+    """Run an evaluation; with `out` what is finished is kept there, and not run again. Raises Interrupted."""
     if out is None:
         return run(study, jobs, show)
     return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say)
 
 
+def check_replaceable(out: Path) -> None:
+    """Raise InputError where `out` holds, or a run that was cut off was to write there, what is no evaluation."""
+    for title in _titles(out):
+        if not title.startswith(MARK):
+            raise InputError(
+                f"{out} holds results that no evaluation of a tuned brain made: write elsewhere with --out"
+            )
+
+
 def _is_of_another(out: Path, study: Study) -> bool:
-    """Whether there is, or was begun, the evaluation of other values. Raises InputError where it is none at all."""
+    """Whether there is, or was begun, the evaluation of other values."""
+    return any(title != study.name for title in _titles(out)[-1:])
+
+
+def _titles(out: Path) -> list[str]:
+    """The names of the study whose results are there, and of that which was to replace it."""
     titles = []
     if out.exists():
         titles.append(str(store.load(out).attrs.get("title", "")))
     with contextlib.suppress(OSError, ValueError, KeyError, TypeError):
         titles.append(str(json.loads((folder_of(out) / "run.json").read_text(encoding="utf-8"))["study"]))
-    for title in titles:
-        if not title.startswith(MARK):
-            raise InputError(
-                f"{out} holds results that no evaluation of a tuned brain made: write elsewhere with --out"
-            )
-    return bool(titles) and titles[-1] != study.name
+    return titles

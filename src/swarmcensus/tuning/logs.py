@@ -17,7 +17,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.files import check_writable, remove_leftovers, whole
 
 FORMAT = "# swarmcensus tune 1 "
 USUAL = "# usual "
@@ -55,18 +55,20 @@ class Log:
         self.path.parent.mkdir(parents=True, exist_ok=True)
         self._lock = FileLock(self.path.with_name(f".{self.path.name}.lock"), timeout=0)
         try:
-            self._lock.acquire()
+            self._take()
         except Timeout:
             raise InputError(f"{self.path}: another search is writing it") from None
         except OSError as error:
             raise InputError(f"cannot write {self.path}: {error.strerror or error}") from error
+        remove_leftovers(self.path)
         try:
             kept = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
             if kept == 0:
                 with whole(self.path) as beside:
                     beside.write_text(self._head(), encoding="utf-8")
             self._file = self.path.open("r+b")
-            self._file.truncate(kept or None) if kept else None
+            if kept:
+                self._file.truncate(kept)
             self._file.seek(0, os.SEEK_END)
         except BaseException:
             self._release()
@@ -79,6 +81,12 @@ class Log:
             self._to_disk()
             self._file.close()
             self._release()
+
+    def _take(self) -> None:
+        self._lock.acquire()
+        while not Path(self._lock.lock_file).exists():  # another search removed it just then
+            self._lock.release()
+            self._lock.acquire()
 
     def _release(self) -> None:
         with contextlib.suppress(OSError):

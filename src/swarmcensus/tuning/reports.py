@@ -25,7 +25,13 @@ def report(plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, files: Ma
         "in each, none of which the search has seen; p-values are corrected by Holm's method",
     ]
     names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
-    why = "until it had narrowed down" if ended.narrowed else "as many as the budget allows"
+    why = (
+        "no candidate was better or worse than another"
+        if ended.flat
+        else "until it had narrowed down"
+        if ended.narrowed
+        else "as many as the budget allows"
+    )
     told = [
         f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",
         f"by {plan.metric}: {plan.measure.meaning}",

@@ -27,6 +27,7 @@ class Ended:
     evaluations: list[Evaluation]
     generations: int
     narrowed: bool  # whether it ended by itself, and not with its budget
+    flat: bool  # whether no candidate of any generation was better or worse than another: the values are the start's
 
 
 class _Course:
@@ -120,4 +121,6 @@ def search_on(plan: Plan, log: Log, training: Training, show: Callable[[Progress
     ):
         generation += 1
         search.tell(course.evaluate(generation, search.ask()))
-    return Ended(search.favourite, log.evaluations[: course.done], generation, search.ended)
+    done = log.evaluations[: course.done]
+    flat = len({(one.generation, one.loss) for one in done}) == generation + 1
+    return Ended(plan.start if flat else search.favourite, done, generation, search.ended, flat)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Brain
 from swarmcensus.results import store
-from swarmcensus.results.measures import Measure, chosen, numbers
+from swarmcensus.results.measures import MADE_OF, Measure, chosen, numbers
 from swarmcensus.results.values import LOCAL, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.tasks import bundled, plan
@@ -20,6 +20,7 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
 Floats = NDArray[np.float64]
+FOR_ALL = ("convergence_round", "final_estimate", "true_fill_ratio", "right_option")  # shapes, and what errors are of
 Keep = Callable[[int, Floats], None]  # a candidate's place, and its numbers (world, trial): NaN of trials that failed
 
 
@@ -105,7 +106,8 @@ class Training:
         """The numbers of candidates from `first` to before `last`, (candidate, world, trial)."""
         rows = slice(first * len(self.worlds), last * len(self.worlds))
         some = copy.copy(values)
-        some.arrays = {name: array[rows] for name, array in values.arrays.items()}
+        needed = {*FOR_ALL, *MADE_OF.get(self.measure.name, (self.measure.name,))}
+        some.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         mine = settings[rows]
         found = numbers(store.dataset(study, mine, [""] * len(mine), some), self.measure.name)
         return found.reshape(last - first, len(self.worlds), self.trials)

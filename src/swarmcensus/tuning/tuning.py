@@ -12,7 +12,7 @@ from swarmcensus.runs import pools
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.budgets import budget_of
-from swarmcensus.tuning.evaluating import evaluate, evaluation_of
+from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of
 from swarmcensus.tuning.evidence import Evidence, evidence_of
 from swarmcensus.tuning.logs import Evaluation, Log
 from swarmcensus.tuning.plans import Plan, plan_of
@@ -72,6 +72,8 @@ def tune(
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
     files = files_of(out)
+    if files:
+        check_replaceable(files[".nc"])
     show = progress or (lambda _: None)
     jobs = pools.threads(jobs)
     with (

@@ -1,0 +1,42 @@
+"""Noise does not fool the evidence of a tuned brain."""
+
+from dataclasses import replace
+
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.tuning import rounds, tuning
+from tests.tunable import study_of
+
+
+def called_better(folder, seeds):
+    """How often a brain is called better by a parameter that makes other errors of the same distribution."""
+    found = [
+        sc.tune(
+            study_of(folder, "noise = 1.0, shift = 0.5", seed=s, robots=1), ["shift=0:1"], budget=37, trials=20, jobs=1
+        )
+        for s in range(seeds)
+    ]
+    assert all(one.brain != one.before for one in found)
+    return sum(one.verdict == "better" for one in found)
+
+
+def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path):
+    """Of 100 studies: more than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
+    assert called_better(tmp_path, 100) <= stats.binom.ppf(0.999, 100, 0.05)  # 13
+
+
+def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
+    """The same with the study's own seed in training and the luckiest candidate for winner: that test is no idle one.
+
+    9 or more of 40 would be called better with a chance of 0.02 % where 5 % are.
+    """
+    seed_for, search_on = rounds.seed_for, tuning.search_on
+
+    def luckiest(*given):
+        ended = search_on(*given)
+        return replace(ended, values=min(ended.evaluations[1:], key=lambda one: one.loss).values)
+
+    monkeypatch.setattr(rounds, "seed_for", lambda s, what, *n: s if what == "training" else seed_for(s, what, *n))
+    monkeypatch.setattr(tuning, "search_on", luckiest)
+    assert called_better(tmp_path, 40) >= 9

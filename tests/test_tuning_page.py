@@ -1,0 +1,40 @@
+"""What docs/tuning.md shows is what its command prints and writes."""
+
+import re
+import shutil
+
+import pytest
+
+from swarmcensus.cli.commands import main
+from tests.test_docs import ROOT, blocks, commands
+
+PAGE = ROOT / "docs" / "tuning.md"
+
+
+@pytest.fixture(scope="module")
+def ran(tmp_path_factory):
+    """A folder in which the command of the page has been run."""
+    folder = tmp_path_factory.mktemp("page")
+    shutil.copytree(ROOT / "studies", folder / "studies")
+    return folder
+
+
+def test_the_search_prints_and_writes_what_the_page_shows(ran, monkeypatch, capsys):
+    """But for how long it took."""
+    monkeypatch.chdir(ran)
+    [shown] = blocks(PAGE, "console")
+    [command] = commands(shown)
+    assert main(command[1:]) == 0
+    printed, told = (re.sub(r"\d+\.\d s\n", "s\n", text) for text in (capsys.readouterr().out, shown))
+    assert told.endswith("trust=0:1\n" + printed)
+    [fragment] = blocks(PAGE, "toml")
+    assert (ran / "shy-tuned.toml").read_text(encoding="utf-8") == fragment
+
+
+def test_the_page_lists_every_option():
+    from swarmcensus.cli.commands import COMMANDS
+    from swarmcensus.cli.options import parser
+
+    words = set(re.findall(r"`(--\w+)", PAGE.read_text(encoding="utf-8")))
+    known = parser(COMMANDS)._subparsers._group_actions[0].choices["tune"]._option_string_actions
+    assert {one for one in known if one.startswith("--")} - {"--help"} <= words
