@@ -120,9 +120,7 @@ def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
 class Minds:
     """The minds of a swarm, what they said in each tick, their estimates, their messages and what they decided."""
 
-    def __init__(
-        self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False
-    ) -> None:
+    def __init__(self, setting: Setting, seed: int, trial: int, failed: Failures, alone: bool = False) -> None:
         _, _, b, w = (accuracy[0] for accuracy in setting.accuracies(seed, trial, 1))
         self.setting, self.trial, self.failed = setting, trial, failed
         self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)

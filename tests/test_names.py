@@ -88,6 +88,8 @@ def test_what_sums_add_does_not_depend_on_who_hears_it():
     adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=source)
     with pytest.raises(InputError, match=r"receive reads me.name: by SUMS what it adds depends on the message alone"):
         brain(adds)
-    helped = changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
+    helped = (
+        changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
+    )
     with pytest.raises(InputError, match="receive reads me.name"):
         brain(helped)

@@ -113,14 +113,22 @@ def test_receive_may_read_them_though_it_only_adds(topology):
     ("old", "new", "said"),
     [
         ("prior = [1", "prio = [1", "no parameter 'prio': did you mean 'prior'"),
-        ('["plain.py"', '[{file = "plain.py", prior = 1}', "the brain 'plain.py' has no parameter 'prior': it has none"),
+        (
+            '["plain.py"',
+            '[{file = "plain.py", prior = 1}',
+            "the brain 'plain.py' has no parameter 'prior': it has none",
+        ),
         ("[1, 10.0, 40]", '"much"', "prior = 'much': not a number"),
         ("[1, 10.0, 40]", "true", "prior = True: not a number"),
         ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
         ("[1, 10.0, 40]", "[]", "prior = []: should be a list of at least one"),
         ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
         ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]: the brain 'prior.py' asks for a number"),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "[0.1, 0.2, 0.3]", "among = [0.1, 0.2, 0.3]: the brain 'prior.py' asks for a vec"),
+        (
+            "[[0.25, 0.75], [0.0, 0.5]]",
+            "[0.1, 0.2, 0.3]",
+            "among = [0.1, 0.2, 0.3]: the brain 'prior.py' asks for a vec",
+        ),
         ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5: the brain 'prior.py' asks for a vector of 2"),
         ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
         ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
@@ -170,6 +178,8 @@ def test_wrong_declarations_are_refused(declared, said):
 @pytest.mark.parametrize("function", ["fuse", "helper"])
 def test_they_are_only_for_reading(line, function):
     source = PRIOR + f"\n\ndef helper(me):\n    {'pass' if function == 'fuse' else line}\n"
-    source = changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line if function == 'fuse' else 'helper(me)'}"), source=source)
+    source = changed(
+        ("def fuse(me):\n    pass", f"def fuse(me):\n    {line if function == 'fuse' else 'helper(me)'}"), source=source
+    )
     with pytest.raises(InputError, match=rf"brain.py, line \d+: .*{function} .*only for reading"):
         brain(source)

@@ -7,14 +7,16 @@ import swarmcensus as sc
 from swarmcensus.engine.modes import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
-from tests.second import MEANS, brain, changed, fixed, moving
+from tests.second import brain, changed, fixed, moving
 from tests.small import GO, SEED
 
 EARS = (
     ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
     ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.ears += 1.0 + message[0] - message[0]"),
 )
-ODD = changed(("return (estimate(me),)", "if me.t % 2.0 == 1.0:\n        return (estimate(me),)"), *EARS)  # or else None
+ODD = changed(
+    ("return (estimate(me),)", "if me.t % 2.0 == 1.0:\n        return (estimate(me),)"), *EARS
+)  # or else None
 ADDS = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("ears",)'), source=ODD)
 MUTE = changed(("return (estimate(me),)", "return None"), *EARS)
 LOUD = changed(*EARS)
@@ -116,7 +118,7 @@ def test_on_the_move(source, delay):
     for tick, one, other in ride.links:
         for me, by in ((one, other), (other, one)):
             heard[me] += tick >= delay and speaks[tick - delay, by]
-    assert 0 < heard.sum()
+    assert heard.sum() > 0
     assert batch.counts[0, HEARD].tolist() == heard.tolist()
     assert (ride.fields["ears"][-1] == heard).all()
 

@@ -14,7 +14,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.simulation.trials import record_trial, run_batch
-from tests.second import ADDS, ALL, MEANS, brain, changed, fixed
+from tests.second import ADDS, ALL, brain, changed, fixed
 from tests.small import GO, SEED
 from tests.test_second_edition import MEASURE
 
@@ -140,7 +140,9 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
         trials=1, swarm={"brain": "beyond.py", "robots": 3, "accuracy": 0.7}, schedule={"rounds": 4},
         world={"topology": "ring", "fill_ratio": 0.5},
     )  # fmt: skip
-    with pytest.raises(InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"):
+    with pytest.raises(
+        InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
+    ):
         sc.run(study)
 
 
@@ -174,7 +176,9 @@ def test_their_items_are_set_one_by_one(line, said):
     ],
 )
 def test_a_message_of_another_shape_is_told(message, given, said):
-    source = changed(('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS)
+    source = changed(
+        ('MESSAGE = ("seen",)', f"MESSAGE = {message}"), ("return (me.seen,)", f"return {given}"), source=COUNTS
+    )
     source = changed(("me.heard[k] += message[0][k]", "me.heard[k] += 1.0"), source=source)
     (setting,) = fixed(brain(source))
     with pytest.raises(InputError, match=said):
