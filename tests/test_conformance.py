@@ -432,3 +432,79 @@ def test_a_file_that_breaks_the_contract(tmp_path):
     found = check(tmp_path / "bad.py")
     assert len(found) == 1
     assert "not Python" in found[0].fault
+
+
+LOT = "    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]\n"
+LUCKY = (
+    ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": 0.5, "lot": 0.5, "x": 0.5, '),
+    (HEAR, f"def receive(me, message):\n{LOT}"),
+    (FUSE, "def fuse(me):\n    me.x = 0.5 * me.x + 0.5 * me.kept\n    me.heard = 0.0\n"),
+    ("MESSAGE = ", "MESSAGE = "),
+)
+ORDER = "messages mean the same in any order"
+AT_ONCE = "readings at once mean the same as one by one"
+
+
+def test_a_brain_that_keeps_one_message_by_a_fair_lot_is_lawful(tmp_path):
+    """Each of the messages is as likely to be kept, in whatever order they come: the same law, and other minds."""
+    path = changed(tmp_path / "mine.py", *LUCKY)
+    assert not fault_in(path, ORDER)
+    assert not faults_of(path)
+
+
+@pytest.mark.parametrize(
+    ("lot", "field"),
+    [
+        ("    me.lot = me.luck\n    me.kept = message[0]\n", "kept"),
+        ("    me.heard += 1.0\n    if me.luck < 0.5:\n        me.kept = message[0]\n", "kept"),
+        ("    me.heard += me.luck\n    if me.heard < 0.9:\n        me.kept = message[0]\n", "kept"),
+        ("    me.lot = 0.5 * me.lot + 0.5 * me.luck\n    me.kept = 0.5 * me.kept + 0.5 * message[0]\n", "kept"),
+    ],
+    ids=["the last", "the last by a coin", "the first by lot", "fading"],
+)
+def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck(tmp_path, lot, field):
+    changes = [(old, new.replace(LOT, lot)) for old, new in LUCKY]
+    fault = fault_in(changed(tmp_path / "mine.py", *changes), ORDER)
+    assert fault
+    assert f"gives me.{field} another law" in fault or f"makes me.{field}" in fault
+    assert "they come in no order that means anything" in fault
+
+
+def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_elsewhere(tmp_path):
+    last = [(old, new.replace(LOT, "    me.kept = message[0]\n")) for old, new in LUCKY]
+    own = (OWN, f"{OWN}    me.lot = me.luck\n")
+    fault = fault_in(changed(tmp_path / "mine.py", *last, own), ORDER)
+    assert fault
+    assert "they come in no order" in fault
+
+
+@pytest.mark.parametrize(
+    ("line", "lawful"),
+    [
+        ("    me.lot = me.luck\n", True),
+        ("    if me.luck < 0.9 ** looks:\n        me.heard += 1.0\n", False),
+        ("    me.lot += me.luck\n", False),
+        ("    if me.luck < 1.0 - 0.9 ** looks:\n        me.heard = 1.0\n", True),
+    ],
+)
+def test_readings_at_once_mean_the_same_by_law(tmp_path, line, lawful):
+    """Ten readings are ten times one: a coin that is thrown once a call and not once a reading is caught."""
+    fault = fault_in(changed(tmp_path / "mine.py", ("MEMORY = {", 'MEMORY = {"lot": 0.5, "heard": 0.0, '), (OWN, OWN + line)), AT_ONCE)
+    assert bool(fault) != lawful
+    if fault:
+        assert "another law" in fault
+        assert "by 10 readings at once than by the same one by one" in fault
+
+
+def test_a_vector_indexed_beyond_its_end_is_told(tmp_path):
+    """In words, by each check that meets it, and by none with a crash."""
+    path = changed(tmp_path / "mine.py", ("MEMORY = {", 'MEMORY = {"seen": (0.0,) * 3, '), (OWN, f"{OWN}    me.seen[3] = looks\n"))
+    found = faults_of(path)
+    assert len(found) > 3
+    assert all("observe fails at line" in fault and "IndexError" in fault for fault in found.values())
+EXAMPLES = Path(__file__).parents[1] / "studies" / "example"
+
+
+def test_a_name_that_decides_who_is_heard_is_lawful():
+    """The example: of the lowest name the latest news, in whatever order they come."""
+    assert not fault_in(EXAMPLES / "leader.py", ORDER)

@@ -1,0 +1,179 @@
+"""me.luck as a law: uniform, and independent of all else that chance gives.
+
+Each test states its error rate: the chance that a right simulator fails it, were the seed not fixed.
+"""
+
+from itertools import combinations
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from swarmcensus.engine.modes import LUCK_ALONE, LUCK_ALONE_FUSE, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
+from swarmcensus.simulation.oracle import own_luck
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+from tests.second import brain, changed, fixed, moving
+from tests.small import SEED
+from tests.test_luck import LUCKY, OURS
+
+ROUNDS, ROBOTS = 1000, 6
+P = 1e-4  # of each comparison
+EARS = changed(("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
+               ("MEMORY = {", 'MEMORY = {"ears": 0.0, '), source=LUCKY)  # fmt: skip
+
+
+def uniform(values):
+    """Kolmogorov and Smirnov's p."""
+    return stats.kstest(np.ravel(values), "uniform").pvalue
+
+
+def together(one, other, cells=8):
+    """The p of a chi-square test that pairs of uniform numbers fill a grid of cells x cells evenly."""
+    found, *_ = np.histogram2d(np.ravel(one), np.ravel(other), bins=cells, range=[[0, 1], [0, 1]])
+    return stats.chisquare(found.ravel()).pvalue
+
+
+def apart(values, which):
+    """The p of a test that numbers have one law, whatever else happens: `which` of two or a few things."""
+    values, which = np.ravel(values), np.ravel(which)
+    parts = [values[which == one] for one in np.unique(which)]
+    table = [np.histogram(part, bins=10, range=(0, 1))[0] for part in parts if len(part) > 200]
+    assert len(table) > 1
+    return stats.chi2_contingency(np.array(table)).pvalue
+
+
+@pytest.fixture(scope="module")
+def trials():
+    """Two robots a link: on a line of six whose ends hear one message a round; the first rounds of two trials."""
+    pairs = {"name": "pairs", "edges": [[0, 1], [2, 3], [4, 5]]}
+    (setting,) = fixed(brain(LUCKY), robots=ROBOTS, rounds=ROUNDS, topology=pairs)
+    found = [record_trial(setting, SEED, trial) for trial in (0, 1)]
+    return [({name: fields[name][1:] for name in OURS}, blacks[1:]) for fields, _, blacks in found]
+
+
+def test_uniform_between_zero_and_one(trials):
+    """6,000 numbers of each call, and all together: 0.04 % in all."""
+    for name in OURS:
+        values = trials[0][0][name]
+        assert values.min() > 0.0
+        assert values.max() < 1.0
+        assert uniform(values) > P
+    assert uniform([trials[0][0][name] for name in OURS]) > P
+
+
+def test_uniform_in_its_last_bits_too(trials):
+    """The 52 bits of each number after the first ten: as uniform as the number; 0.03 %."""
+    for name in OURS:
+        rest = trials[0][0][name] * 1024.0 % 1.0
+        assert uniform(rest) > P
+
+
+def test_calls_of_a_round_are_independent(trials):
+    """Of one robot observe, receive and fuse; 0.03 %."""
+    for one, other in combinations(OURS, 2):
+        assert together(trials[0][0][one], trials[0][0][other]) > P
+
+
+def test_robots_are_independent(trials):
+    """All 15 pairs of robots, of each call, as one grid each: 0.03 %; and neighbours across calls, 0.03 %."""
+    for name in OURS:
+        values = trials[0][0][name]
+        pairs = [(values[:, i], values[:, j]) for i, j in combinations(range(ROBOTS), 2)]
+        assert together(*map(np.concatenate, zip(*pairs[::5], strict=True))) > P
+        assert together(values[:, 0::2], trials[0][0]["fused" if name != "fused" else "seen"][:, 1::2]) > P
+
+
+@pytest.mark.parametrize("lag", [1, 2, 7])
+def test_rounds_are_independent(trials, lag):
+    """Serially, and across calls: 0.09 % over all lags, by grids; correlations within 4 standard errors, 0.06 %."""
+    for name in OURS:
+        values = trials[0][0][name]
+        assert together(values[:-lag], values[lag:]) > P
+        r = np.corrcoef(values[:-lag].ravel(), values[lag:].ravel())[0, 1]
+        assert abs(r) < 4 / np.sqrt(values[lag:].size)
+    assert together(trials[0][0]["fused"][:-lag], trials[0][0]["seen"][lag:]) > P
+
+
+def test_trials_are_independent(trials):
+    """0.03 %."""
+    for name in OURS:
+        assert together(trials[0][0][name], trials[1][0][name]) > P
+
+
+def test_readings_say_nothing_of_it(trials):
+    """Black or white, of the robot, of its neighbour, of the round before and the next: 0.12 %."""
+    fields, blacks = trials[0]
+    swapped = blacks[:, [1, 0, 3, 2, 5, 4]]
+    for name in OURS:
+        assert apart(fields[name], blacks) > P
+        assert apart(fields[name], swapped) > P
+        assert apart(fields[name][1:], blacks[:-1]) > P
+        assert apart(fields[name][:-1], blacks[1:]) > P
+
+
+@pytest.mark.parametrize("topology", ["line", "full"])
+def test_losses_say_nothing_of_it(topology):
+    """Which messages get through depends on the same addresses, under another key: 0.08 % in all."""
+    (setting,) = fixed(brain(EARS), robots=2, rounds=6000, topology=topology, link_success=0.5)
+    fields, *_ = record_trial(setting, SEED, 0)
+    heard = np.diff(fields["ears"], axis=0)
+    assert set(np.unique(heard)) == {0.0, 1.0}
+    for name in ("seen", "fused"):
+        assert apart(fields[name][1:], heard) > P
+    assert uniform(fields["heard"][1:][heard == 1]) > P
+    assert apart(fields["heard"][1:-1][heard[:-1] == 1], heard[1:][heard[:-1] == 1]) > P
+
+
+def test_all_purposes_are_independent():
+    """Observing, fusing, steering and the two of a robot alone, and robots side by side: 21 grids, 0.21 %."""
+    (setting,) = fixed(brain(LUCKY))
+    keys, used = setting.luck_keys(SEED), setting.brain
+    purposes = (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE)
+    words = {p: np.array([own_luck(used, keys, 0, tick, p, 8) for tick in range(1, 1001)]) for p in purposes}
+    values = {p: (found >> np.uint64(12)) / 2.0**52 for p, found in words.items()}
+    for p in purposes:
+        assert uniform(values[p]) > P
+        assert together(values[p][:, :-1], values[p][:, 1:]) > P
+    for one, other in combinations(purposes, 2):
+        assert together(values[one], values[other]) > P
+    keyed = np.array([own_luck(used, setting.luck_keys(SEED + 1), 0, t, LUCK_FUSE, 8) for t in range(1, 1001)])
+    assert together(values[LUCK_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
+
+
+def test_walks_say_nothing_of_it():
+    """Whether a robot turns or goes straight, whether it looks, and on which tile it stands: 0.12 % in all."""
+    setting = moving(brain(LUCKY), robots=12, ticks=1500, density=3)
+    ride = record_ride(setting, SEED, 0)
+    steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
+    goes = steps > 0.7 * steps.max()
+    looked = ride.looked[1:]
+    for name in ("fused", "seen"):
+        values = ride.fields[name][1:]
+        assert uniform(values[looked]) > P if name == "seen" else uniform(values) > P
+        mine = looked if name == "seen" else np.ones_like(looked)
+        assert apart(values[mine], goes[mine]) > P
+        assert apart(values[mine], ride.colours[1:][mine]) > P
+        assert apart(values[looked], ride.readings[1:][looked]) > P
+    assert together(ride.fields["fused"][1:][looked], ride.fields["seen"][1:][looked]) > P
+    assert apart(ride.fields["fused"][1:], looked) > P
+    heard = ride.fields["heard"]
+    fresh = heard[1:] != heard[:-1]
+    assert uniform(heard[1:][fresh]) > P
+
+
+def test_a_lot_by_luck_is_fair():
+    """One of eight neighbours kept by lot, whatever their number and order: chi-square of who, 0.02 %."""
+    kept = changed(
+        ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": -1.0, "last": -1.0, '),
+        ("return (estimate(me),)", "return (me.name,)"),
+        ("def receive(me, message):\n    pass",
+         "def receive(me, message):\n    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]"),
+        ("def fuse(me):\n    pass", "def fuse(me):\n    me.last = me.kept\n    me.heard = 0.0"),
+    )  # fmt: skip
+    (setting,) = fixed(brain(kept), robots=9, rounds=2000, topology="full")
+    fields, *_ = record_trial(setting, SEED, 0)
+    for robot in (0, 5):
+        found = np.bincount(fields["last"][1:, robot].astype(int), minlength=9)
+        assert found[robot] == 0
+        assert stats.chisquare(np.delete(found, robot)).pvalue > P

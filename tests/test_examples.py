@@ -1,0 +1,83 @@
+"""The examples of the contract's second edition: they keep it, and are of use."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.conformance import suite
+from swarmcensus.conformance.machine_code import agrees
+from swarmcensus.conformance.promises import PROMISES
+
+EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
+BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar"]
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Both studies, with fewer trials and rounds."""
+    schedule = {"rounds": 200, "observations_per_round": 10}
+    return {
+        name: sc.run(sc.Study.load(EXAMPLE / f"{name}.toml").with_(trials=4, schedule=schedule), jobs=2)
+        for name in ("second-edition", "liars")
+    }
+
+
+@pytest.mark.parametrize("name", BRAINS)
+def test_they_conform(name, untraced):
+    faults = [one for one in suite.examine(EXAMPLE / f"{name}.py", PROMISES) if one.fault]
+    assert not faults
+    agrees(brains.load(EXAMPLE / f"{name}.py"))
+
+
+def test_each_uses_what_it_is_there_to_show():
+    used = {name: brains.load(EXAMPLE / f"{name}.py") for name in BRAINS}
+    assert used["pairwise"].uses.lucky == {"receive"}
+    assert used["prior"].parameters == {"prior": 10.0, "expected": 0.5}
+    assert used["histogram"].lengths["belief"] == used["histogram"].options == 10
+    assert used["quiet"].uses.silence
+    assert used["sprt"].decides
+    assert used["sprt"].ends
+    assert used["leader"].uses.name
+    assert all(len(one.source.splitlines()) < 80 for one in used.values())
+
+
+def test_all_believe_better_than_chance(results):
+    """Nearer to the truth than 0.5, which is believed before anything is seen; decisions are mostly right."""
+    data = results["second-edition"]
+    off = abs(data["final_estimate"] - data["fill_ratio"]).median(["trial", "robot"])
+    assert (off < 0.05).all()
+    better = data["brain"].isin(["minimalistic", "pairwise.py", "prior.py", "histogram.py"]).values
+    assert (off.values[better] < 0.02).all()
+    decided = data["right_option"].notnull().any("trial").values
+    right = (data["decision"] == data["right_option"]).mean(["trial", "robot"]).values[decided]
+    assert set(data["brain"].values[decided]) == {"histogram.py", "sprt.py"}
+    assert (right > 0.85).all()
+
+
+def test_the_quiet_speak_less_and_know_nearly_as_much(results):
+    data = results["second-edition"]
+    quiet = data.sel(setting=(data["brain"] == "quiet.py").values)
+    said = quiet["messages_sent"].mean(["trial", "robot"]).values
+    coarse = quiet["step"].values == 0.05
+    assert said[coarse].max() < 5 < said[~coarse].min() < said[~coarse].max() < 60
+
+
+def test_who_is_sure_looks_no_more(results):
+    data = results["second-edition"]
+    sprt = data.sel(setting=(data["brain"] == "sprt.py").values)
+    assert (sprt["done_round"].values == sprt["decision_round"].values).all()
+    assert np.median(sprt["done_round"]) < 100
+    assert (sprt["messages_sent"] == 200).all()
+
+
+def test_the_more_liars_the_more_wrong(results):
+    data = results["liars"]
+    assert set(data["members"].values) == {"", *(f"0.{k} liar.py, not honest" for k in (1, 2, 3))}
+    for brain in ("my_brain.py", "pairwise.py", "quiet.py"):
+        for topology in ("ring", "scale-free"):
+            some = data.sel(setting=((data["brain"] == brain) & (data["topology"] == topology)).values)
+            off = np.nanmedian(abs(some["final_estimate"] - 0.75).values, axis=(1, 2))
+            assert (np.diff(off) > 0).all()
