@@ -81,7 +81,9 @@ def is_done(brain: Brain, me: Any) -> bool:
 
 def fixed(message: Any) -> Any:
     """A message as it was said: a vector in it is the robot's own, and changes."""
-    return message and tuple(tuple(part) if isinstance(part, list) else part for part in message)
+    if not isinstance(message, tuple):  # silence, or what is no message, which is another's to say
+        return message
+    return tuple(tuple(part) if isinstance(part, list) else part for part in message)
 
 
 def own_luck(brain: Brain, luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
