@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain, Vector, places
-from swarmcensus.simulation import oracle
+from swarmcensus.simulation.oracle import fixed
 
 ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
 PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at a case's edge
@@ -228,8 +228,3 @@ def _is_part(part: object, long: int) -> bool:
 
 def _finite(value: object) -> bool:
     return isinstance(value, int | float) and abs(value) <= sys.float_info.max
-
-
-def fixed(message: Any) -> Any:
-    """A message as it was said: a vector in it is the robot's own, and changes."""
-    return oracle.fixed(message) if isinstance(message, tuple) else message

@@ -19,7 +19,6 @@ from swarmcensus.conformance.lives import (
     calls,
     copy_of,
     difference,
-    fixed,
     hear,
     is_message,
     lives,
@@ -30,6 +29,7 @@ from swarmcensus.conformance.lives import (
     short_lives,
     some,
 )
+from swarmcensus.simulation.oracle import fixed
 
 SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together
 PARTS = (1, 2, 7, 40, 400, 2000)  # of many readings
