@@ -91,5 +91,5 @@ def test_what_sums_add_does_not_depend_on_who_hears_it():
     helped = (
         changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
     )
-    with pytest.raises(InputError, match="receive reads me.name"):
+    with pytest.raises(InputError, match=r"receive reads me.name"):
         brain(helped)
