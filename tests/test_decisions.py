@@ -8,6 +8,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.simulation.rides import record_ride, run_ride
@@ -228,3 +229,20 @@ def test_wrong_options_are_refused(options):
 def test_wrong_functions_are_refused(function, said):
     with pytest.raises(InputError, match=said):
         brain(MEANS + f"\n\n{function}\n")
+
+
+@pytest.mark.filterwarnings("error")
+def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
+    """All of an interval is then infinite, and so it is said."""
+    monkeypatch.chdir(tmp_path)
+    for name, test in (("one", "me.name < 1.0"), ("two", "me.name > 1.0")):
+        Path(f"{name}.py").write_text(MEANS + f"\n\ndef decide(me):\n    return 1 if {test} else -1\n")
+    study = sc.Study(
+        trials=5,
+        swarm={"brain": ["one.py", "two.py"], "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6},
+        world={"topology": "line", "fill_ratio": [0.8, 0.3]},
+    )
+    sc.save(sc.run(study, jobs=1), "r.nc")
+    assert main(["compare", "r.nc"]) == 0
+    assert "never" in capsys.readouterr().out
