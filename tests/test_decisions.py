@@ -1,6 +1,7 @@
 """decide and done: what robots decide and when, what all agree on, and who has seen enough."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.results import comparison_cells
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
@@ -247,3 +249,13 @@ def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
     said = capsys.readouterr()
     assert "never" in said.out
     assert "warning" not in said.err
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_infinite_interval_has_no_width():
+    """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
+    measure = SimpleNamespace(share=False, unit="rounds")
+    values, low, high = np.array([np.inf, 50.0]), np.array([np.inf, 40.0]), np.array([np.inf, 60.0])
+    told = comparison_cells.numbers(values, low, high, np.array([5, 5]), measure)
+    assert told[0][0] == "never"
+    assert told[1] == ("50", "[40, 60]")
