@@ -1,6 +1,7 @@
 """decide and done: what robots decide and when, what all agree on, and who has seen enough."""
 
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -8,8 +9,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.results import comparison_cells
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
@@ -35,9 +38,12 @@ NEVER = np.inf
 def told(source, **world):
     """What a study on a line of robots that look once a round has in its results, of trial 0."""
     study = sc.Study(
-        trials=2, seed=SEED, swarm={"brain": brain(source), "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 6, "observations_per_round": 1}, world={"topology": "line", "fill_ratio": 0.8} | world,
-    )  # fmt: skip
+        trials=2,
+        seed=SEED,
+        swarm={"brain": brain(source), "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6, "observations_per_round": 1},
+        world={"topology": "line", "fill_ratio": 0.8} | world,
+    )
     return sc.run(study, jobs=1).isel(setting=0, trial=0)
 
 
@@ -114,9 +120,12 @@ def test_who_is_done_looks_no_more_and_goes_on_talking():
 
 def test_who_is_done_may_begin_again():
     """Done at three looks, and no more once it has heard of it: the first time counts."""
-    source = changed(("return me.t >= 3.0", "return me.t >= 3.0 and me.rest < 2.0"),
-                     ("MEMORY = {", 'MEMORY = {"rest": 0.0, '),
-                     ("def fuse(me):\n    pass", "def fuse(me):\n    if done(me):\n        me.rest += 1.0"), source=ENDS)  # fmt: skip
+    source = changed(
+        ("return me.t >= 3.0", "return me.t >= 3.0 and me.rest < 2.0"),
+        ("MEMORY = {", 'MEMORY = {"rest": 0.0, '),
+        ("def fuse(me):\n    pass", "def fuse(me):\n    if done(me):\n        me.rest += 1.0"),
+        source=ENDS,
+    )
     data = told(source)
     (setting,) = fixed(brain(source), rounds=6)
     fields, *_ = record_trial(setting, SEED, 0)
@@ -147,9 +156,11 @@ def test_what_nobody_decides_is_not_in_the_results():
 
 def test_of_brains_of_which_one_decides_the_other_has_none():
     study = sc.Study(
-        trials=1, swarm={"brain": ["minimalistic", brain(listed(TABLE))], "robots": 3, "accuracy": 0.7},
-        schedule={"rounds": 6, "observations_per_round": 1}, world={"topology": "line", "fill_ratio": 0.8},
-    )  # fmt: skip
+        trials=1,
+        swarm={"brain": ["minimalistic", brain(listed(TABLE))], "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6, "observations_per_round": 1},
+        world={"topology": "line", "fill_ratio": 0.8},
+    )
     data = sc.run(study)
     assert np.isnan(data["decision"].values[0]).all()
     assert np.isnan(data["consensus_round"].values[0]).all()
@@ -160,8 +171,15 @@ def test_of_brains_of_which_one_decides_the_other_has_none():
 def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
     lonely = {"name": "nobody", "edges": []}
-    (setting,) = fixed(SPRT.with_parameters({"wrong": wrong, "margin": 0.1}), robots=600, rounds=400, accuracy=0.8,
-                       looks=5, fill_ratio=0.6, topology=lonely)  # fmt: skip
+    (setting,) = fixed(
+        SPRT.with_parameters({"wrong": wrong, "margin": 0.1}),
+        robots=600,
+        rounds=400,
+        accuracy=0.8,
+        looks=5,
+        fill_ratio=0.6,
+        topology=lonely,
+    )
     verdicts = run_batch(setting, SEED, 0, 1, MEASURE, GO).verdicts[0]
     decided = verdicts[:, 0]
     assert (decided >= 0).mean() > 0.99
@@ -176,7 +194,7 @@ WRONG = {"2": "2", "-2": "-2", "0.5": "0.5", "me.t * 1e300 * 1e300": "inf", "mat
 @pytest.mark.parametrize("choice", WRONG)
 def test_what_is_no_option_is_told(choice):
     source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
-    said = rf"brain 'brain.py' fails in trial 1 of .*: decide gives {WRONG[choice]}: -1 \(undecided\) or an option from 0 to 1"
+    said = rf"brain 'brain.py' fails in trial 1 of .*: decide gives {WRONG[choice]}: -1 \(undecided\) or an opt"
     (setting,) = fixed(brain(source))
     with pytest.raises(InputError, match=said):
         run_batch(setting, SEED, 1, 1, MEASURE, GO)
@@ -203,8 +221,41 @@ def test_wrong_options_are_refused(options):
         brain(changed(("MEMORY =", f"OPTIONS = {options}\nMEMORY =")))
 
 
-@pytest.mark.parametrize(("function", "said"), [("def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
-                                                ("done = True", "done is True, not a function")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("function", "said"),
+    [
+        ("def decide(me, x):\n    return 1", "decide takes 2 arguments: 1 are"),
+        ("done = True", "done is True, not a function"),
+    ],
+)
 def test_wrong_functions_are_refused(function, said):
     with pytest.raises(InputError, match=said):
         brain(MEANS + f"\n\n{function}\n")
+
+
+def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
+    """All of an interval is then infinite, and so it is said."""
+    monkeypatch.chdir(tmp_path)
+    for name, test in (("one", "me.name < 1.0"), ("two", "me.name > 1.0")):
+        Path(f"{name}.py").write_text(MEANS + f"\n\ndef decide(me):\n    return 1 if {test} else -1\n")
+    study = sc.Study(
+        trials=5,
+        swarm={"brain": ["one.py", "two.py"], "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 6},
+        world={"topology": "line", "fill_ratio": [0.8, 0.3]},
+    )
+    sc.save(sc.run(study, jobs=1), "r.nc")
+    assert main(["compare", "r.nc"]) == 0
+    said = capsys.readouterr()
+    assert "never" in said.out
+    assert "warning" not in said.err
+
+
+@pytest.mark.filterwarnings("error")
+def test_an_infinite_interval_has_no_width():
+    """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
+    measure = SimpleNamespace(share=False, unit="rounds")
+    values, low, high = np.array([np.inf, 50.0]), np.array([np.inf, 40.0]), np.array([np.inf, 60.0])
+    told = comparison_cells.numbers(values, low, high, np.array([5, 5]), measure)
+    assert told[0][0] == "never"
+    assert told[1] == ("50", "[40, 60]")

@@ -46,9 +46,10 @@ def test_each_call_has_its_own():
 def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     """A full network of three: the last message heard is that of the last robot, by its own luck."""
     source = changed(
-        ("me.heard = me.luck", "me.heard += me.luck"), ("    me.fused = me.luck", "    me.fused = me.heard\n    me.heard = 0.0"),
+        ("me.heard = me.luck", "me.heard += me.luck"),
+        ("    me.fused = me.luck", "    me.fused = me.heard\n    me.heard = 0.0"),
         source=LUCKY,
-    )  # fmt: skip
+    )
     every = lives(source, robots=3, topology="full")["fused"]
     one = {"name": "one", "edges": [[1, 0]], "directed": True}
     (setting,) = fixed(brain(source), robots=3, topology="full")
@@ -60,8 +61,9 @@ def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     assert (lives(source, robots=3, topology=one)["fused"][:, [1, 2]] == 0).all()
 
 
-@pytest.mark.parametrize("world", [{}, {"topology": "full"}, {"link_success": 0.5, "faults": FAULTS}],
-                         ids=["ring", "full", "lossy"])  # fmt: skip
+@pytest.mark.parametrize(
+    "world", [{}, {"topology": "full"}, {"link_success": 0.5, "faults": FAULTS}], ids=["ring", "full", "lossy"]
+)
 def test_it_changes_nothing_else(world):
     """A brain that is given luck and makes nothing of it lives as one that is given none: bit for bit."""
     shipped = brains.load("minimalistic")
@@ -154,13 +156,13 @@ def test_what_only_tells_has_none(name, how):
 
 @pytest.mark.parametrize("line", ["me.luck = 0.5", "me.luck *= 2.0", "del me.luck"])
 def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match="fuse sets me.luck, which is given: it is only for reading"):
+    with pytest.raises(InputError, match=r"fuse sets me.luck, which is given: it is only for reading"):
         brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
 
 
 def test_sums_have_none():
     source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=LUCKY)
-    with pytest.raises(InputError, match="receive reads me.luck: by SUMS what it adds depends on the message alone"):
+    with pytest.raises(InputError, match=r"receive reads me.luck: by SUMS what it adds depends on the message alone"):
         brain(changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("heard",)'), source=source))
 
 

@@ -1,5 +1,6 @@
 """Mixed swarms: who is who, what members have of their own, and of whom the results are."""
 
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +51,7 @@ def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
 
 def test_a_larger_share_holds_the_robots_of_a_smaller_one():
     found = [who(members=liars(share)) == 1 for share in (0.1, 0.2, 5, 0.7)]
-    for small, large in zip(found[:-1], found[1:], strict=True):
+    for small, large in pairwise(found):
         assert (small <= large).all()
         assert (small.sum(axis=1) < large.sum(axis=1)).all()
 
@@ -135,9 +136,13 @@ def test_the_same_of_robots_that_move():
 
 def test_results_have_as_many_robots_as_are_honest():
     study = sc.Study(
-        trials=2, seed=SEED, swarm={"brain": brain(LISTENS), "robots": 10, "accuracy": 0.7}, schedule={"rounds": 5},
-        world={"topology": "ring", "fill_ratio": 0.5}, members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}],
-    )  # fmt: skip
+        trials=2,
+        seed=SEED,
+        swarm={"brain": brain(LISTENS), "robots": 10, "accuracy": 0.7},
+        schedule={"rounds": 5},
+        world={"topology": "ring", "fill_ratio": 0.5},
+        members=[*liars([0, 0.2]), {"robots": 1, "accuracy": 0.9}],
+    )
     data = sc.run(study, jobs=1)
     assert data["robots"].values.tolist() == [10, 10]
     assert data["members"].values.tolist() == ["1 accuracy 0.9", "0.2 liar.py, not honest; 1 accuracy 0.9"]
@@ -147,8 +152,11 @@ def test_results_have_as_many_robots_as_are_honest():
 
 def test_robots_that_lie_are_heard():
     """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
-    hears = changed(("me.x += 0.25 * (message[0] - me.x)", "me.x = message[0]"),
-                    ("me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)", "pass"), source=LISTENS)  # fmt: skip
+    hears = changed(
+        ("me.x += 0.25 * (message[0] - me.x)", "me.x = message[0]"),
+        ("me.x = 0.75 * me.x + 0.25 * me.n / max(me.t, 1.0)", "pass"),
+        source=LISTENS,
+    )
     (setting,) = fixed(brain(hears), robots=2, rounds=6, members=liars(1), topology="line")
     fields, curves, blacks = record_trial(setting, SEED, 0)
     liar = int(np.flatnonzero(setting.who(SEED, 0, 1)[0])[0])
@@ -166,8 +174,16 @@ BELIEVES = changed(
 
 def test_members_see_as_well_as_they_are_said_to():
     """On a black floor readings are right with the member's accuracy: counts of 60 looks, chi-square, 0.1 % each."""
-    (setting,) = fixed(brain(BELIEVES), robots=300, rounds=20, looks=60, accuracy=0.6, fill_ratio=1.0, topology="line",
-                       members=[{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}])  # fmt: skip
+    (setting,) = fixed(
+        brain(BELIEVES),
+        robots=300,
+        rounds=20,
+        looks=60,
+        accuracy=0.6,
+        fill_ratio=1.0,
+        topology="line",
+        members=[{"robots": 0.4, "accuracy": 0.8}, {"robots": 60, "accuracy": {"black": 0.7, "white": 0.9}}],
+    )
     fields, _, blacks = record_trial(setting, SEED, 0)
     group = setting.who(SEED, 0, 1)[0]
     for number, b, w in ((0, 0.6, 0.6), (1, 0.8, 0.8), (2, 0.7, 0.9)):
@@ -208,9 +224,13 @@ def test_drawn_accuracies_of_members_have_their_law():
 )
 def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
     study = sc.Study(
-        trials=1, seed=SEED, swarm={"brain": brain(BELIEVES), "robots": 6, "accuracy": 0.7} | swarm,
-        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 2}, members=[{"robots": 2} | member],
-    )  # fmt: skip
+        trials=1,
+        seed=SEED,
+        swarm={"brain": brain(BELIEVES), "robots": 6, "accuracy": 0.7} | swarm,
+        world={"topology": "ring", "fill_ratio": 0.5},
+        schedule={"rounds": 2},
+        members=[{"robots": 2} | member],
+    )
     (setting,) = study.settings()
     given, group = inputs_of(setting, SEED, 0), setting.who(SEED, 0, 1)[0]
     fields, *_ = record_trial(setting, SEED, 0)
@@ -282,10 +302,17 @@ rounds = 3
         ("robots = 2", "robots = [0.1, 'all']", "members[0].robots"),
         ("robots = 2", "robots = []", "members[0].robots"),
         ("robots = 2\n", "", "members[0].robots is missing"),
-        ("robots = 2", "robots = 0.6\naccuracy = 0.9\n[[members]]\nrobots = 0.7",
-         "members[0].robots = 0.6 and members[1].robots = 0.7: that is 7 of 5 robots"),
+        (
+            "robots = 2",
+            "robots = 0.6\naccuracy = 0.9\n[[members]]\nrobots = 0.7",
+            "members[0].robots = 0.6 and members[1].robots = 0.7: that is 7 of 5 robots",
+        ),
         ("robots = 2", "robots = 1.0\nhonest = false", "members: of 5 robots none is honest"),
-        ("robots = 2", "robots = 2\nspeed = 0.1", 'members[0].speed is of robots that move: it goes with topology = "moving"'),
+        (
+            "robots = 2",
+            "robots = 2\nspeed = 0.1",
+            'members[0].speed is of robots that move: it goes with topology = "moving"',
+        ),
         ("robots = 2", "robots = 2\nhonest = 'no'", "members[0].honest"),
         ("robots = 2", "robots = 2\naccuracy = 1.2", "members[0].accuracy"),
         ("robots = 2", "robots = 2\nbrains = 'mine.py'", "unknown key members[0].brains: did you mean 'brain'"),
@@ -295,7 +322,7 @@ rounds = 3
         ('"liar.py"', '"none.py"', "none.py"),
         ('"liar.py"', '{file = "liar.py", much = 1}', "the brain 'liar.py' has no parameter 'much'"),
     ],
-)  # fmt: skip
+)
 def test_wrong_members_are_told_in_a_sentence(tmp_path, monkeypatch, capsys, old, new, said):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(DECIDES)
@@ -313,10 +340,22 @@ def test_wrong_members_are_told_in_a_sentence(tmp_path, monkeypatch, capsys, old
 
 
 FAULTY = {
-    "fails": ("me.n += blacks", "me.n += blacks / (me.n * 0.0)", r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9"),
-    "does not compile": ("me.n += blacks", "me.n += 'a' + blacks", r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why"),
-    "decides for nothing": ("def fuse", "def decide(me):\n    return 7\n\n\ndef fuse", r"brain 'liar.py' fails in .*: decide gives 7: "),
-}  # fmt: skip
+    "fails": (
+        "me.n += blacks",
+        "me.n += blacks / (me.n * 0.0)",
+        r"brain 'mine.py' or 'liar.py' fails in .*ZeroDivisionError.*liar.py, line 9",
+    ),
+    "does not compile": (
+        "me.n += blacks",
+        "me.n += 'a' + blacks",
+        r"brain 'liar.py' fails in .*swarmcensus brains --check .*liar.py says why",
+    ),
+    "decides for nothing": (
+        "def fuse",
+        "def decide(me):\n    return 7\n\n\ndef fuse",
+        r"brain 'liar.py' fails in .*: decide gives 7: ",
+    ),
+}
 
 
 @pytest.mark.parametrize("what", FAULTY)
@@ -332,11 +371,19 @@ def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
 def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch):
     """Luck, names, silence and ends are those of the trial: the very robot fails in the very round."""
     monkeypatch.chdir(tmp_path)
-    bad = changed(
-        ("return (estimate(me),)", "if me.t > 15.0:\n        return (estimate(me),)"),
-        ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.n += 0.0 * message[0]"),
-        ("def fuse(me):\n    pass", "def fuse(me):\n    if me.luck < 0.05 and me.name == 2.0 and me.t == 20.0:\n        me.n = 1.0 / (me.t - 20.0)"),
-    ) + "\n\ndef done(me):\n    return me.t >= 20.0\n" + STEER  # fmt: skip
+    bad = (
+        changed(
+            ("return (estimate(me),)", "if me.t > 15.0:\n        return (estimate(me),)"),
+            ("def receive(me, message):\n    pass", "def receive(me, message):\n    me.n += 0.0 * message[0]"),
+            (
+                "def fuse(me):\n    pass",
+                "def fuse(me):\n    if me.luck < 0.05 and me.name == 2.0 and me.t == 20.0:\n"
+                "        me.n = 1.0 / (me.t - 20.0)",
+            ),
+        )
+        + "\n\ndef done(me):\n    return me.t >= 20.0\n"
+        + STEER
+    )
     Path("mine.py").write_text(bad)
     study = STUDY.replace('[[members]]\nrobots = 2\nbrain  = "liar.py"\n', "").replace("rounds = 3", "rounds = 100")
     with pytest.raises(

@@ -68,6 +68,17 @@ def test_results_say_who_is_anonymous():
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
 
 
+def test_a_swarm_of_which_some_know_their_names_is_not_anonymous():
+    study = sc.Study(
+        trials=1,
+        swarm={"brain": brain(MEANS, "means.py"), "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 2},
+        world={"topology": "ring", "fill_ratio": 0.5},
+        members=[{"robots": [0, 1], "brain": brain(HEARS)}],
+    )
+    assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
+
+
 def test_a_field_of_ones_own_may_be_called_name():
     """Then it is that field, and nothing is given."""
     own = changed(("MEMORY = {", 'MEMORY = {"name": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.name += 1.0"))
@@ -91,5 +102,5 @@ def test_what_sums_add_does_not_depend_on_who_hears_it():
     helped = (
         changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"
     )
-    with pytest.raises(InputError, match="receive reads me.name"):
+    with pytest.raises(InputError, match=r"receive reads me.name"):
         brain(helped)

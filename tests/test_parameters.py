@@ -173,8 +173,18 @@ def test_wrong_declarations_are_refused(declared, said):
     assert said in str(caught.value)
 
 
-@pytest.mark.parametrize("line", ["me.prior = 1.0", "me.prior += 1.0", "me.among[0] = 1.0", "me.n, me.prior = 1.0, 2.0",
-                                  "del me.prior", "me.among = me.among", "for me.prior in range(3):\n        pass"])  # fmt: skip
+@pytest.mark.parametrize(
+    "line",
+    [
+        "me.prior = 1.0",
+        "me.prior += 1.0",
+        "me.among[0] = 1.0",
+        "me.n, me.prior = 1.0, 2.0",
+        "del me.prior",
+        "me.among = me.among",
+        "for me.prior in range(3):\n        pass",
+    ],
+)
 @pytest.mark.parametrize("function", ["fuse", "helper"])
 def test_they_are_only_for_reading(line, function):
     source = PRIOR + f"\n\ndef helper(me):\n    {'pass' if function == 'fuse' else line}\n"

@@ -73,10 +73,13 @@ at     = 20
 robots = 1
 stop   = ["moving", "talking"]
 """
-SUMS = FIXED.replace("all.py", "adds.py").replace(", step = [0.05, 0.2]", ", weight = [0.3, 0.9]").replace(
-    ", weights = [[0.2, 0.3, 0.5], [0.5, 0.1, 0.4]]", ""
-).replace(', "steers.py"', "").replace('[[members]]\nrobots   = [0, 0.4]\nbrain    = "talks.py"\n',
-                                       "[[members]]\nrobots   = [0, 0.4]\n")  # fmt: skip
+SUMS = (
+    FIXED.replace("all.py", "adds.py")
+    .replace(", step = [0.05, 0.2]", ", weight = [0.3, 0.9]")
+    .replace(", weights = [[0.2, 0.3, 0.5], [0.5, 0.1, 0.4]]", "")
+    .replace(', "steers.py"', "")
+    .replace('[[members]]\nrobots   = [0, 0.4]\nbrain    = "talks.py"\n', "[[members]]\nrobots   = [0, 0.4]\n")
+)
 TEXTS = {"fixed": FIXED, "sums": SUMS, "moving": MOVING}
 IN_CPYTHON = """
 import sys, swarmcensus
@@ -199,8 +202,12 @@ def test_without_numba(here, known):
     for name, text in small.items():
         Path(f"{name}-small.toml").write_text(text)
     names = [f"{name}-small.toml" for name in small]
-    subprocess.run([sys.executable, "-W", "ignore", "-c", IN_CPYTHON, *names], check=True, timeout=500,
-                   env=os.environ | {"NUMBA_DISABLE_JIT": "1"})  # fmt: skip
+    subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", IN_CPYTHON, *names],
+        check=True,
+        timeout=500,
+        env=os.environ | {"NUMBA_DISABLE_JIT": "1"},
+    )
     for name in names:
         assert same(sc.load(name.replace(".toml", "-slow.nc")), sc.run(sc.Study.load(name), jobs=2))
 

@@ -134,9 +134,12 @@ def test_recorded_data():
 
 def test_results_have_the_counts_and_missing_ones_where_there_is_no_robot():
     study = sc.Study(
-        trials=2, seed=3, swarm={"brain": brain(ODD), "robots": [2, 4], "accuracy": 0.7}, schedule={"rounds": 5, "observations_per_round": 1},
+        trials=2,
+        seed=3,
+        swarm={"brain": brain(ODD), "robots": [2, 4], "accuracy": 0.7},
+        schedule={"rounds": 5, "observations_per_round": 1},
         world={"topology": "ring", "fill_ratio": 0.5},
-    )  # fmt: skip
+    )
     once = sc.run(study, jobs=1)
     assert once["messages_sent"].values[:, 1].tolist() == [[3, 3, -1, -1], [3, 3, 3, 3]]
     assert once["messages_heard"].values[:, 1].tolist() == [[3, 3, -1, -1], [6, 6, 6, 6]]

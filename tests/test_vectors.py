@@ -94,9 +94,11 @@ def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("counts.py").write_text(COUNTS)
     study = sc.Study(
-        trials=1, swarm={"brain": "counts.py", "robots": 3, "accuracy": 0.7}, schedule={"rounds": 4},
+        trials=1,
+        swarm={"brain": "counts.py", "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 4},
         world={"topology": "ring", "fill_ratio": 0.5},
-    )  # fmt: skip
+    )
     sc.save(sc.run(study), "r.nc")
     trace = sc.replay("r.nc", 0, 0, brain="counts.py")
     assert trace["seen"].dims == ("round", "robot", "item_seen")
@@ -137,9 +139,11 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
     faults = [one.fault for one in suite.examine(Path("beyond.py"), PROMISES) if one.fault]
     assert any(f"{function} fails at line" in fault and "IndexError" in fault for fault in faults)
     study = sc.Study(
-        trials=1, swarm={"brain": "beyond.py", "robots": 3, "accuracy": 0.7}, schedule={"rounds": 4},
+        trials=1,
+        swarm={"brain": "beyond.py", "robots": 3, "accuracy": 0.7},
+        schedule={"rounds": 4},
         world={"topology": "ring", "fill_ratio": 0.5},
-    )  # fmt: skip
+    )
     with pytest.raises(
         InputError, match=r"brain 'beyond.py' fails in trial 0 of .*IndexError.*at .*beyond.py, line \d+"
     ):
@@ -206,8 +210,11 @@ def test_a_message_names_a_vector_once():
 
 
 def test_an_estimate_may_use_math_on_items():
-    source = changed(("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
-                     ("MEMORY =", "import math\n\nMEMORY ="), source=COUNTS)  # fmt: skip
+    source = changed(
+        ("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
+        ("MEMORY =", "import math\n\nMEMORY ="),
+        source=COUNTS,
+    )
     (setting,) = fixed(brain(source))
     fields, estimates, _ = record_trial(setting, SEED, 0)
     assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)

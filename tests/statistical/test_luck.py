@@ -19,8 +19,11 @@ from tests.test_luck import LUCKY, OURS
 
 ROUNDS, ROBOTS = 1000, 6
 P = 1e-4  # of each comparison
-EARS = changed(("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
-               ("MEMORY = {", 'MEMORY = {"ears": 0.0, '), source=LUCKY)  # fmt: skip
+EARS = changed(
+    ("me.heard = me.luck", "me.heard = me.luck\n    me.ears += 1.0"),
+    ("MEMORY = {", 'MEMORY = {"ears": 0.0, '),
+    source=LUCKY,
+)
 
 
 def uniform(values):
@@ -167,10 +170,13 @@ def test_a_lot_by_luck_is_fair():
     kept = changed(
         ("MEMORY = {", 'MEMORY = {"heard": 0.0, "kept": -1.0, "last": -1.0, '),
         ("return (estimate(me),)", "return (me.name,)"),
-        ("def receive(me, message):\n    pass",
-         "def receive(me, message):\n    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n        me.kept = message[0]"),
+        (
+            "def receive(me, message):\n    pass",
+            "def receive(me, message):\n    me.heard += 1.0\n    if me.luck * me.heard < 1.0:\n"
+            "        me.kept = message[0]",
+        ),
         ("def fuse(me):\n    pass", "def fuse(me):\n    me.last = me.kept\n    me.heard = 0.0"),
-    )  # fmt: skip
+    )
     (setting,) = fixed(brain(kept), robots=9, rounds=2000, topology="full")
     fields, *_ = record_trial(setting, SEED, 0)
     for robot in (0, 5):

@@ -60,7 +60,7 @@ def numbers(
     What is infinite is `endless`. Where all trials are the same, the interval is "always".
     """
     times = 100.0 if measure.share else 1.0
-    with np.errstate(invalid="ignore"):  # of what never came, from "never" to "never"
+    with np.errstate(invalid="ignore"):  # an infinite interval that ends where it begins
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
     digits = 1 if measure.unit in ("rounds", "observations") else 2

@@ -85,7 +85,8 @@ def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]
             [b.message_bytes for b in brains], {"units": "bytes", "long_name": "what one message takes, 4 a number"},
         ),
         "anonymous": (
-            [int(not b.uses.name) for b in brains], {"long_name": "1 where the brain does not know its robot's name"},
+            [int(not any(b.uses.name for b in s.crew)) for s in settings],
+            {"long_name": "1 where no brain knows its robot's name"},
         ),
     }  # fmt: skip
 
