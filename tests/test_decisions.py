@@ -13,6 +13,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.results import comparison_cells
+from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
@@ -259,3 +260,51 @@ def test_an_infinite_interval_has_no_width():
     told = comparison_cells.numbers(values, low, high, np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
+
+
+def test_recorded_readings_are_those_that_were_made(tmp_path):
+    """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
+    source = '''"""A mean of 25 readings, or as many as the round has."""
+MEMORY = {"t": 0.0, "n": 0.0}
+MESSAGE = ("n",)
+
+
+def observe(me, blacks, looks):
+    me.t += looks
+    me.n += blacks
+
+
+def broadcast(me):
+    return (me.n,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.n / me.t if me.t > 0.0 else 0.5
+
+
+def done(me):
+    return me.t >= 25.0
+'''
+    (tmp_path / "some.py").write_text(source)
+    study = sc.Study(
+        trials=1, swarm={"brain": str(tmp_path / "some.py"), "robots": 4, "accuracy": 0.7},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 6},
+    )  # fmt: skip
+    results = sc.run(study, jobs=1)
+    trace = sc.replay(results, 0, 0, brain=tmp_path / "some.py")
+    assert (trace["t"].values[-1] == 30.0).all()
+    assert (trace["blacks"].values[4:] == 0.0).all()
+    readings, links = recording(results, 0, 0, brain=tmp_path / "some.py")
+    assert np.isfinite(readings).sum(axis=0).tolist() == [30] * 4
+    told = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py")
+    assert (told["n"].values == trace["n"].values).all()
+    slow = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py", compiled=False)
+    assert (slow["n"].values == trace["n"].values).all()

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.modes import HEARD, SENT
 from swarmcensus.simulation import metrics
@@ -390,3 +391,24 @@ def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch)
         sc.InputError, match=r"ZeroDivisionError: division by zero, at .*mine.py, line 23: me.n = 1.0 / "
     ):
         sc.run(sc.Study.parse(study), jobs=1)
+
+
+def test_one_robot_is_not_all_of_them():
+    swarm = {"robots": 10, "accuracy": 0.7}
+    world = {"topology": "ring", "fill_ratio": 0.55}
+    study = sc.Study(trials=1, swarm=swarm, world=world, members=[{"robots": [1, 1.0], "accuracy": 0.6}])
+    assert [s.coordinates["members"] for s in study.settings()] == ["1 accuracy 0.6", "1.0 accuracy 0.6"]
+    assert [(s.who(1, 0, 1) == 1).sum() for s in study.settings()] == [1, 10]
+
+
+@pytest.mark.parametrize(
+    ("table", "said"),
+    [
+        ({"robots": 2}, r"members\[0\] differs in nothing from the others"),
+        ({"robots": 0.04, "accuracy": 0.6}, r"members\[0\].robots = 0.04: that is less than one of 10 robots"),
+    ],
+)
+def test_members_that_are_nobody_or_like_everybody_are_refused(table, said):
+    swarm = {"robots": 10, "accuracy": 0.7}
+    with pytest.raises(InputError, match=said):
+        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=[table])

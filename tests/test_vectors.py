@@ -218,3 +218,38 @@ def test_an_estimate_may_use_math_on_items():
     (setting,) = fixed(brain(source))
     fields, estimates, _ = record_trial(setting, SEED, 0)
     assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)
+
+
+def test_a_vector_of_a_message_alone_is_not_read_beyond_its_end(tmp_path):
+    """It would be what other robots say, or nobody's memory."""
+    source = '''"""Reads where nothing is."""
+MEMORY = {"x": 0.5, "place": 3000000.0}
+MESSAGE = {"ballot": (0.0,) * 3}
+
+
+def observe(me, blacks, looks):
+    pass
+
+
+def broadcast(me):
+    return ((me.x, me.x, me.x),)
+
+
+def receive(me, message):
+    me.x = message[0][int(me.place)]
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.x
+'''
+    (tmp_path / "beyond.py").write_text(source)
+    study = sc.Study(
+        trials=1, swarm={"brain": str(tmp_path / "beyond.py"), "robots": 4, "accuracy": 0.7},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 3},
+    )  # fmt: skip
+    with pytest.raises(InputError, match="IndexError"):
+        sc.run(study, jobs=1)

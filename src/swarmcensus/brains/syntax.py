@@ -45,6 +45,10 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
     vectors = {name for name, long in memory.items() if long}
     for function in _functions(tree).values():
         for node in ast.walk(function):
+            if (isinstance(node, ast.arg) and node.arg == "math") or (
+                isinstance(node, ast.Name) and node.id == "math" and isinstance(node.ctx, ast.Store)
+            ):
+                raise Wrong(f"{function.name} calls something of its own math, which is the module", node.lineno)
             if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
                 _check_item(node, function.name, vectors, parameters)
             elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _names(node.value, vectors):

@@ -3,7 +3,7 @@
 import math
 from collections.abc import Callable, Iterable
 from functools import partial
-from itertools import islice
+from itertools import cycle, islice, product
 from typing import Any
 
 import numpy as np
@@ -26,7 +26,10 @@ from swarmcensus.conformance.lives import (
 
 DRAWS = 400  # of each of two laws
 FALSE_ALARM = 1e-9  # of one comparison: a check makes some thousands
-SIZES = (2, 3, 5, 9)
+SIZES = (2, 3, 9, 17, 40, 120)
+LOOKS = (10, 20, 200, 2000)  # readings of one colour, in each of these ways:
+PARTS = {"one by one": (1,), "in two parts": (7, 10**9), "in parts of 1 to 400": (1, 2, 7, 40, 400)}
+ONE_BY_ONE = 20
 MINDS = 24  # that are tried, out of all lives
 Numbers = dict[str, np.ndarray]
 
@@ -50,17 +53,32 @@ def any_order(brain: Brain) -> None:
 
 
 def looks_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[int, int], ...]]]) -> None:
-    """Ten readings of one colour at once and one by one: each number has the same law. Raises Fault."""
+    """Readings of one colour at once and in parts: each number has the same law. Raises Fault."""
     for where, start, _ in islice(starts, 0, 8 * MINDS, 8):
-        for black in (1.0, 0.0):
-            ways = [[(10.0 * black, 10.0)], [(black, 1.0)] * 10]
-            laws = [_law(brain, partial(_seen, brain, where, start, way)) for way in ways]
-            field = _unlike(*laws)
-            if field:
+        for black, looks in product((1.0, 0.0), LOOKS):
+            once = _law(brain, partial(_seen, brain, where, start, [(looks * black, float(looks))]))
+            for how, sizes in PARTS.items():
+                way = [(size * black, float(size)) for size in _split(looks, sizes)]
+                if len(way) > max(ONE_BY_ONE, looks // 20):
+                    continue
+                laws = [once, _law(brain, partial(_seen, brain, where, start, way))]
+                field = _unlike(*laws)
+                if not field:
+                    continue
                 raise Fault(
-                    f"{at(brain, 'observe')} gives me.{field} another law, {_told(laws[0][field])}, by 10 readings at "
-                    f"once than by the same one by one, {_told(laws[1][field])} ({where})"
+                    f"{at(brain, 'observe')} gives me.{field} another law, {_told(laws[0][field])}, by {looks} "
+                    f"readings at once than by the same {how}, {_told(laws[1][field])} ({where})"
                 )
+
+
+def _split(looks: int, sizes: tuple[int, ...]) -> list[int]:
+    """Parts of these sizes, again and again."""
+    parts: list[int] = []
+    for size in cycle(sizes):
+        if sum(parts) == looks:
+            return parts
+        parts.append(min(size, looks - sum(parts)))
+    return parts
 
 
 def _some_minds(brain: Brain) -> Iterable[tuple[str, Any]]:

@@ -163,7 +163,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
     flag = [f"outbox[i, {len(kept)}]"] if is_flagged(brain, mixed) else []
     return MIND.format(
         record=record_fields(brain),
-        checked=any(brain.lengths.values()) or any(fields_of(brain).values()),
+        checked=any(fields_of(brain).values()) or any(brain.message.values()),
         functions="\n".join(
             [f"{name} = brain.{name}" for name in FUNCTIONS]
             + [

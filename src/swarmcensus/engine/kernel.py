@@ -171,7 +171,7 @@ def decided(
 @entry
 def follow(
     minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
-    outbox, b, w, readings, every, periodic, first_message, senders, receivers, history, estimates,
+    outbox, b, w, readings, every, periodic, first_message, senders, receivers, judged, history, estimates,
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
 
@@ -183,7 +183,8 @@ def follow(
     robots = np.uint64(readings.shape[1])
     minds = swarm.minds[0]
     memory = np.empty((readings.shape[1], swarm.fields[0]))
-    row = np.empty(readings.shape[1])
+    row, seen = np.zeros(readings.shape[1]), np.empty(readings.shape[1])
+    told, agreed = np.empty((readings.shape[1], VERDICTS)), np.empty(2)
     luck = np.zeros((2, readings.shape[1]), np.uint64)
     message_luck = np.zeros(senders.size, np.uint64)
     arrivals = np.zeros((2, senders.size), np.uint32)
@@ -196,7 +197,14 @@ def follow(
         if swarm.luck.size > 0:
             words(swarm.luck, ZERO, s + 1, LUCK_OBSERVE, ZERO, robots, luck[0])
             words(swarm.luck, ZERO, s + 1, LUCK_FUSE, ZERO, robots, luck[1])
-        call(minds[SENSE], memory, outbox, ZERO, readings[s], 1.0, ZERO, robots, luck[0])
+        if s % every == 0:  # whoever is done makes no reading of this round
+            forget_verdicts(told, agreed)
+            for part in range(np.uint64(swarm.of_block.size - 1)):
+                if judged:
+                    judge(swarm, part, memory, row, ZERO, told, k)
+        for i in range(robots):
+            seen[i] = -1.0 if told[i, IS_DONE] != 0.0 else readings[s, i]
+        call(minds[SENSE], memory, outbox, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
         if periodic:
             first, last = 0, senders.size if whole else 0
         else:

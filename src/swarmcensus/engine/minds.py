@@ -23,6 +23,7 @@ from swarmcensus.engine.modes import (
 from swarmcensus.engine.random import word_of
 
 ZERO = np.uint64(0)
+ONE = np.uint64(1)
 TILE = 256  # robots whose curves are looked at together: their extremes stay in the processor's nearest cache
 
 

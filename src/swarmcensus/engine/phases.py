@@ -41,11 +41,11 @@ ZERO = np.uint64(0)
 ONE = np.uint64(1)
 
 
-@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY)
-def sense(memory, outbox, place, readings, looks, first, last, luck):
+@phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY, WHOLE)
+def sense(memory, outbox, place, readings, looks, first, last, luck, begins):
     """Robots first ... last - 1 see so many black of `looks` readings, below 0 for none made, and say what they hold.
 
-    Who is done makes no reading.
+    Who is done makes no reading: that is asked where a round `begins`.
 
     Both branches say it, so that what was just computed need not be read back from memory: that halves the time.
     """
@@ -53,7 +53,7 @@ def sense(memory, outbox, place, readings, looks, first, last, luck):
     said = seen_as(outbox, (place + last, width), np.float64)
     seen = seen_as(readings, last - first, np.float64)
     for i in range(first, last):
-        if seen[i - first] >= 0.0 and not done(minds[i]):
+        if seen[i - first] >= 0.0 and not (begins and done(minds[i])):
             give_luck(minds[i], luck, i - first)
             observe(minds[i], seen[i - first], looks)
             say(said, place + i, minds[i])

@@ -25,6 +25,7 @@ from swarmcensus.engine.random import unit, words
 from swarmcensus.engine.swarms import Swarm
 
 from .minds import (
+    ONE,
     ZERO,
     agree,
     arrives,
@@ -56,7 +57,7 @@ def wake(
     luck = np.zeros(memory.shape[0], np.uint64)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, ZERO, nothing, 1.0, a, z, luck)
+        call(swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, ZERO, nothing, 1.0, a, z, luck, ONE)
     believe_all(swarm, memory, start, ZERO)
     forget_verdicts(verdicts, agreed)
 
@@ -156,7 +157,7 @@ def live_on(
             at = np.int64(a)
             call(
                 swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, said, place(seen, at), 1.0, a, z,
-                place(luck, at),
+                place(luck, at), ONE,
             )  # fmt: skip
         if silent:
             count_sent(swarm, outbox, np.uint64(said), stops, now, counts)

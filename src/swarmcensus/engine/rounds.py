@@ -28,6 +28,7 @@ from swarmcensus.engine.modes import (
 from swarmcensus.engine.random import words
 
 from .minds import (
+    ONE,
     ZERO,
     agree,
     arrives,
@@ -215,7 +216,7 @@ def advance(
                     offset = np.int64(a - start)
                     call(
                         addresses[group, SENSE], place(memory, bases[group]), outbox, next_said,
-                        place(readings, offset), float(looks), a, z, place(luck, offset),
+                        place(readings, offset), float(looks), a, z, place(luck, offset), ONE,
                     )  # fmt: skip
         if k + 1 < last and flag >= 0:
             count_sent(swarm, outbox, next_said, stops, k + 1, counts)

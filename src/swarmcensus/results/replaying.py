@@ -12,6 +12,7 @@ from swarmcensus.results.origins import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
 from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.swarming import ended, free
 from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -40,9 +41,8 @@ def replay(
         fields, estimates, blacks = record_trial(found, study.seed, trial)
         trace = trace_of(fields, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
-    if found.members:
-        _name_members(trace, found, study.seed, trial)
-    _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace)
+    honest = _name_members(trace, found, study.seed, trial) if found.members else np.ones(found.robots, np.bool_)
+    _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace, honest)
     trace.attrs |= {
         "title": f"{study.name}, setting {setting}, trial {trial}: {found.brain.name}, {found}",
         "setting": setting,
@@ -56,20 +56,24 @@ def replay(
     return trace
 
 
-def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> None:
-    """Say who is who: the number of the table of members, and who is honest."""
+def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> np.ndarray:
+    """Say who is who: the number of the table of members, and who is honest, which is returned too (robot)."""
     who = found.who(seed, trial, 1)[0]
     told = "; ".join(f"{number}: {member}" for number, member in enumerate(found.members, start=1))
-    trace["member"] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {told}"})
+    trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {told}"})
+    honest = np.array([True, *(member.honest for member in found.members)])[who]
     if found.honest < found.robots:
-        honest = np.array([True, *(member.honest for member in found.members)])[who]
-        trace["honest"] = ("robot", honest.astype(np.int8), {"long_name": "1 where metrics count the robot"})
+        trace[free("honest", trace)] = (
+            "robot",
+            honest.astype(np.int8),
+            {"long_name": "1 where metrics count the robot"},
+        )
+    return np.asarray(honest)
 
 
-def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset) -> None:
+def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, honest: np.ndarray) -> None:
     """Raise InputError where a trial that was run ended otherwise: results put together from several studies."""
-    last = trace["estimate"].values[-1]
-    last = last[trace["honest"].values == 1] if "honest" in trace else last
+    last = trace["estimate"].values[-1][honest]
     stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
     ran = np.isfinite(stored).all() and len(stored) == last.size
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
@@ -99,8 +103,9 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     if found.faults:
         stops = found.stops(seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
-        trace["stops"] = (("part", "robot"), np.where(stops == NEVER, -1, stops), says)
-        trace = trace.assign_coords(part=sorted(PARTS, key=PARTS.__getitem__))
+        name, part = free("stops", trace), free("part", trace)
+        trace[name] = ((part, "robot"), np.where(stops == NEVER, -1, stops), says)
+        trace = trace.assign_coords({part: sorted(PARTS, key=PARTS.__getitem__)})
     trace = trace.assign_coords(axis=["x", "y"])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
@@ -123,6 +128,8 @@ def recording(
     links, messages (message, 3) of step, sender, receiver. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
+    if len(found.crew) > 1:
+        raise InputError("a recording is for one brain, and robots of this setting have several")
     if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
         raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
     if found.body is not None:
@@ -136,11 +143,20 @@ def recording(
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
             steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1
             messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
-            return record_readings(found, study.seed, trial), messages
+            return _readings(found, study.seed, trial), messages
         edges = pairs[pairs[:, 0] > pairs[:, 1], ::-1]
     else:
         edges = np.array(list(itertools.combinations(range(found.robots), 2)))
-    return record_readings(found, study.seed, trial), edges
+    return _readings(found, study.seed, trial), edges
+
+
+def _readings(found: Setting, seed: int, trial: int) -> np.ndarray:
+    """The single readings (observation, robot) of a trial, NaN of robots that are done."""
+    readings = record_readings(found, seed, trial)
+    if any(brain.ends for brain in found.crew):
+        done = ended(found.crew, record_trial(found, seed, trial)[0])
+        readings[np.repeat(done, found.observations_per_round, axis=0)] = np.nan
+    return readings
 
 
 def _find(

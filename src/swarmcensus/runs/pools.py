@@ -132,7 +132,7 @@ def smallest(settings: list[Setting]) -> list[Setting]:
         crew = tuple(brain.name for brain in setting.crew)
         key = crew, setting.body is None, setting.floor and setting.floor.kind
         if key not in found:
-            one_of_each = tuple(replace(m, robots=1, honest=True) for m in setting.members)
+            one_of_each = tuple(replace(m, robots=1, share=False, honest=True) for m in setting.members)
             tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, topology=Topology("line"), faults=())
             tiny = replace(tiny, members=one_of_each)
             if setting.body is not None:

@@ -73,7 +73,7 @@ def infer(
             made = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
             compiler.compile_world("kernel").follow(
                 *made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
-                senders, receivers, history, estimates,
+                senders, receivers, used.ends, history, estimates,
             )  # fmt: skip
             fields = fields_of((used,), made, history, estimates)
         except Exception as error:

@@ -40,11 +40,14 @@ def follow(
 
     keep()
     number = 0  # of the message, among all
+    ended: list[bool] = []  # who makes no reading in this round
     for step, pairs in zip(range(len(blacks)), messages, strict=True):
         whole = (step + 1) % every == 0
         seen, fused = (own_luck(brain, luck, 0, step + 1, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE))
+        if step % every == 0:
+            ended = [is_done(brain, me) for me in minds]
         for i, (me, count) in enumerate(zip(minds, blacks[step], strict=True)):
-            if not np.isnan(count) and not is_done(brain, me):
+            if not np.isnan(count) and not ended[i]:
                 give(brain, me, seen, i)
                 functions.observe(me, float(count), float(looks))
         said = [fixed(functions.broadcast(me)) for me in minds]

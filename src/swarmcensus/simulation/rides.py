@@ -14,6 +14,7 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
+    ended,
     fields_of,
     outbox_of,
     swarm_of,
@@ -228,6 +229,9 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     estimates = np.concatenate([rider.start, rider.rows])
     joined = np.concatenate(links)
     fields = fields_of(setting.crew, rider.swarm, history, estimates)
+    done = ended(setting.crew, fields)
+    if done.size:
+        looked[1:][done], readings[1:][done] = False, np.nan
     return Ride(fields, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
 
 

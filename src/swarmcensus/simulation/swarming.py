@@ -1,7 +1,8 @@
 """A setting's robots as the engine's loops take them, with room for what is counted of them and what they decide."""
 
 import functools
-from collections.abc import Container
+from collections.abc import Container, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -147,7 +148,13 @@ def _with(known: np.ndarray | None, values: np.ndarray, own: np.ndarray) -> np.n
     return out
 
 
-def free(name: str, taken: Container[str]) -> str:
+def ended(brains: tuple[Brain, ...], fields: Mapping[str, np.ndarray]) -> np.ndarray:
+    """Who makes no reading in each round but the first row's, being done before it (round, robot)."""
+    said = fields.get(free(IS_DONE, {name for brain in brains for name in brain.memory}))
+    return np.zeros((0, 0), np.bool_) if said is None else said[:-1] == 1.0
+
+
+def free(name: str, taken: Container[Any]) -> str:
     """A name that no field of a brain has."""
     while name in taken:
         name += "_"

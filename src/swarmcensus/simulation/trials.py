@@ -18,6 +18,7 @@ from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
+    ended,
     fields_of,
     outbox_of,
     swarm_of,
@@ -232,7 +233,11 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     compiler.compile_world().round_readings(
         *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
     )
-    return fields_of(setting.crew, made, history, estimates), estimates, blacks
+    fields = fields_of(setting.crew, made, history, estimates)
+    done = ended(setting.crew, fields)
+    if done.size:
+        blacks[1:][done] = 0.0
+    return fields, estimates, blacks
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:

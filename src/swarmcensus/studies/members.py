@@ -28,10 +28,11 @@ class Member:
     assumed_accuracy: Accuracy | Misjudgement | None = None
     speed: float | None = None  # m/s, of robots that move
     honest: bool = True  # whether metrics count them
+    share: bool = False  # whether `robots` is a fraction: 1.0 is all of them, 1 is one
 
     def count(self, robots: int) -> int:
         """How many of a swarm they are."""
-        return self.robots if isinstance(self.robots, int) else round(self.robots * robots)
+        return round(self.robots * robots) if self.share else int(self.robots)
 
     def __str__(self) -> str:
         """Who they are, as the dataset says it."""
@@ -42,14 +43,15 @@ class Member:
             ("speed ", self.speed),
         )
         told = [f"{what}{value}" for what, value in sides if value is not None]
-        return " ".join([f"{self.robots:g}", ", ".join(told + ["not honest"] * (not self.honest))]).rstrip()
+        many = f"{float(self.robots)!r}" if self.share else str(self.robots)
+        return " ".join([many, ", ".join(told + ["not honest"] * (not self.honest))]).rstrip()
 
     @property
     def content(self) -> tuple[object, ...]:
         """All that a trial's numbers depend on."""
         brain = self.brain and (self.brain.name, self.brain.sha256, [*self.brain.parameters.items()])
         beliefs = (str(one) if one is not None else "" for one in (self.accuracy, self.assumed_accuracy))
-        return self.robots, brain, *beliefs, self.speed, self.honest
+        return self.robots, self.share, brain, *beliefs, self.speed, self.honest
 
 
 def _listed(value: object) -> object:
@@ -82,13 +84,21 @@ class Members(BaseModel):
         lists: list[list[Any]] = [
             self.robots, *(v or [None] for v in (self.brain, self.accuracy, self.assumed_accuracy, self.speed))
         ]  # fmt: skip
-        for values in itertools.product(*lists, [self.honest]):
-            yield Member(*values)
+        for robots, brain, accuracy, assumed, speed in itertools.product(*lists):
+            yield Member(robots, brain, accuracy, assumed, speed, self.honest, isinstance(robots, float))
 
 
 def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
     """Raise ValueError where members do not go together with a study's swarms."""
     for n, one in enumerate(members):
+        if one.honest and all(v is None for v in (one.brain, one.accuracy, one.assumed_accuracy, one.speed)):
+            raise ValueError(
+                f"members[{n}] differs in nothing from the others: give it a brain, an accuracy, an assumed_accuracy, "
+                "a speed, or honest = false"
+            )
+        for some in one.robots:
+            if some and not Member(some, share=isinstance(some, float)).count(max(sizes)):
+                raise ValueError(f"members[{n}].robots = {some}: that is less than one of {max(sizes)} robots")
         if one.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
         for brain in dict.fromkeys(one.brain or []):
@@ -105,7 +115,7 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
                     )
     for robots in sizes:
         for chosen in itertools.product(*(one.robots for one in members)):
-            counts = [Member(one).count(robots) for one in chosen]
+            counts = [Member(one, share=isinstance(one, float)).count(robots) for one in chosen]
             if sum(counts) > robots:
                 told = " and ".join(f"members[{n}].robots = {one:g}" for n, one in enumerate(chosen))
                 raise ValueError(f"{told}: that is {sum(counts)} of {robots} robots")
