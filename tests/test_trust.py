@@ -451,7 +451,7 @@ class TestBrainFiles:
 class TestFormats:
     """Files of each format that was ever written: they are read for good."""
 
-    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc"])
+    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
     def test_all_that_is_done_with_results_is_done_with_them(self, name, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
         shutil.copy(DATA / name, "r.nc")
@@ -465,6 +465,17 @@ class TestFormats:
         said = capsys.readouterr().out
         assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
+
+    def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
+        monkeypatch.chdir(tmp_path)
+        for name in ("second-3.nc", "second.py", "teller.py"):
+            shutil.copy(DATA / name, tmp_path)
+        for command in ("verify second-3.nc --all", "replay second-3.nc --setting 7 --trial 1 --out trace.csv",
+                        "plot second-3.nc --where robots==4", "export second-3.nc", "compare second-3.nc",
+                        "merge second-3.nc --out m.nc", "verify m.nc --all"):  # fmt: skip
+            assert main(command.split()) == 0, command
+        assert capsys.readouterr().out.count("64 of 64 trials run again: the same to the last bit") == 2
+        assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
     def test_both_hold_the_same(self):
         one, two = (sc.load(DATA / f"results-{n}.nc") for n in (1, 2))
