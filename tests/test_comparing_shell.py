@@ -161,7 +161,8 @@ def test_ranks_stand_where_they_are_and_bars_join_what_is_not_told_apart():
     ranks = found.contests[0].average_ranks
     texts = texts_of(figure)
     for name, rank in zip(found.contenders, ranks, strict=True):
-        assert any(name in text and f"{rank:.2f}" in text for text in texts)
+        assert name in [" ".join(text.split()) for text in texts]
+        assert f"{rank:.2f}" in texts
     feet = {round(line.get_xdata()[0], 9) for line in axes.lines if len(line.get_xdata()) == 3}
     assert feet == {round(rank, 9) for rank in ranks.tolist()}
     apart = found.apart_overall(found.contests[0])

@@ -7,6 +7,8 @@ mean-ranks?", 2016.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -14,13 +16,15 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.rankings import groups
-from swarmcensus.figures.lettering import shortened, wrapped
+from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.sheets import SMALL, TITLE, caption_panels
 from swarmcensus.results.contests import Contest
 from swarmcensus.results.standings import Standings
 
 WIDE = 6.4  # inches: the figure
 NAMES = 1.75  # inches on either side for the names
+NUMBER = 0.36  # inches of them for a rank
+MOST_LINES = 3  # of a name
 LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
 OVER, UNDER = 0.62, 0.12  # inches for a caption and the numbers, and under the last name
 FOOT = 0.25  # inches under all panels
@@ -45,7 +49,9 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = Non
     if ax is not None and len(drawn) > 1:
         raise InputError(f"ax holds one panel, not {len(drawn)}: name one metric")
     joined = [_joined(found, found.contests[k]) for k in drawn]
-    high = [OVER + UNDER + BAR * (len(bars) + 1) + LINE * ((len(found.contenders) + 1) // 2) for bars in joined]
+    names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
+    tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
+    high = [OVER + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2) for bars in joined]
     lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
     room = 0.22 * len(lines) + 0.1 * bool(lines)
     panels = [ax] if ax is not None else _panels(high, room, lines)
@@ -56,7 +62,7 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = Non
         captions = [title]
     caption_panels(panels, captions, 0.3, WIDE - 0.3)
     for k, bars, panel, inches in zip(drawn, joined, panels, high, strict=True):
-        _draw(panel, found.contenders, found.contests[k].average_ranks, bars, inches - OVER)
+        _draw(panel, names, found.contests[k].average_ranks, bars, inches - OVER, tall)
     figure: Figure = panels[0].figure.canvas.figure
     return figure
 
@@ -86,8 +92,10 @@ def _panels(high: list[float], room: float, title: list[str]) -> list[Axes]:
     ]
 
 
-def _draw(axes: Axes, names: list[str], ranks: np.ndarray, bars: list[list[int]], inches: float) -> None:
-    """One line: x are ranks, y inches below it."""
+def _draw(
+    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], inches: float, tall: float
+) -> None:
+    """One line: x are ranks, y inches below it, `tall` of them for each of the names, which have lines."""
     count = len(names)
     wide = (axes.bbox.width / axes.figure.dpi - 2 * NAMES) / max(count - 1, 1)  # inches from rank to rank
     left, right = 1 - NAMES / wide, count + NAMES / wide
@@ -110,10 +118,10 @@ def _draw(axes: Axes, names: list[str], ranks: np.ndarray, bars: list[list[int]]
         (order[len(better) :][::-1], float(count), right, "left"),
     ):
         for k, contender in enumerate(side):
-            y = BAR * (len(bars) + 1) + LINE * (k + 0.5)
+            y = BAR * (len(bars) + 1) + tall * (k + 0.5)
             end = edge + 0.05 / wide * (-1 if far < edge else 1)
             axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=HELD_BACK, linewidth=0.7)
-            text = f"{shortened(names[contender], 72 * (NAMES - 0.45), SMALL)}  {ranks[contender]:.2f}"
-            text = text if ha == "right" else f"{ranks[contender]:.2f}  {text[: text.rindex('  ')]}"
-            axes.text(end + 0.04 / wide * (-1 if far < edge else 1), y, text, ha=ha, va="center", fontsize=SMALL,
-                      parse_math=False)  # fmt: skip
+            away = -1 if far < edge else 1
+            says: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": SMALL, "parse_math": False}
+            axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **says)
+            axes.text(end + (0.04 + NUMBER) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **says)

@@ -20,7 +20,8 @@ def escaped(text: str) -> str:
 def latex(found: Standings, worlds: int | None = None) -> str:
     """The table of the first so many worlds (by default of all): a row for each world and contender.
 
-    Bold is what is best in its world, and a star marks what is level with the first.
+    Marks are those of the terminal: a star, and bold, for what is best in its world, told apart from all others; an
+    equals sign for what is first, or not told apart from the first. A comment says so, for the caption.
     """
     worlds = len(found.field.worlds) if worlds is None else worlds
     world, contender = rows_of(found, worlds)
@@ -29,6 +30,7 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
     lines = [
         f"% {len(found.field.worlds)} worlds, {len(found.contenders)} contenders: {' '.join(found.title.split())}",
+        "% * best in its world, told apart from all others; = first, or not told apart from the first",
         rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip
@@ -36,7 +38,7 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
         if before not in (None, w):
             lines.append(r"\addlinespace")
-        said = [escaped(str(found.field.worlds[w][name])) if w != before else "" for name in names]
+        said = [escaped(str(found.field.worlds[w][name]).replace("nan", "--")) if w != before else "" for name in names]
         lines.append(
             " & ".join([*said, escaped(found.contenders[c]), *(_cell(one[row]) for one in cells.values())]) + r" \\"
         )
@@ -53,5 +55,7 @@ def write_latex(found: Standings, path: str | Path) -> None:
 
 def _cell(cell: Cell) -> str:
     value = escaped(cell.value).replace("-", "$-$") if cell.value != "-" else "--"
-    value = rf"\textbf{{{value}}}" if cell.standing == "best" else value + r"$^{*}$" * (cell.standing == "level")
-    return f"{value} {{\\footnotesize {escaped(cell.interval).replace('-', '$-$')}}}" if cell.interval else value
+    marks = {"best": rf"\textbf{{{value}}}$^{{*}}$", "level": rf"{value}$^{{=}}$"}
+    value = marks.get(cell.standing, value)
+    lacks = cell.interval in ("", "-")
+    return value if lacks else f"{value} {{\\footnotesize {escaped(cell.interval).replace('-', '$-$')}}}"

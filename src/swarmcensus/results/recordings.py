@@ -111,6 +111,8 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
     elif Path(path).suffix == ".csv":
         flat = trace.drop_vars([n for n, v in trace.data_vars.items() if v.dims != ("round", "robot")])
         for name, values in trace.data_vars.items():
+            if values.dims == ("robot",):  # who is who
+                flat[name] = values.expand_dims(round=trace.sizes["round"])
             if values.dims == ("round", "robot", f"item_{name}"):
                 for k in range(values.shape[2]):
                     flat[f"{name}[{k}]"] = values[:, :, k]

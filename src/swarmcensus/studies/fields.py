@@ -49,7 +49,9 @@ def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
     if not isinstance(value, Mapping):
         return [_brain(value, info)]
     if "file" not in value:
-        raise ValueError('a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}')
+        raise ValueError(
+            'file is missing: a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}'
+        )
     brain = _brain(value["file"], info)
     given = {str(name): _values(brain, str(name), one) for name, one in value.items() if name != "file"}
     return [brain.with_parameters(dict(zip(given, one, strict=True))) for one in itertools.product(*given.values())]
