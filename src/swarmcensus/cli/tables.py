@@ -17,6 +17,7 @@ from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
+from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
@@ -224,11 +225,13 @@ def failures(data: xr.Dataset) -> int:
 
 def rounds(trace: xr.Dataset) -> None:
     """The swarm's estimates at a few rounds of a trace."""
-    estimates = trace["estimate"].values
+    honest = honest_in(trace)
+    estimates = trace["estimate"].values[:, honest]
     last = len(estimates) - 1
     at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
     ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
-    console().print(f"{trace.attrs['title']}: the robots' estimates")
+    whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
+    console().print(f"{trace.attrs['title']}: {whose} estimates")
     heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
     console().print(table(heads, [(str(k), *(f"{value:.4f}" for value in values)) for k, *values in ends]))
 

@@ -32,8 +32,9 @@ from swarmcensus.figures.arena_margins import (
     write_titles,
 )
 from swarmcensus.figures.clouds import truth_of
-from swarmcensus.figures.looks import halo
+from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.scenes import check_robot, scene_of
+from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
 
@@ -113,6 +114,7 @@ class Arena:
         self.ticks = trace["round"].values
         self.position, self.heading = trace["position"].values, trace["heading"].values
         self.estimate = trace["estimate"].values
+        self.honest = honest_in(trace)
         links = trace["link"].values
         self.link = links[np.argsort(links[:, 0], kind="stable")]
         self.robots = self.position.shape[1]
@@ -152,10 +154,10 @@ class Arena:
         self.headings.set_color(np.where(bright, "black", "white").tolist())
         self.failed.set_segments(self._strokes(xy, tick))
         low, high = right_bin(self.truth, self.bins)
-        right = int(((estimate >= low) & (estimate < high)).sum())
+        right = int(((estimate >= low) & (estimate < high) & self.honest).sum())
         clock = "" if self.seconds is None else f", {tick * self.seconds:,.1f} s"
         self.when.set_text(f"tick {tick:,}{clock}")
-        self.right.set_text(f"{right:,} of {self.robots:,}")
+        self.right.set_text(f"{right:,} of {self.honest.sum():,}" + " honest ones" * (not self.honest.all()))
 
     def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
         """Two lines (end, axis), on opposite sides, for each part of each robot that has stopped by this tick."""
@@ -194,9 +196,9 @@ class Arena:
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
         self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
         self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
-        edges = ["black"] * self.robots
+        edges = np.where(self.honest, "black", LIES).tolist()
         edges[self.robot] = RANGE
-        widths = np.full(self.robots, thin)
+        widths = np.where(self.honest, thin, 2.5 * thin)
         widths[self.robot] = 2.0 * thin
         size = 2.0 * self.drawn_radius
         self.discs = EllipseCollection(

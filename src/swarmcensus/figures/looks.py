@@ -16,6 +16,7 @@ from swarmcensus.basics.digits import told_apart
 from swarmcensus.figures.coordinates import title_of
 from swarmcensus.figures.lettering import shortened
 
+LIES = "#cc79a7"  # of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
 MARKERS = "s^vPXph"  # of such swarms, after the first
 MOST_KEYED = 20  # numbers in a key

@@ -56,6 +56,12 @@ def replay(
     return trace
 
 
+def honest_in(trace: xr.Dataset) -> np.ndarray:
+    """Which robots of a trace metrics count (robot): all, but where some of a mixed swarm lie."""
+    said = [one for name, one in trace.data_vars.items() if str(name).startswith("honest") and one.dims == ("robot",)]
+    return np.asarray(said[0].values == 1) if said else np.ones(trace.sizes["robot"], np.bool_)
+
+
 def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> np.ndarray:
     """Say who is who: the number of the table of members, and who is honest, which is returned too (robot)."""
     who = found.who(seed, trial, 1)[0]

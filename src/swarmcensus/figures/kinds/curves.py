@@ -15,9 +15,10 @@ from matplotlib.patches import Patch
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import truth_of
-from swarmcensus.figures.looks import palette
+from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
+from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
 
@@ -49,7 +50,9 @@ def curves(
     """
     trace = results if is_trace(results) else trace_of(results, setting, trial, brain)
     require(trace, "estimate", "round", dimensions=("round", "robot"))
-    estimate = trace["estimate"].transpose("round", "robot")
+    honest = honest_in(trace)
+    others = trace["estimate"].transpose("round", "robot").isel(robot=~honest)
+    estimate = trace["estimate"].transpose("round", "robot").isel(robot=honest)
     estimate = estimate.dropna("round", how="all").dropna("robot", how="all")
     if not estimate.size:
         raise InputError("nothing to draw: the trace holds no estimate")
@@ -72,9 +75,16 @@ def curves(
         )  # fmt: skip
         ax.add_collection(lines)
         some = "each of" if shown.size == robots else f"{shown.size} of"
-        entries[f"{some} {robots:,} robots"] = Line2D([], [], linewidth=0.7, color=colour)
+        whom = "robots" if honest.all() else "honest robots"
+        entries[f"{some} {robots:,} {whom}"] = Line2D([], [], linewidth=0.7, color=colour)
+    if not honest.all():
+        drawn = others[:, :MOST_LINES].values.T
+        liars = [np.stack([others["round"].values, line], 1) for line in drawn]
+        ax.add_collection(LineCollection(liars, linewidths=0.8, colors=LIES, linestyles=":", label="not honest"))
+        entries[f"{others.shape[1]:,} that are not honest"] = Line2D([], [], linewidth=0.9, color=LIES, linestyle=":")
     (middle,) = ax.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
-    entries["median robot" if robots > 1 else "the robot"] = middle
+    whose = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
+    entries[whose] = middle
     if "fill_ratio" in trace.attrs:
         truth, bins = truth_of(trace), int(trace.attrs.get("bins", 10))
         bottom, top = np.clip(right_bin(truth, bins), 0, 1)
