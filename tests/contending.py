@@ -39,7 +39,7 @@ def made_up(brains=4, worlds=("ring", "full"), trials=20, robots=5, gap=0.0, see
             "convergence_round": (ROBOT, late.astype(np.int32)),
             "correct": (AT, random.binomial(robots, 0.9, (settings, 1, trials)) / robots),
             "true_fill_ratio": (("setting", "trial"), np.full((settings, trials), np.nan)),
-            "messages_sent": (ROBOT, sent.astype(np.int64)),
+            "messages_sent": (ROBOT, sent.astype(np.float64)),
             "decision": (ROBOT, random.integers(-1, 2, shape).astype(float)),
             "consensus_right": (("setting", "trial"), (random.uniform(size=(settings, trials)) < 0.7).astype(float)),
             "consensus_round": (("setting", "trial"), when),

@@ -46,7 +46,7 @@ def partial(many):
             data[name].values[setting, trials] = np.nan
         data["correct"].values[setting, :, trials] = np.nan
         for name in MESSAGES:
-            data[name].values[setting, trials] = -1
+            data[name].values[setting, trials] = np.nan
     data.attrs["failed"] = json.dumps([{"setting": 4, "trial": 3, "why": "division by zero"}])
     data.attrs["trials_done"] -= 4 + 6 + 1
     return data

@@ -35,9 +35,9 @@ VARIABLES: dict[str, Kind] = {
     "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
     "true_fill_ratio": (PER_TRIAL, np.float64, "1", "black share of the floor that robots can reach"),
 }
-MESSAGES: dict[str, Kind] = {  # missing of trials that an earlier version ran
-    "messages_sent": (PER_ROBOT, np.int64, "messages", "rounds, or ticks, in which the robot broadcast"),
-    "messages_heard": (PER_ROBOT, np.int64, "messages", "messages that reached the robot"),
+MESSAGES: dict[str, Kind] = {  # missing of trials that an earlier version ran; R knows no whole numbers as large
+    "messages_sent": (PER_ROBOT, np.float64, "messages", "rounds, or ticks, in which the robot broadcast"),
+    "messages_heard": (PER_ROBOT, np.float64, "messages", "messages that reached the robot"),
 }
 DECISIONS: dict[str, Kind] = {
     "decision": (PER_ROBOT, np.float64, "1", "the option decided for at the end; -1: none"),
@@ -189,8 +189,8 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
             "final_estimate": batch.final,
             "correct": batch.correct,
             "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
-            "messages_sent": batch.counts[:, SENT],
-            "messages_heard": batch.counts[:, HEARD],
+            "messages_sent": batch.counts[:, SENT].astype(np.float64),
+            "messages_heard": batch.counts[:, HEARD].astype(np.float64),
         }
     )
 
