@@ -23,15 +23,21 @@ NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 
 def test_a_contender_is_a_brain_with_the_parameters_that_vary_among_its_settings():
     data = made_up()
-    assert field_of(data)[0].contenders == NAMES
+    assert field_of(data, data)[0].contenders == NAMES
     few = data.isel(setting=(data["prior"] != 10).values)
-    assert field_of(few)[0].contenders == ["minimalistic", "bayes-bots", "voter"]
+    assert field_of(few, few)[0].contenders == ["minimalistic", "bayes-bots", "voter"]
+    found, cautions = field_of(few, data)  # whoever picks some of the settings finds them under the same names
+    assert found.contenders == ["minimalistic", "bayes-bots prior=1", "voter"]
+    assert cautions == [
+        "where leaves out 1 contender: the correction is for those that are left, and holds if they were chosen before "
+        "anybody looked at results"
+    ]
     named = data.assign_coords(prior=("setting", ["", "(1, 2)", "(2, 1)", ""] * 2))  # a vector is text
-    assert field_of(named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
+    assert field_of(named, named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
 
 
 def test_a_world_is_all_else_that_settings_are():
-    field, cautions = field_of(made_up())
+    field, cautions = field_of(made_up(), made_up())
     assert field.worlds == [{"topology": "ring"}, {"topology": "full"}]
     assert field.common["fill_ratio"] == 0.55
     assert "assumed_accuracy" not in field.common
@@ -42,7 +48,7 @@ def test_a_world_is_all_else_that_settings_are():
 def test_results_without_parameters_have_none():
     data = made_up(brains=2).drop_vars("prior")
     del data.attrs["parameters"]
-    assert field_of(data)[0].contenders == ["minimalistic", "bayes-bots"]
+    assert field_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
 
 
 def test_what_does_not_pair_is_told():
@@ -246,9 +252,26 @@ def test_what_never_comes_is_the_worst_and_never_against_never_is_even():
     even = sc.compare(data, "consensus_round").pairs.iloc[0]
     assert (even["difference"], even["p"], even["superiority"]) == (0, 1, 0.5)
     data["consensus_round"][0, :9] = 100.0
+    data["consensus_right"][0, :9] = 1.0
     [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
     assert row["p"] == 2 / 2**9
     assert (row["difference"], row["effect"], row["superiority"]) == (-math.inf, 1, 0.95)
+
+
+def test_who_agrees_on_a_lie_is_not_the_faster_one():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["consensus_round"][:] = [[10.0] * 10, [100.0] * 10]
+    data["consensus_right"][:] = [[0.0] * 10, [1.0] * 10]
+    [row] = sc.compare(data, "consensus_round").pairs.to_dict("records")
+    assert (row["one_value"], row["other_value"], row["effect"]) == (math.inf, 100.0, -1)
+
+
+def test_who_alone_has_numbers_is_neither_first_nor_behind():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["consensus_round"][1], data["consensus_right"][1] = np.nan, np.nan
+    found = sc.compare(data, ["final_error", "consensus_round"])
+    assert found.table["consensus_round_standing"].tolist() == ["", ""]
+    assert "consensus: no two contenders have numbers of it in the same world" in found.verdict
 
 
 def test_a_constant_difference_has_a_p_and_no_interval():

@@ -5,15 +5,15 @@ import sys
 
 import pytest
 
-from swarmcensus.engine import compiler
+from swarmcensus.engine import modules
 
 FILES = {
     "__init__.py": "",
-    "tiny.py": "from swarmcensus.engine.compiler import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n",
+    "tiny.py": "from swarmcensus.engine.compiling import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n",
 }
 CODE = f"""
-from swarmcensus.engine import compiler
-tiny = compiler._module({FILES!r}, "tiny")
+from swarmcensus.engine import modules
+tiny = modules.module({FILES!r}, "tiny")
 print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values()))
 """
 
@@ -43,7 +43,7 @@ def folder(tmp_path_factory):
         patch.setenv("SWARMCENSUS_CACHE", str(root))
         assert ran() == ["42", "3.0", "0"]
         assert ran() == ["42", "3.0", "2"]
-        yield root / compiler._digest(FILES)
+        yield root / modules._digest(FILES)
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance import machine_code, promises
+from swarmcensus.conformance import lives, machine_code, promises
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.engine.wishes import chosen
 from swarmcensus.results.replaying import recording
@@ -333,7 +333,7 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     """Bit for bit, on minds of many histories; and the suite sees it where they are not."""
     brain = brains.load(folder / "steered.py")
     minds, said = [], []
-    for _, me in promises.lives(brain):
+    for _, me in lives.lives(brain):
         for w in WANTS.values():
             me.w = w
             if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
@@ -347,5 +347,5 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     beliefs = np.full(2, WANTS["STRAIGHT"])
     machine_code.wishes_agree(brain, trace, beliefs, beliefs)
     monkeypatch.setattr(brain.functions, "steer", lambda me: (0.14, 1e-9))
-    with pytest.raises(promises.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
+    with pytest.raises(lives.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
         machine_code.wishes_agree(brain, trace, beliefs, beliefs)

@@ -9,6 +9,7 @@ from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.results.comparing import Comparison
 from swarmcensus.results.comparison_cells import COSTS, PAIR_HEADS, Cell, columns, head, pair_rows, rows_of
+from swarmcensus.results.summaries import is_idle
 
 MARKS = {"best": "*", "level": "="}
 
@@ -25,7 +26,8 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
     names = list(found.field.worlds[0])
     left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
     for name in names:
-        left[name] = [str(found.field.worlds[w][name]) if new else "" for w, new in zip(world, first, strict=True)]
+        said = ("-" if is_idle(one[name]) else str(one[name]) for one in (found.field.worlds[w] for w in world))
+        left[name] = [text if new else "" for text, new in zip(said, first, strict=True)]
     left["contender"] = [found.contenders[c] for c in contender]
     if not names:
         del left["world"]
@@ -96,11 +98,6 @@ def _pairs(found: Comparison, worlds: int) -> Table:
     return table(heads, ([row[k] for k in kept] for row in rows))
 
 
-def _idle(name: str, value: object) -> bool:
-    """Whether a coordinate says nothing: it is empty, or links lose nothing."""
-    return str(value) in ("", "nan") or (name == "link_success" and value == 1.0)
-
-
 def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     """What columns and marks mean, and what all worlds have in common."""
     trials = found.contests[0].trials[found.settings >= 0]
@@ -113,7 +110,10 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         for one in found.measures
     ]
     tests = sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
-    same = [f"{name} {value}" for name, value in found.field.common.items() if not _idle(name, value)]
+    same = [
+        f"{name} {value}" for name, value in found.field.common.items()
+        if not (is_idle(value) or (name == "link_success" and value == 1.0))
+    ]  # fmt: skip
     costs = [name for name in COSTS.values() if name in cells]
     means = "means over robots and trials" if len(costs) > ("memory" in costs) else ""
     return [

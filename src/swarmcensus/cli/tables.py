@@ -18,7 +18,7 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, is_idle, summary, told
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
@@ -56,7 +56,7 @@ def settings(
     """
     columns = _coordinates(data)
     varied = [k for k, values in columns.items() if (values != values[0]).any()]
-    same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] not in ("", "nan")]
+    same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] != NOTHING]
     frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
     out = console()
     unfolded = out.options.update(max_width=UNFOLDED)
@@ -66,7 +66,7 @@ def settings(
         rows = _rows(coordinates, _numbers(data, frame, below=True))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
         each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
-        joined = [", ".join(f"{k} {value}" for k, value in zip(varied, values, strict=True)) for values in each]
+        joined = [", ".join(f"{k} {v}" for k, v in zip(varied, values, strict=True) if v != NOTHING) for values in each]
         numbers = _numbers(data, frame, below=True)
         rows = _rows({"setting": coordinates["setting"], "with": joined}, numbers)
         bare = _rows({"setting": coordinates["setting"]}, numbers)
@@ -85,6 +85,9 @@ def settings(
         )
 
 
+NOTHING = "-"  # what a setting is where a coordinate says nothing
+
+
 def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
@@ -94,6 +97,7 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     if (data["link_success"] == 1.0).all():
         del columns["link_success"]
     columns.pop(told(data), None)
+    columns |= {name: np.array([NOTHING if is_idle(v) else v for v in values]) for name, values in columns.items()}
     for name in parameters_in(data):
         columns[name] = _parameter(data[name].values)
         if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # of some of the brains, and never another

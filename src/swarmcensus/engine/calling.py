@@ -15,7 +15,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from swarmcensus.engine.compiler import not_compiled
+from swarmcensus.engine.compiling import not_compiled
 from swarmcensus.engine.keeping import sealed
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64

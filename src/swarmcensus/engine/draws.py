@@ -8,6 +8,7 @@ than `PART` observations are drawn as several binomials that add up.
 import numpy as np
 from numba import njit
 
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.modes import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
@@ -84,7 +85,7 @@ def black_tables(b, w, fill_ratio, looks):
     return tables
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def pick(row, word):
     """The column that a word picks from an alias row."""
     column = word >> SHIFT
@@ -92,7 +93,7 @@ def pick(row, word):
     return np.int64(column) if (word << BITS) < (entry & ~LOW) else np.int64(entry & LOW)
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
     """How many of this round's observations said black, for robots first (even) ... last - 1."""
     parts = (looks + PART - 1) // PART
@@ -105,7 +106,7 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
             blacks[i] = drawn if part == 0 else blacks[i] + drawn
 
 
-@njit(nogil=True)
+@loop()
 def arrange(reading, blacks, bits, left, key, trial, step):
     """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
     words(key, trial, step, np.int64(0), np.uint64(0), np.uint64(bits.size), bits)

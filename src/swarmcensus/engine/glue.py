@@ -16,7 +16,7 @@ MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."
 import numpy as np
 
 from swarmcensus.engine.calling import nobody, word_at
-from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import chance
 from swarmcensus.engine.wishes import spoken, whole_vector
 
@@ -85,7 +85,7 @@ OTHERWISE = {  # what stands for a function that a brain may leave out
 
 GAUGE = '''"""Fits one metric to the engine. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.compiler import compiled, entry  # noqa: F401
+from swarmcensus.engine.compiling import compiled, entry  # noqa: F401
 
 from . import metric
 

@@ -7,7 +7,7 @@ functions (see `calling.py`), a mind is a row of numbers.
 import numpy as np
 
 from swarmcensus.engine.calling import call
-from swarmcensus.engine.compiler import entry
+from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.draws import black_tables
 from swarmcensus.engine.modes import (
     BLOCK,

@@ -1,9 +1,9 @@
 """What minds do in every world: they begin, fail in parts, lose messages, and settle on an estimate."""
 
 import numpy as np
-from numba import njit
 
 from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.modes import (
     BELIEVE,
     CHANGED,
@@ -27,7 +27,7 @@ ONE = np.uint64(1)
 TILE = 256  # robots whose curves are looked at together: their extremes stay in the processor's nearest cache
 
 
-@njit(nogil=True)
+@loop()
 def begin(swarm, memory, b, w):
     """Blank minds that believe in the accuracies b and w (of one robot where all are alike), their last fields."""
     flat = memory.reshape(-1)
@@ -44,7 +44,7 @@ def begin(swarm, memory, b, w):
             flat[row + fields - 1] = w[i % w.size]
 
 
-@njit(nogil=True)
+@loop()
 def believe_all(swarm, memory, rows, start):
     """The estimates of all minds as they are, from rows.flat[start] on."""
     for run in range(swarm.runs.shape[0]):
@@ -52,7 +52,7 @@ def believe_all(swarm, memory, rows, start):
         call(swarm.minds[group, BELIEVE], place(memory, swarm.bases[group]), rows, start, first, last)
 
 
-@njit(nogil=True)
+@loop()
 def put(into, minds):
     """Copy minds (robot, field); an assignment of arrays takes two seconds to compile."""
     for i in range(minds.shape[0]):
@@ -60,13 +60,13 @@ def put(into, minds):
             into[i, j] = minds[i, j]
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def works(stops, part, i, tick):
     """Whether a part of robot i has not failed yet; `stops` (part, robot) is empty where nothing ever fails."""
     return stops.shape[1] == 0 or tick < stops[part, i]
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def silence_failed(readings, stops, tick, first, last):
     """No reading for robots whose sensor has failed."""
     if stops.shape[1] > 0:
@@ -75,13 +75,13 @@ def silence_failed(readings, stops, tick, first, last):
                 readings[i - first] = -1.0
 
 
-@njit(nogil=True)
+@loop()
 def heard_by(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
     return word_of(key[0], key[1], trial, tick, receiver, sender) < threshold
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
     """The same of a sender that talked at `said_at`; `threshold` 0 means that no message is lost."""
     return works(stops, TALKING, sender, said_at) and (
@@ -89,13 +89,13 @@ def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
     )
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def is_said(outbox, place, flag):
     """Whether a robot said anything: `flag` is where in the outbox that stands, below 0 where all do."""
     return flag < 0 or outbox[place, flag] != 0.0
 
 
-@njit(nogil=True)
+@loop()
 def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
     """A word for each of the messages first ... last - 1, addressed by who says it to whom."""
     k0, k1 = swarm.luck[2], swarm.luck[3]
@@ -103,7 +103,7 @@ def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
         luck[link - first] = word_of(k0, k1, trial, tick, receivers[link], senders[link])
 
 
-@njit(nogil=True)
+@loop()
 def count_known(swarm, counts, stops, rounds):
     """What robots send that are never silent, one message a round until they fail; that of others is not known yet."""
     for i in range(counts.shape[1]):
@@ -114,14 +114,14 @@ def count_known(swarm, counts, stops, rounds):
         counts[HEARD, i] = 0
 
 
-@njit(nogil=True)
+@loop()
 def count_sent(swarm, outbox, said, stops, tick, counts):
     """Who of those that may be silent talks in this round; of others it is known beforehand."""
     for i in range(counts.shape[1]):
         counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] != 0.0 and works(stops, TALKING, i, tick)
 
 
-@njit(nogil=True)
+@loop()
 def count_said(swarm, outbox, said, bounds, senders, links, counts):
     """What is heard of those that may be silent where each message is a sum that is added, and none is lost."""
     total = 0
@@ -135,7 +135,7 @@ def count_said(swarm, outbox, said, bounds, senders, links, counts):
                 counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] != 0.0
 
 
-@njit(nogil=True)
+@loop()
 def judge(swarm, of_block, memory, rows, start, verdicts, now):
     """What the robots of a block have decided after round `now`."""
     for run in range(swarm.of_block[of_block], swarm.of_block[of_block + np.uint64(1)]):
@@ -145,7 +145,7 @@ def judge(swarm, of_block, memory, rows, start, verdicts, now):
         )  # fmt: skip
 
 
-@njit(nogil=True)
+@loop()
 def agree(verdicts, honest, agreed, now):
     """Note the first round after which all honest robots have decided for the same option, and the option."""
     if agreed[0] >= 0.0:
@@ -162,7 +162,7 @@ def agree(verdicts, honest, agreed, now):
         agreed[1] = now
 
 
-@njit(nogil=True)
+@loop()
 def forget_verdicts(verdicts, agreed):
     """What is known of decisions before the first round."""
     for i in range(verdicts.shape[0]):
@@ -177,7 +177,7 @@ def forget_verdicts(verdicts, agreed):
     agreed[1] = np.inf
 
 
-@njit(nogil=True)
+@loop()
 def settle(rows, top, delta, low, high, where, value):
     """One backward pass of the paper's convergence rule over rows[0], rows[1], ... = indices top, top + 1, ...
 

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.modes import (
     AVOIDING,
     COS,

@@ -6,9 +6,8 @@ Indices are unsigned: Numba then need not ask whether one counts from the end.
 """
 
 import numpy as np
-from numba import njit
 
-from swarmcensus.engine.compiler import compiled
+from swarmcensus.engine.compiling import compiled, loop
 from swarmcensus.engine.modes import ALL_PAIRS, X, Y
 
 SURE = 0.99  # of the square of the skin, so that rounding loses nobody
@@ -135,7 +134,7 @@ def have_strayed(state, anchors, skin):
     return strayed
 
 
-@njit(nogil=True, error_model="python")
+@loop()
 def look_around(state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following):
     """Measure who is near whom, as `measure` does, along new lists where the old ones are too old."""
     if have_strayed(state, anchors, body.skin):

@@ -6,13 +6,15 @@ ever drawn in turn, so no result depends on order, threads or batches.
 """
 
 import numpy as np
-from numba import njit, uint64
+from numba import uint64
+
+from swarmcensus.engine.compiling import loop
 
 PARITY = np.uint64(0x1BD11BDAA9FC1A22)
 U = np.uint64
 
 
-@njit(nogil=True, inline="always")
+@loop(inline="always")
 def mix(a, b, r):
     """One add, rotate and xor of the cipher."""
     a = a + b
@@ -20,7 +22,7 @@ def mix(a, b, r):
     return a, b ^ a
 
 
-@njit(nogil=True)
+@loop()
 def block(k0, k1, c0, c1):
     """Two uint64 that are uniform and independent over counters (c0, c1), under the key (k0, k1)."""
     k2 = PARITY ^ k0 ^ k1
@@ -47,31 +49,31 @@ def block(k0, k1, c0, c1):
     return mix(a, b, 16)
 
 
-@njit(nogil=True)
+@loop()
 def counter(high, low):
     """One counter word of two 32-bit numbers."""
     return (uint64(high) << U(32)) | uint64(low)
 
 
-@njit(nogil=True)
+@loop()
 def word_of(k0, k1, trial, tick, receiver, sender):
     """The first of those two for four 32-bit numbers."""
     return block(k0, k1, counter(trial, tick), counter(receiver, sender))[0]
 
 
-@njit(nogil=True)
+@loop()
 def unit(word):
     """A uint64 as a float64 in [0, 1), uniform on multiples of 2^-53."""
     return (word >> U(11)) * (1.0 / 9007199254740992.0)
 
 
-@njit(nogil=True)
+@loop()
 def chance(word):
     """A uint64 as a float64 in (0, 1), uniform on odd multiples of 2^-53."""
     return ((uint64(word) >> U(12)) + 0.5) * (1.0 / 4503599627370496.0)
 
 
-@njit(nogil=True)
+@loop()
 def words(key, trial, tick, part, first, size, out):
     """Fill out[:size], a uint64 for each robot from `first` (even): robots 2j and 2j + 1 share block j."""
     k0 = key[0]

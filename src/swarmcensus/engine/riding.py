@@ -8,7 +8,7 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.calling import call, place
-from swarmcensus.engine.compiler import entry
+from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.modes import (
     ASK,
     END_ROUND,
@@ -62,7 +62,7 @@ def wake(
     forget_verdicts(verdicts, agreed)
 
 
-@njit(nogil=True, forceinline=True)
+@loop(forceinline=True)
 def look(readings, looked, black, b, w, bits):
     """What robots that look read of the colour under them: 1 for black, -1 of those that do not look."""
     step_b, step_w = np.uint64(b.size > 1), np.uint64(w.size > 1)
@@ -71,15 +71,12 @@ def look(readings, looked, black, b, w, bits):
         readings[i] = (1.0 if black[i] == right else 0.0) if looked[i] else -1.0
 
 
-@njit(nogil=True)
+@loop()
 def hear_each(
     swarm, memory, outbox, then, arrivals, luck, heard, senders, key, trial, tick, delay, threshold, stops, counts
 ):  # fmt: skip
     """Each hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and who did not talk, `delay` ago."""
     robots = memory.shape[0]
-    if heard[robots] - heard[0] > arrivals.shape[1]:
-        arrivals = np.empty((2, 2 * (heard[robots] - heard[0])), np.uint32)
-        luck = np.zeros(arrivals.shape[1], np.uint64)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         count = 0
@@ -99,7 +96,21 @@ def hear_each(
             swarm.minds[group, HEAR], place(memory, swarm.bases[group]), outbox, then, arrivals[0], arrivals[1], ZERO,
             count, robots, luck,
         )  # fmt: skip
-    return arrivals, luck
+
+
+@njit(nogil=True)
+def room_of(robots, messages):
+    """Room to work in, for so many messages a tick: bits, readings, luck of observing and fusing, arrivals, their luck.
+
+    Made once: to make it anew in each tick would cost a small swarm that steers a tenth of its time.
+    """
+    return (
+        np.zeros(robots, np.uint64),
+        np.zeros(robots),
+        np.zeros((2, robots), np.uint64),
+        np.zeros((2, messages), np.uint32),
+        np.zeros(messages, np.uint64),
+    )
 
 
 @entry
@@ -110,15 +121,18 @@ def ride(
 ):  # fmt: skip
     """`live_on` of a `Swarm`."""
     swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    n, most = memory.shape[0], 0
+    for k in range(looked.shape[0]):
+        most = max(most, heard[(k + 1) * n] - heard[k * n])
     live_on(
-        swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+        swarm, room_of(n, most), memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
         looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
     )  # fmt: skip
 
 
-@njit(nogil=True)
+@loop()
 def live_on(
-    swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    swarm, room, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
     looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
@@ -129,11 +143,7 @@ def live_on(
     but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of decisions.
     """
     n = memory.shape[0]
-    bits = np.zeros(n, np.uint64)
-    luck = np.zeros((2, n), np.uint64)
-    seen = np.zeros(n)
-    arrivals = np.empty((2, 0), np.uint32)
-    message_luck = np.zeros(0, np.uint64)
+    bits, seen, luck, arrivals, message_luck = room
     lucky = swarm.luck.size > 0
     silent = swarm.flag >= 0
     in_sums = swarm.additive and threshold == 0 and stops.shape[1] == 0
@@ -172,7 +182,7 @@ def live_on(
                 count_said(swarm, outbox, np.uint64(then), bounds, senders, LISTED, counts)
         else:
             if now >= delay:
-                arrivals, message_luck = hear_each(
+                hear_each(
                     swarm, memory, outbox, np.uint64(then), arrivals, message_luck, bounds, senders, link_key, trial,
                     now, delay, threshold, stops, counts,
                 )  # fmt: skip
@@ -197,18 +207,17 @@ def wish(
 ):  # fmt: skip
     """`ask_all` of a `Swarm`."""
     swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
-    ask_all(swarm, memory, body, paces, trial, tick, wishes)
+    ask_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, paces, trial, tick, wishes)
 
 
-@njit(nogil=True, error_model="python")
-def ask_all(swarm, memory, body, paces, trial, tick, wishes):
+@loop()
+def ask_all(swarm, luck, memory, body, paces, trial, tick, wishes):
     """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
 
     `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at
-    full speed as well: what is too fast for them is slowed as a whole.
+    full speed as well: what is too fast for them is slowed as a whole. `luck` is room for a word each.
     """
     n = memory.shape[0]
-    luck = np.zeros(n, np.uint64)
     if swarm.luck.size > 0:
         words(swarm.luck, trial, tick, LUCK_STEER, ZERO, np.uint64(n), luck)
     for run in range(swarm.runs.shape[0]):

@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.modes import (
     ADD_UP,
@@ -56,7 +57,7 @@ def bounds_of(receivers, robots):
     return out
 
 
-@njit(nogil=True)
+@loop()
 def most_links(bounds, links, robots):
     """How many messages may arrive in one call: at a block of robots, or of a full network at one robot."""
     most = robots if links != LISTED else 0
@@ -65,7 +66,7 @@ def most_links(bounds, links, robots):
     return most
 
 
-@njit(nogil=True)
+@loop()
 def hear_what_arrives(
     swarm, group, memory, outbox, said, receivers, senders, first, last, arrivals, luck, key, trial, tick, threshold,
     stops, counts,
@@ -90,7 +91,7 @@ def hear_what_arrives(
     )  # fmt: skip
 
 
-@njit(nogil=True)
+@loop()
 def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, threshold, stops, counts, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     robots = memory.shape[0]
@@ -119,7 +120,7 @@ def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, th
             )  # fmt: skip
 
 
-@njit(nogil=True)
+@loop()
 def advance(
     swarm, memory, outbox, sums_beside, readings, bits, luck, tables, first, last, looks, trial,
     read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
@@ -140,7 +141,6 @@ def advance(
     at_once = n <= CACHED
     lucky = swarm.luck.size > 0
     fused, heard = np.int64(luck.shape[1]), np.int64(2 * luck.shape[1])  # where in it the luck of what begins
-    # what a tuple holds is counted at each use, and so is looked up once
     addresses, bases, runs, of_block, flag = swarm.minds, swarm.bases, swarm.runs, swarm.of_block, swarm.flag
     minds = addresses[0]  # of all robots, where the swarm is additive
     for k in range(first - 1, last):
@@ -225,7 +225,7 @@ def advance(
         said, next_said = next_said, said
 
 
-@njit(nogil=True)
+@loop()
 def advance_alone(
     swarm, memory, readings, blacks, bits, luck, tables, first, last, looks, trial, read_key, order_key, rows, stops,
     stop,

@@ -5,11 +5,11 @@ Compiled once on a machine, like all of the engine's loops.
 
 import numpy as np
 
-from swarmcensus.engine.compiler import entry
+from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.modes import HEARD, PACE
 from swarmcensus.engine.swarms import Swarm
 
-from .riding import ask_all, live_on
+from .riding import ask_all, live_on, room_of
 from .walk import walk
 
 
@@ -31,6 +31,7 @@ def live(
     tiles = np.zeros((1, n, 2), np.int32)
     heard = np.zeros(n + 1, np.int64)
     poses = np.zeros((0, n, 3))
+    room = room_of(n, senders.size)
     low, left = floor.shape[0] // 2, floor.shape[1] // 2
     for tick in range(1, rows.shape[0] + 1):
         walk(
@@ -41,10 +42,10 @@ def live(
         for i in range(n):
             black[0, i] = floor[tiles[0, i, 1] + low, tiles[0, i, 0] + left] != 0
         live_on(
-            swarm, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+            swarm, room, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
             looked, black, heard, senders, *kept, counts, verdicts, agreed, stops, stop,
         )  # fmt: skip
         if tick >= delay and swarm.additive and threshold == 0 and stops.shape[1] == 0 and swarm.flag < 0:
             for i in range(n):
                 counts[HEARD, i] += heard[i + 1] - heard[i]
-        ask_all(swarm, memory, body, state[PACE], trial, tick, wishes)
+        ask_all(swarm, room[0], memory, body, state[PACE], trial, tick, wishes)

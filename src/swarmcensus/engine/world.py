@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from swarmcensus.engine.compiler import compiled, entry
+from swarmcensus.engine.compiling import compiled, entry
 from swarmcensus.engine.draws import arrange, black_tables, count_blacks
 from swarmcensus.engine.modes import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit, words

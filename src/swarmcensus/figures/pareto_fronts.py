@@ -19,6 +19,7 @@ from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.results.comparison_cells import head
 from swarmcensus.results.standings import Standings
+from swarmcensus.results.summaries import is_idle
 
 SIZE = 6.0  # points: a dot
 SPREAD = 8.0  # from there on the axis of costs is logarithmic
@@ -63,7 +64,10 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(found.contenders, "o", "brain")
-    captions = [", ".join(_said(name, value) for name, value in world.items()) for world in found.field.worlds]
+    captions = [
+        ", ".join(_said(name, value) for name, value in world.items() if not is_idle(value))
+        for world in found.field.worlds
+    ]
     axes = sheet(ax, captions, title)
     measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
     for k, place in enumerate(axes):

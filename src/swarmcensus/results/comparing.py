@@ -72,9 +72,10 @@ def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), 
     metrics of files. `where` picks settings, as in `swarmcensus show`. Raises InputError, as where there is nothing to
     compare.
     """
-    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    whole = load(results) if isinstance(results, str | Path) else results
+    data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
-    field, cautions = field_of(data)
+    field, cautions = field_of(data, whole)
     some, unsaid = measures.chosen(data, metric)
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]
     if all(np.isnan(numbers).all() for numbers in compared):

@@ -47,14 +47,16 @@ def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
     return found
 
 
-def field_of(data: xr.Dataset) -> tuple[Field, list[str]]:
+def field_of(data: xr.Dataset, whole: xr.Dataset) -> tuple[Field, list[str]]:
     """Worlds, in the order of the settings, contenders likewise, and cautions.
 
-    Worlds that only one contender has been in are left out. Raises InputError where nothing can be compared, and where
+    `whole` are the results that `data` are some settings of: contenders are called as in them. Worlds that only one
+    contender has been in are left out. Raises InputError where nothing can be compared, and where
     two settings are the same contender in the same world.
     """
     parameters = parameters_in(data)
-    names = _named(data, parameters)
+    called = dict(zip(whole["setting"].values.tolist(), _named(whole, parameters), strict=True))
+    names = [called[setting] for setting in data["setting"].values.tolist()]
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
         raise InputError(
@@ -82,6 +84,12 @@ def field_of(data: xr.Dataset) -> tuple[Field, list[str]]:
     if not met.any():
         raise InputError(f"no two of {_listed(contenders)} have met the same world: there are no pairs of trials")
     cautions = _cautions(place, met, contenders)
+    others = len({*called.values()}) - len(contenders)
+    if others:
+        cautions.append(
+            f"where leaves out {others} contender{'s' * (others > 1)}: the correction is for those that are left, and "
+            "holds if they were chosen before anybody looked at results"
+        )
     kept = np.flatnonzero(met)
     seen = (place[kept] != NONE).any(axis=0)
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]

@@ -5,6 +5,7 @@ from pathlib import Path
 from swarmcensus.basics.files import whole
 from swarmcensus.results.comparison_cells import Cell, columns, rows_of
 from swarmcensus.results.standings import Standings
+from swarmcensus.results.summaries import is_idle
 
 ESCAPED = {
     "\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "<": r"\textless{}",
@@ -38,7 +39,8 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
         if before not in (None, w):
             lines.append(r"\addlinespace")
-        said = [escaped(str(found.field.worlds[w][name]).replace("nan", "--")) if w != before else "" for name in names]
+        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(found.field.worlds[w].get, names))
+        said = [text if w != before else "" for text in texts]
         lines.append(
             " & ".join([*said, escaped(found.contenders[c]), *(_cell(one[row]) for one in cells.values())]) + r" \\"
         )

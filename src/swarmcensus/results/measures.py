@@ -47,7 +47,7 @@ OURS = {
         Measure("convergence_round", "K", "rounds", "round of convergence"),
         Measure("correct", "right", "1", "robots in the correct bin at the last checkpoint", False, "mean", True),
         Measure("consensus_right", "exit", "1", "trials whose consensus is on the right option", False, "mean", True),
-        Measure("consensus_round", "consensus", "rounds", "round of the first consensus of all robots"),
+        Measure("consensus_round", "consensus", "rounds", "round of a consensus on the right option"),
         Measure("decided", "decided", "1", "robots that decided", False, "mean", True),
         Measure("decided_right", "decided right", "1", "robots that decided for the right option", False, "mean", True),
         Measure("decision_round", "decision", "rounds", "round of a robot's first decision"),
@@ -136,6 +136,9 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         found = data["correct"].transpose("setting", "checkpoint", "trial").values
         values = found[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
+    if name == "consensus_round" and "consensus_right" in data:  # who agrees on a lie is not the faster one
+        wrong = data["consensus_right"].transpose("setting", "trial").values == 0
+        return np.where(wrong, np.inf, _known(data[name].transpose("setting", "trial").values))
     if name == "bytes_sent":
         return np.asarray(numbers(data, "messages_sent") * data["message_bytes"].values[:, np.newaxis], np.float64)
     array = data[MADE_OF.get(name, (name,))[0]]

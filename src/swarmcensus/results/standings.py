@@ -35,17 +35,14 @@ class Standings:
         return self.field.contenders
 
     def standing(self, contest: Contest) -> NDArray[np.str_]:
-        """The standing of each contender in each world (world, contender), empty where it is lacking."""
+        """The standing of each contender in each world (world, contender), empty where it is lacking, or alone."""
         ranked = world_ranks(contest.values, contest.low)
         there, apart = ~np.isnan(ranked), self.apart(contest)
+        there &= there.sum(axis=1, keepdims=True) > 1
         least = np.where(there, ranked, np.inf).min(axis=1, keepdims=True)
         first = there & (ranked == least)
         behind = there & ~first & ~(first[:, np.newaxis] & ~apart).any(axis=2)
-        best = (
-            first
-            & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
-            & (there.sum(axis=1) > 1)[:, np.newaxis]
-        )
+        best = first & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
         return np.select([best, behind, there], ["best", "behind", "level"], "")
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:

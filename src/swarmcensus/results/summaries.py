@@ -224,6 +224,11 @@ def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:
     return array if array.ndim == 3 else array[:, :, np.newaxis]
 
 
+def is_idle(value: object) -> bool:
+    """Whether a coordinate's value says nothing, as the density and the floor of a fixed network."""
+    return str(value) in ("", "nan")
+
+
 def told(results: xr.Dataset) -> str:
     """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
     if not {"density", "side"} <= results.coords.keys():

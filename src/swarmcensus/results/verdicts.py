@@ -39,6 +39,8 @@ def _by_world(found: Standings, contest: Contest) -> str:
     """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
     standing = found.standing(contest)
     worlds = int((standing != "").any(axis=1).sum())
+    if not worlds:
+        return "no two contenders have numbers of it in the same world"
     counts = {name: (standing == name).sum(axis=0).tolist() for name in ("best", "level")}
     if not (standing == "behind").any():
         return "nobody is told apart from whoever is first" + " in any world" * (worlds > 1)

@@ -10,7 +10,7 @@ import numpy as np
 
 from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine import compiler
+from swarmcensus.engine import compiler, modules
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -98,7 +98,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         loops = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
         show(f"compiling {loops}{name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
     moving = [one for one in new if one[0].body]
-    if moving and len(moving) < len(new) and compiler.keeps():
+    if moving and len(moving) < len(new) and modules.keeps():
         ended = beside(lambda: _run_all(moving))
         _run_all([one for one in new if not one[0].body])
         ended()

@@ -6,12 +6,13 @@ meet the same tiles and readings, trial by trial, and no setting's numbers depen
 
 import functools
 import hashlib
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
+from swarmcensus.studies.accuracies import accuracies, mixed_accuracies
 from swarmcensus.studies.members import Member, groups
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
@@ -222,39 +223,11 @@ class Setting:
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
+        where = (seed, first_trial, trials, self.robots)
         if any(m.accuracy or m.assumed_accuracy for m in self.members):
-            return self._mixed_accuracies(seed, first_trial, trials)
-        true = self.accuracy.draw(seed, "accuracy", first_trial, trials, self.robots)
-        if self.assumed_accuracy is None:
-            return *true, *true
-        if isinstance(self.assumed_accuracy, Misjudgement):
-            return *true, *self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, true)
-        return *true, *self.assumed_accuracy.draw(seed, "assumed", first_trial, trials, self.robots)
-
-    def _mixed_accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
-        """The same where members have their own: what they assume is as for the swarm, but for what they are told."""
-        who, size = self.who(seed, first_trial, trials), (trials, self.robots)
-        plain = replace(self, members=())
-        found = plain.accuracies(seed, first_trial, trials)
-        true = [np.broadcast_to(side, size).copy() for side in found[:2]]
-        for number, member in enumerate(self.members, start=1):
-            if member.accuracy:
-                drawn = member.accuracy.draw(seed, f"accuracy of members {number}", first_trial, trials, self.robots)
-                true = [np.where(who == number, side, all_) for side, all_ in zip(drawn, true, strict=True)]
-        told = [np.broadcast_to(side, size) for side in found[2:]]
-        assumed = true if self.assumed_accuracy is None else told
-        for number, member in enumerate(self.members, start=1):
-            asked = member.assumed_accuracy
-            if isinstance(asked, Misjudgement):
-                theirs = asked.draw(seed, first_trial, trials, self.robots, (true[0], true[1]))
-            elif asked:
-                theirs = asked.draw(seed, f"assumed by members {number}", first_trial, trials, self.robots)
-            elif member.accuracy and isinstance(self.assumed_accuracy, Misjudgement):
-                theirs = self.assumed_accuracy.draw(seed, first_trial, trials, self.robots, (true[0], true[1]))
-            else:
-                continue
-            assumed = [np.where(who == number, side, all_) for side, all_ in zip(theirs, assumed, strict=True)]
-        return tuple(np.ascontiguousarray(side) for side in (*true, *assumed))
+            who = self.who(seed, first_trial, trials)
+            return mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, who, where)
+        return accuracies(self.accuracy, self.assumed_accuracy, where)
 
     def paces(self, seed: int, trial: int) -> np.ndarray:
         """How far each robot goes in a tick straight ahead, in metres (robot); nothing on fixed networks."""

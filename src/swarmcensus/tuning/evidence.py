@@ -10,6 +10,7 @@ from swarmcensus.basics.digits import places, rounded
 from swarmcensus.brains import Brain
 from swarmcensus.results.comparing import Comparison, compare
 from swarmcensus.results.comparison_cells import p_value
+from swarmcensus.results.summaries import is_idle
 from swarmcensus.studies.settings import Setting
 
 BETTER, WORSE, LEVEL = "better", "worse", "not told apart"
@@ -108,7 +109,8 @@ def _names(
 
 def _where(found: Comparison, row: dict[str, Any]) -> str:
     """A world's coordinates that differ among worlds, in brackets."""
-    told = ", ".join(f"{name} {value}" for name, value in found.field.worlds[row["world"]].items())
+    world = found.field.worlds[row["world"]]
+    told = ", ".join(f"{name} {value}" for name, value in world.items() if not is_idle(value))
     return f" ({told})" if told else ""
 
 

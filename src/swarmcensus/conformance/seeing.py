@@ -1,0 +1,109 @@
+"""What a brain promises about its readings: many at once mean the same as one by one."""
+
+from collections.abc import Iterator
+from itertools import cycle, product
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.brains import Brain
+from swarmcensus.conformance import chances
+from swarmcensus.conformance.lives import (
+    CLOSE,
+    PLAIN,
+    SEED,
+    Fault,
+    at,
+    call,
+    calls,
+    copy_of,
+    difference,
+    hear,
+    long_lives,
+    messages,
+    of,
+    some,
+)
+
+PARTS = (1, 2, 7, 40, 400, 2000)  # of many readings
+FEW = ((10, 10), (0, 10), (5, 10), (200, 200))  # blacks, looks
+MANY = ((2000, 2000), (0, 2000), (876, 2000), (20000, 20000), (0, 20000), (8765, 20000))
+ONE_BY_ONE = 2000  # and not more: a brain may take its time
+
+
+def looks_add_up(brain: Brain) -> None:
+    """Readings of one colour at once, in parts, and one by one; mixed ones where their order means nothing."""
+    if "observe" in brain.uses.lucky:
+        chances.looks_add_up(brain, _starts(brain))
+        return
+    for where, start, cases in _starts(brain):
+        for blacks, looks in cases:
+            ways = [("in two parts", _halves(blacks, looks))]
+            if looks <= ONE_BY_ONE:
+                ways.append(("one by one", _parts(blacks, looks, (1,))))
+            if looks > 200:
+                ways.append((f"in parts of 1 to {max(PARTS)}", _parts(blacks, looks, PARTS)))
+            minds = [(how, _seen(brain, where, start, way)) for how, way in ways]
+            if 0 < blacks < looks:
+                turned = _seen(brain, where, start, ways[-1][1][::-1])  # the white ones first
+                if difference(brain, minds[-1][1], turned):
+                    continue  # a brain that forgets: `observe` is not told in which order they came
+                minds.append((f"{ways[-1][0]}, the white ones first", turned))
+            once = _seen(brain, where, start, [(blacks, looks)])
+            for how, mind in minds:
+                field = difference(brain, once, mind, CLOSE * max(1.0, looks / 1000.0))  # as rounding adds up
+                if field:
+                    raise Fault(
+                        f"{at(brain, 'observe')} makes me.{field} {of(once, field)!r} of {looks} readings at "
+                        f"once, {blacks} of them black, and {of(mind, field)!r} of the same {how} ({where})"
+                    )
+
+
+def _starts(brain: Brain) -> Iterator[tuple[str, Any, tuple[tuple[int, int], ...]]]:
+    """Minds that are to make readings: blank, young, and in a long life, after `fuse` and after `receive`."""
+    luck = np.random.default_rng(SEED + 1)
+    for b, w in product(PLAIN, PLAIN):
+        for before in (0.0, 16.0):
+            start = brain.robot(b, w)
+            where = f"b = {b}, w = {w}, after {before:g} readings"
+            if before:
+                call(brain, where, "observe", start, 7.0, before, luck=luck)
+                call(brain, where, "fuse", start, luck=luck)
+            yield where, start, FEW
+    said = [message for _, message in messages(brain, extreme=False)]
+    random = np.random.default_rng(SEED)
+    blank = brain.robot(0.9, 0.75)
+    yield f"b = {blank.b}, w = {blank.w}, before the first observation", blank, MANY
+    for k, (where, me) in enumerate(long_lives(brain)):
+        if me.b in PLAIN and me.w in PLAIN:
+            many = MANY if "in round 65 " in where else ()
+            yield where, me, FEW[:3] + many
+            hears = copy_of(brain, me)
+            hear(brain, where, hears, some(random, said, 1 + k % 9), luck)
+            yield f"{where}, having heard others", hears, FEW[:3]
+
+
+def _halves(blacks: int, looks: int) -> list[tuple[int, int]]:
+    """Two parts of unequal size."""
+    if blacks == looks:
+        return [(3, 3), (looks - 3, looks - 3)]
+    return [(blacks // 2, looks // 2 - 1), (blacks - blacks // 2, looks - looks // 2 + 1)]
+
+
+def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, int]]:
+    """Parts of these sizes, again and again, the black readings first."""
+    parts: list[tuple[int, int]] = []
+    for most in cycle(sizes):
+        if not looks:
+            break
+        size = min(most, looks)
+        black = min(size, blacks)
+        parts.append((black, size))
+        blacks, looks = blacks - black, looks - size
+    return parts
+
+
+def _seen(brain: Brain, where: str, start: Any, readings: list[tuple[int, int]]) -> Any:
+    me = copy_of(brain, start)
+    calls(brain, where, "observe", me, [(float(blacks), float(looks)) for blacks, looks in readings])
+    return me

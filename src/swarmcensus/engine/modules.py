@@ -1,0 +1,168 @@
+"""Sources that machine code is made of, in a folder of their own where it is kept.
+
+Numba caches machine code beside a source file and does not see what that file imports. So each brain gets
+a folder of its own, named by the hash of all that the code depends on, with a copy of the brain, of the
+phases of a round, and of a few lines that fit the brain's fields to the engine's rows; and so do the loops.
+"""
+
+import atexit
+import contextlib
+import functools
+import hashlib
+import importlib
+import importlib.util
+import os
+import shutil
+import sys
+import tempfile
+import threading
+import types
+import warnings
+from pathlib import Path
+
+import numpy as np
+
+from swarmcensus.engine.compiling import not_compiled
+
+HERE = Path(__file__).parent
+SOURCES = (
+    "draws.py",
+    "random.py",
+    "modes.py",
+    "wishes.py",
+    "calling.py",
+    "swarms.py",
+    "compiling.py",
+)  # what all code depends on
+LOCK = threading.Lock()
+
+
+def cache_root() -> Path:
+    """Where compiled brains are kept: $SWARMCENSUS_CACHE, or the user's cache folder. Raises OSError without a home."""
+    if os.environ.get("SWARMCENSUS_CACHE"):
+        return Path(os.environ["SWARMCENSUS_CACHE"])
+    if os.environ.get("XDG_CACHE_HOME"):
+        return Path(os.environ["XDG_CACHE_HOME"]) / "swarmcensus"
+    try:
+        return Path("~/.cache/swarmcensus").expanduser()
+    except RuntimeError:  # a container's user that no list of users knows
+        raise FileNotFoundError("~/.cache/swarmcensus") from None
+
+
+def keeps() -> bool:
+    """Whether compiled code is kept on disk, for other processes too."""
+    try:
+        root = cache_root()
+        root.mkdir(parents=True, exist_ok=True)
+        return os.access(root, os.R_OK | os.W_OK | os.X_OK)
+    except OSError:
+        return False
+
+
+def is_kept(files: dict[str, str], code: str) -> bool:
+    """Whether machine code of these files is on disk, in files whose names match a pattern."""
+    with contextlib.suppress(OSError):
+        return any((cache_root() / _digest(files) / "__pycache__").glob(code))
+    return False
+
+
+@functools.cache
+def _scratch() -> Path:
+    """A cache for this process alone, on a machine without a usable one; says so once."""
+    folder = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    try:
+        where = f"the cache {cache_root()} cannot be used"
+    except OSError:
+        where = "there is no home folder to keep a cache in"
+    warnings.warn(f"{where}: brains are compiled for this run alone ($SWARMCENSUS_CACHE names another)", stacklevel=2)
+    return folder
+
+
+def _write_once(folder: Path, files: dict[str, str]) -> None:
+    """Make the folder whole or not at all; a race is won by whoever renames first."""
+    folder.parent.mkdir(parents=True, exist_ok=True)
+    beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
+    beside.chmod(0o755)
+    for name, text in files.items():
+        (beside / name).write_bytes(text.encode())
+    try:
+        beside.rename(folder)
+    except OSError:
+        shutil.rmtree(beside, ignore_errors=True)
+        if not folder.is_dir():
+            raise
+
+
+def source(name: str) -> str:
+    """The text of one of the engine's files."""
+    return (HERE / name).read_text(encoding="utf-8")
+
+
+@functools.cache
+def _engine() -> tuple[str, ...]:
+    from importlib.metadata import version  # Numba itself may not be needed
+
+    return (*map(source, SOURCES), sys.version, version("numba"), np.__version__)
+
+
+def _digest(files: dict[str, str]) -> str:
+    return hashlib.sha256("\0".join((*_engine(), *files.values())).encode()).hexdigest()[:24]
+
+
+def module(files: dict[str, str], main: str) -> types.ModuleType:
+    """The module `main` of these files by name, imported from the folder where its machine code is kept."""
+    with LOCK:  # a module is in sys.modules before it is whole
+        return _load(files, main)
+
+
+def _load(files: dict[str, str], main: str) -> types.ModuleType:
+    digest = _digest(files)
+    name = f"_swarmcensus_{digest}"
+    if f"{name}.{main}" in sys.modules:
+        return sys.modules[f"{name}.{main}"]
+    folder = _folder(digest, files)
+    try:
+        return _imported(name, folder, main)
+    except Exception:  # Python's own compiled files beside the sources may be damaged: they are made anew
+        for known in [known for known in sys.modules if known.partition(".")[0] == name]:
+            del sys.modules[known]
+        shutil.rmtree(folder, ignore_errors=True)
+        importlib.invalidate_caches()
+        return _imported(name, _folder(digest, files), main)
+
+
+def _imported(name: str, folder: Path, main: str) -> types.ModuleType:
+    # under NUMBA_DISABLE_JIT nothing is cached, and debuggers and coverage want the source in its own place
+    homes = [HERE, folder] if not_compiled() else [folder]
+    spec = importlib.util.spec_from_file_location(
+        name, folder / "__init__.py", submodule_search_locations=list(map(str, homes))
+    )
+    assert spec is not None
+    assert spec.loader is not None
+    package = importlib.util.module_from_spec(spec)
+    sys.modules[name] = package
+    spec.loader.exec_module(package)
+    return importlib.import_module(f"{name}.{main}")
+
+
+def _folder(digest: str, files: dict[str, str]) -> Path:
+    """The cache folder, whole; or, on a machine without a usable one, a folder for this process alone."""
+    try:
+        folder = cache_root() / digest
+        if folder.is_dir() and not all(_holds(folder / name, text) for name, text in files.items()):
+            shutil.rmtree(folder)  # damaged, or what cleaners of old files leave
+        if not folder.is_dir():
+            _write_once(folder, files)
+        if os.access(folder, os.R_OK | os.W_OK | os.X_OK):
+            return folder
+    except OSError:
+        pass
+    folder = _scratch() / digest
+    if not folder.is_dir():
+        _write_once(folder, files)
+    return folder
+
+
+def _holds(path: Path, text: str) -> bool:
+    return path.is_file() and path.read_bytes() == text.encode()
