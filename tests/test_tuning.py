@@ -236,7 +236,7 @@ def test_several_worlds_weigh_alike_and_are_told_one_by_one(tmp_path):
     study = study_of(tmp_path, "a = 0.1, noise = 0.02", accuracy="[0.8, 0.9]", seed=3)
     found = sc.tune(study, ["a=0:1"], budget=61, trials=3)
     said = found.evidence.sentences
-    assert "over all 2 worlds: ahead in +1.00 of them, p < 0.001" in said[0]
+    assert "over all 2 worlds: better in 100% of trials there, p < 0.001" in said[0]
     assert [line[:7] for line in said[1:]] == ["world 0", "world 1"]
     assert found.verdict == "better"
     back = sc.tune(study_of(tmp_path, "a = 0.6, noise = 0.02", accuracy="[0.8, 0.9]"), ["a=0:0.3"], budget=61, trials=3)

@@ -7,8 +7,9 @@ Must not know: how brains are compiled, worlds, studies.
 
 from swarmcensus.basics.plain import digest, read_source
 from swarmcensus.brains.brain import DOOR, Brain, find, load, parse, shipped, unread
-from swarmcensus.brains.contract import BELIEFS, FUNCTIONS, MAY_HAVE, TRACED
+from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
+from swarmcensus.brains.syntax import BELIEFS
 
 __all__ = [
     "BELIEFS",

@@ -11,9 +11,9 @@ from swarmcensus.basics import plain
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.brains.contract import BELIEFS, Contents, contents
+from swarmcensus.brains.contract import Contents, contents
 from swarmcensus.brains.fields import Value, Vector, length, slots, value_of
-from swarmcensus.brains.syntax import Uses
+from swarmcensus.brains.syntax import BELIEFS, Uses
 
 DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot

@@ -9,12 +9,12 @@ from swarmcensus.basics import plain
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import syntax
 from swarmcensus.brains.fields import Value, fields_of, length
+from swarmcensus.brains.syntax import BELIEFS
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
 MAY_HAVE = {"steer": 1, "decide": 1, "done": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
-BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 MOST_OPTIONS = 10_000
 
 

@@ -4,6 +4,9 @@ import ast
 from collections.abc import Collection
 from typing import NamedTuple
 
+from swarmcensus.basics.hints import did_you_mean
+
+BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that are there where a brain asks for them
 LUCKY = ("observe", "receive", "fuse", "steer")  # luck is fresh at each call of these
 
@@ -42,13 +45,19 @@ def uses(tree: ast.Module, own: Collection[str]) -> Uses:
 def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], sums: Collection[str]) -> None:
     """Hold a source against what it may do with its record, fields and their lengths. Raises Wrong."""
     given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters}
+    known = [*memory, *parameters, *BELIEFS, *given]
     vectors = {name for name, long in memory.items() if long}
-    for function in _functions(tree).values():
+    functions = _functions(tree)
+    given_to = functions["observe"].args
+    record = [*given_to.posonlyargs, *given_to.args][0].arg  # what the file calls `me`
+    for function in functions.values():
         for node in ast.walk(function):
             if (isinstance(node, ast.arg) and node.arg == "math") or (
                 isinstance(node, ast.Name) and node.id == "math" and isinstance(node.ctx, ast.Store)
             ):
                 raise Wrong(f"{function.name} calls something of its own math, which is the module", node.lineno)
+            if isinstance(node, ast.Attribute) and _is(node.value, record) and node.attr not in known:
+                raise Wrong(_unknown(function.name, node.attr, known), node.lineno)
             if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
                 _check_item(node, function.name, vectors, parameters)
             elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _names(node.value, vectors):
@@ -59,6 +68,11 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
         _check_luck(tree)
     for name in given if sums else ():
         _check_sums(tree, name)
+
+
+def _unknown(function: str, name: str, known: list[str]) -> str:
+    hint = did_you_mean(name, known)
+    return f"{function} uses me.{name}: {hint}MEMORY and PARAMETERS name all that a robot has, beside b and w"
 
 
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
@@ -121,7 +135,11 @@ def _functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
 
 def _of_record(node: ast.AST) -> bool:
     """Whether this is a field of a record, and nothing of `math`."""
-    return isinstance(node, ast.Attribute) and not (isinstance(node.value, ast.Name) and node.value.id == "math")
+    return isinstance(node, ast.Attribute) and not _is(node.value, "math")
+
+
+def _is(node: ast.AST, name: str) -> bool:
+    return isinstance(node, ast.Name) and node.id == name
 
 
 def _names(node: ast.AST, fields: Collection[str]) -> bool:

@@ -58,7 +58,8 @@ class Evidence:
         over = ""
         for row in self.comparison.duels.to_dict("records"):
             share = row["ahead"] if self._first else -row["ahead"]
-            over = f" over all {len(pairs)} worlds: ahead in {share:+.2f} of them, p {_equals(row['p_holm'])}"
+            better = f"better in {(1 + share) / 2:.0%} of trials there"
+            over = f" over all {len(pairs)} worlds: {better}, p {_equals(row['p_holm'])}"
         one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.label}: {self.tuned} {told} {self.before}{over}{one}"]
         if over:

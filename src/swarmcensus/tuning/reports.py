@@ -16,13 +16,17 @@ from swarmcensus.tuning.seeds import seed_for
 def report(plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, files: Mapping[str, Path]) -> str:
     """The fragment's text."""
     worlds, seed = len(plan.worlds), plan.study.seed
-    head = [f"{plan.before.name}, tuned for the study {plan.study.name!r} by swarmcensus {__version__}"]
+    head = [
+        f"{plan.before.name}, tuned for the study {plan.study.name!r} by swarmcensus {__version__}; this is no study "
+        "by itself: its brain is for one's table [swarm]"
+    ]
     if evidence.verdict != BETTER:
         head += ["There is no evidence that the line below is worth anything: read on"]
     said = [
         *evidence.sentences,
         f"evaluated in {_several(worlds, 'world')} with seed {seed}, the study's own, and {plan.study.trials} trials "
-        "in each, none of which the search has seen; p-values are corrected by Holm's method",
+        "in each, none of which the search has seen; p-values are corrected by Holm's method for this metric alone, so "
+        "that swarmcensus compare, which asks for more measures, may tell less apart",
     ]
     names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
     why = (
