@@ -19,7 +19,10 @@ from swarmcensus.results.values import bounds_in, metrics_in, robots_in
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
 MEANS = ("messages_sent", "messages_heard", "bytes_sent", "decided", "decided_right", "consensus_right")
-MEDIANS = ("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error")
+MEDIANS = (
+    *("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error"),
+    *("decision_round", "consensus_round", "done_round"),
+)
 NEVER = "infinity"  # in JSON, which has no such number
 BLOCK = 2**22  # values that are sorted at once
 
@@ -30,8 +33,8 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
 
     Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
-    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed, and of
-    metrics of files) and `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that
+    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed, of the
+    rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that
     the setting reaches) the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks
     settings, as in `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that
     vary, and the values. Raises InputError.
