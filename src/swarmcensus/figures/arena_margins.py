@@ -17,6 +17,7 @@ from matplotlib.patches import Patch
 from matplotlib.text import Text
 
 from swarmcensus.figures.lettering import wrapped
+from swarmcensus.figures.looks import LIES
 from swarmcensus.figures.sheets import SMALL
 
 SIZE = 6.75, 6.25  # inches: at 128 and 80 dots an inch both are whole, even numbers of dots
@@ -92,7 +93,7 @@ def draw_scale(axes: Axes, half: float, note: str) -> None:
     axes.text(half, y, note, ha="right", va="center", fontsize=SMALL)
 
 
-def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, tiles: bool) -> None:
+def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool) -> None:
     """Say right of the arena what its marks mean: `robot` has its radio range drawn, `stops` are parts that fail."""
     disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
     entries: dict[str, Any] = {
@@ -100,6 +101,11 @@ def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, ti
         "radio link": Line2D([], [], color=LINK, linewidth=1.3),
         f"radio range of\nrobot {robot}": Line2D([], [], color=RANGE, linestyle=":", linewidth=1.6),
     }
+    if liars:
+        entries["not honest"] = Line2D(
+            [], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor=LIES,
+            markeredgewidth=2,
+        )  # fmt: skip
     for part in stops:
         mark = MarkerStyle("_").rotated(deg=STROKES[part])
         stroke = Line2D([], [], linestyle="", marker=mark, markersize=13, markeredgewidth=1.6, color="black")

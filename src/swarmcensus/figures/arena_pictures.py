@@ -91,7 +91,10 @@ class Arena:
         self.colours = draw_colours(self.figure, self.truth)
         draw_scale(self.axes, self.half, note)
         to_scale = self.drawn_radius == self.radius
-        draw_key(self.figure, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None)
+        draw_key(
+            self.figure, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
+            liars=not self.honest.all(),
+        )  # fmt: skip
         name = str(trace.attrs.get("title", "")) if title is None else title
         self.when, self.right = write_titles(self.figure, name, self.robots)
         self.moving: list[Artist] = [

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.results.contenders import parameters_in
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import told
 
@@ -30,7 +31,9 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "assumed_accuracy": "assumed accuracy {}",
     "accuracy": "accuracy {}",
     "checkpoint": "after {:,.0f}",
+    "members": "{}",
 }
+IDLE = {"members": "robots alike"}  # what a caption says of a value that says nothing, and would be missed
 TITLES = {  # how an axis or a key names them, where that is not their name
     "accuracy": "sensor accuracy",
     "density": "density $D$",
@@ -81,11 +84,13 @@ def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
 def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:
     """Return every setting's value of each coordinate that has several; None is a value that says nothing.
 
-    Of an arena's density and side one tells the other, and only `twice` names both.
+    Of an arena's density and side one tells the other, a single floor of all arenas tells no more than their topology
+    does, a parameter with a single value no more than its brain: only `twice` names these too.
     """
     left_out = {*apart_from}
     if not twice:
         left_out |= {"density", "side"} if left_out & {"density", "side"} else {told(results)}
+    restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
     varying = {}
     for name in coordinates_of(results):
         if name in left_out:
@@ -97,6 +102,7 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
             values = [None if assumed == true else assumed for assumed, true in pairs]
         # NaN and "", the density and floor of a fixed network
         values = [None if value != value or value == "" else value for value in values]
-        if len(set(values)) > 1:
+        distinct = set(values)
+        if len(distinct - {None} if name in restating else distinct) > 1:
             varying[name] = values
     return varying

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from swarmcensus.basics.digits import told_apart
-from swarmcensus.figures.coordinates import CAPTIONS, varies
+from swarmcensus.figures.coordinates import CAPTIONS, IDLE, varies
 from swarmcensus.results.selecting import TooMuch, require
 
 MOST_PANELS = 24
@@ -61,9 +61,9 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     for combination, settings in members.items():
         named = zip(varying, combination, strict=True)
         caption = ", ".join(
-            written[name].get(value, f"no {name}")
+            written[name].get(value, IDLE.get(name, f"no {name}"))
             for name, value in named
-            if value is not None or (by is not None and name != "assumed_accuracy")
+            if value is not None or name in IDLE or (by is not None and name != "assumed_accuracy")
         )
         panels.append(Panel(caption, results.isel(setting=settings)))
     return panels

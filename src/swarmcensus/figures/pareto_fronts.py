@@ -9,11 +9,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import measured_axis
-from swarmcensus.figures.coordinates import CAPTIONS
+from swarmcensus.figures.coordinates import CAPTIONS, IDLE
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
@@ -22,6 +23,7 @@ from swarmcensus.results.standings import Standings
 from swarmcensus.results.summaries import is_idle
 
 SIZE = 6.0  # points: a dot
+NEAR, BESIDE = 0.01, 8.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
 SPREAD = 8.0  # from there on the axis of costs is logarithmic
 COSTS = {
     "bytes_sent": "bytes sent by a robot", "messages_sent": "messages sent by a robot",
@@ -65,7 +67,7 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(found.contenders, "o", "brain")
     captions = [
-        ", ".join(_said(name, value) for name, value in world.items() if not is_idle(value))
+        ", ".join(_said(name, value) for name, value in world.items() if name in IDLE or not is_idle(value))
         for world in found.field.worlds
     ]
     axes = sheet(ax, captions, title)
@@ -80,13 +82,15 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
     entries: dict[str, Any] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks.values()}
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
+    if any(_beside(place, cost).any() for place, cost in zip(axes, costs, strict=True)):
+        entries["close together: at one cost"] = Line2D([], [], linestyle="")
     add_key(axes, "", entries)
     figure: Figure = axes[0].figure.canvas.figure
     return figure
 
 
 def _said(name: str, value: Any) -> str:
-    return CAPTIONS.get(name, name + " = {}").format(value)
+    return IDLE[name] if is_idle(value) else CAPTIONS.get(name, name + " = {}").format(value)
 
 
 def _dot(look: Look, on_front: bool) -> Line2D:
@@ -110,24 +114,38 @@ def _cost_axis(axes: Axes, costs: Floats) -> None:
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 
 
+def _beside(axes: Axes, cost: Floats) -> Floats:
+    """How far, in points, contenders are drawn beside their cost, that those at one cost do not hide one another."""
+    across = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([cost, 0.0 * cost + 1.0])))
+    out, order = np.zeros(len(cost)), np.argsort(across[:, 0], kind="stable")
+    order = order[np.isfinite(across[order, 0])]
+    for group in np.split(order, np.flatnonzero(np.diff(across[order, 0]) > NEAR) + 1):
+        out[np.sort(group)] = BESIDE * (np.arange(len(group)) - (len(group) - 1) / 2.0)
+    return out
+
+
 def _draw(
     axes: Axes, cost: Floats, value: Floats, low: Floats, high: Floats, first: NDArray[np.bool_], looks: list[Look]
 ) -> None:
     bottom, top = axes.get_ylim()
     order = np.flatnonzero(first & np.isfinite(value))[np.argsort(cost[first & np.isfinite(value)], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
-    for k, look in enumerate(looks):
+    points = axes.figure.dpi_scale_trans
+    for k, (look, beside) in enumerate(zip(looks, _beside(axes, cost), strict=True)):
+        shifted = axes.transData + ScaledTranslation(beside / 72.0, 0.0, points)
         if np.isnan(cost[k]) or np.isnan(value[k]):
             continue
         if np.isinf(value[k]):
-            axes.annotate("", (cost[k], top), (cost[k], top - 0.1 * (top - bottom)),
-                          arrowprops={"arrowstyle": "->", "color": look.colour})  # fmt: skip
+            axes.annotate("", (cost[k], top), (cost[k], top - 0.1 * (top - bottom)), xycoords=shifted,
+                          textcoords=shifted, arrowprops={"arrowstyle": "->", "color": look.colour})  # fmt: skip
             continue
         if not np.isnan(low[k]):
             axes.plot(
-                [cost[k]] * 2, [max(low[k], bottom), min(high[k], top)], color=look.colour, linewidth=0.9, zorder=3
-            )
+                [cost[k]] * 2, [max(low[k], bottom), min(high[k], top)], color=look.colour, linewidth=0.9, zorder=3,
+                transform=shifted,
+            )  # fmt: skip
         dot = _dot(look, bool(first[k]))
         dot.set_data([cost[k]], [value[k]])
         dot.set_zorder(4)
         axes.add_line(dot)
+        dot.set_transform(shifted)
