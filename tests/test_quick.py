@@ -182,7 +182,7 @@ def test_large_full_networks_hear_everyone_else(robots):
 @pytest.mark.parametrize(
     ("sound", "broken"),
     [
-        ("me.heard += 1.0", "me.typo += 1.0"),
+        ("me.heard += 1.0", "me.heard += 'one'"),
         ("x_hat, alpha = message", "x_hat, alpha = message[2], 1.0"),
         ("return me.x_hat, me.alpha", "return me.x"),
         ("abs(slope)", "abs(slope, 1)"),
