@@ -224,7 +224,10 @@ class TestContract:
             (("def fuse(me):", "def fuze(me):"), "the function fuse is missing"),
             (("def broadcast(me):", "def broadcast(me, you):"), "broadcast takes 2 arguments: 1 are right"),
             (("MEMORY = {", "MEMORIES = {"), "MEMORY is missing"),
-            (('MESSAGE = ("x_hat", "alpha")', 'MESSAGE = "x_hat"'), "MESSAGE is missing"),
+            (
+                ('MESSAGE = ("x_hat", "alpha")', 'MESSAGE = "x_hat"'),
+                "MESSAGE is 'x_hat', a text: a tuple of one name is",
+            ),
             (('SUMS = ("heard",', 'SUMS = ("overheard",'), "SUMS names 'overheard'"),
             (('"t": 0.0', '"b": 0.0'), "taken by the engine"),
             (('"t": 0.0', '"t": "zero"'), "not a number"),

@@ -376,3 +376,18 @@ def test_latex_escapes_names_and_marks_the_best():
     columns = text.partition(r"\begin{tabular}{")[2].partition("}")[0]
     assert {line.replace(r"\&", "").count("&") + 1 for line in rows} == {len(columns)}
     assert escaped("\n line ") == "line"
+
+
+def test_where_nothing_is_right_no_consensus_is_early():
+    data = made_up(brains=2, worlds=("ring",), trials=10)
+    data["consensus_right"][:] = np.nan
+    found = sc.compare(data)
+    assert "consensus_round" not in [one.name for one in found.measures]
+
+
+def test_contenders_that_are_the_same_are_told():
+    data = made_up(brains=3, worlds=("ring", "full"), trials=10)
+    data["final_estimate"][1::3] = data["final_estimate"][2::3].values
+    [said] = [one for one in sc.compare(data, "final_error").cautions if "same" in one]
+    first, second = NAMES[1:3]
+    assert said == f"final error: {first} and {second} are the same in every trial, and neither can be best"

@@ -189,7 +189,13 @@ def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
     assert (decided == 0).any() or wrong < 0.02
 
 
-WRONG = {"2": "2", "-2": "-2", "0.5": "0.5", "me.t * 1e300 * 1e300": "inf", "math.inf - math.inf * me.t": "nan"}
+WRONG = {
+    "me.t * 0 + 2": "2",
+    "me.t * 0 - 2": "-2",
+    "0.5 + 0 * me.t": "0.5",
+    "me.t * 1e300 * 1e300": "inf",
+    "math.inf - math.inf * me.t": "nan",
+}
 
 
 @pytest.mark.parametrize("choice", WRONG)
@@ -308,3 +314,54 @@ def done(me):
     assert (told["n"].values == trace["n"].values).all()
     slow = sc.infer(readings, links, 0.7, 10, brain=tmp_path / "some.py", compiled=False)
     assert (slow["n"].values == trace["n"].values).all()
+
+
+@pytest.mark.parametrize(
+    ("decide", "said"),
+    [
+        ("return 7 if me.t > 99.0 else 1", "decide returns 7: -1 .undecided. or an option from 0 to 1 is right"),
+        ("return -2", "decide returns -2: -1"),
+        ("if me.t > 2.0:\n        return 1", "decide may end without returning anything"),
+        ("if me.t > 2.0:\n        return\n    return 1", "decide may end without returning anything"),
+    ],
+)
+def test_what_is_seen_of_a_decision_without_running_it(decide, said):
+    with pytest.raises(InputError, match=said):
+        brain(MEANS + f"\n\ndef decide(me):\n    {decide}\n")
+
+
+def test_a_loop_may_be_the_last_that_a_decision_does():
+    brain(MEANS + "\n\ndef decide(me):\n    for k in range(2):\n        if k == 1:\n            return k\n")
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("decides", "the function decides is called by nobody: did you mean 'decide'?"),
+        ("Done", "the function Done is called by nobody: did you mean 'done'?"),
+        ("one", None),
+    ],
+)
+def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
+    source = MEANS + f"\n\ndef {name}(me):\n    return 1\n"
+    if said:
+        with pytest.raises(InputError) as caught:
+            brain(source)
+        assert said in str(caught.value)
+    else:
+        brain(source)
+    with pytest.raises(InputError, match="OPTIONS is of the function decide, which is missing"):
+        brain(changed(OPTIONS))
+
+
+@pytest.mark.parametrize("topology", ["line", "full", "moving"])
+def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
+    source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
+    world = {"density": 1.0} if topology == "moving" else {}
+    schedule = {"schedule": {"ticks": 3}} if topology == "moving" else {"schedule": {"rounds": 3}}
+    swarm = {"brain": brain(source), "robots": 3, "accuracy": 0.7}
+    world = {"topology": topology, "fill_ratio": 0.8} | world
+    found = sc.run(sc.Study(trials=2, seed=SEED, swarm=swarm, world=world, **schedule), jobs=1)
+    assert (found["done_round"] == 0).all()
+    assert (found["decision_round"] == 1).all()
+    assert (found["consensus_round"] == 1).all()

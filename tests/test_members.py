@@ -41,11 +41,10 @@ def who(robots=20, members=(), trials=40, **world):
     return setting.who(SEED, 0, trials)
 
 
-@pytest.mark.parametrize(("share", "count"), [(3, 3), (0, 0), (20, 20), (0.1, 2), (0.3, 6), (0.29, 6), (1.0, 20)])
+@pytest.mark.parametrize(("share", "count"), [(3, 3), (20, 20), (0.1, 2), (0.3, 6), (0.29, 6), (1.0, 20)])
 def test_there_are_as_many_as_the_study_says_in_each_trial(share, count):
     """And no binomial number of them."""
-    if count:
-        assert (who(members=[{"robots": share, "accuracy": 0.9}]).sum(axis=1) == count).all()
+    assert (who(members=[{"robots": share, "accuracy": 0.9}]).sum(axis=1) == count).all()
     (setting,) = fixed(brain(MEANS), robots=20, members=liars(share) if count < 20 else ())
     assert setting.honest == 20 - count if count < 20 else setting.honest == 20
 
@@ -353,7 +352,7 @@ FAULTY = {
     ),
     "decides for nothing": (
         "def fuse",
-        "def decide(me):\n    return 7\n\n\ndef fuse",
+        "def decide(me):\n    return 7 + 0 * me.n\n\n\ndef fuse",
         r"brain 'liar.py' fails in .*: decide gives 7: ",
     ),
 }
@@ -412,3 +411,21 @@ def test_members_that_are_nobody_or_like_everybody_are_refused(table, said):
     swarm = {"robots": 10, "accuracy": 0.7}
     with pytest.raises(InputError, match=said):
         sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=[table])
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        ([{"robots": 0, "accuracy": 0.6}], r"members\[0\].robots = 0: that is nobody"),
+        ([{"robots": [0, 0.0], "accuracy": 0.6}], r"members\[0\].robots = 0: that is nobody"),
+        (3, r"members = 3: should be a list of tables, each under \[\[members\]\]"),
+        (
+            [{"robots": 1, "honest": [True]}],
+            r"members\[0\].honest = \[true\]: should be true or false",
+        ),
+    ],
+)
+def test_tables_that_mean_nothing_are_refused(given, said):
+    swarm = {"robots": 10, "accuracy": 0.7}
+    with pytest.raises(InputError, match=said):
+        sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.55}, members=given)

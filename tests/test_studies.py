@@ -72,7 +72,7 @@ def test_changing_seed_and_trials():
         (("seed   = 7", "seed = -1"), "seed = -1: should be greater"),
         (("[10, 60]", "[10, 61]"), "measure.checkpoints = 61 comes after the last round, 60"),
         (("[measure]", "[measure]\ndelta = 0"), "measure.delta = 0: should be greater than 0"),
-        (("[measure]", "[measure]\nlocal = 1"), "measure.local = 1: should be a valid boolean"),
+        (("[measure]", "[measure]\nlocal = 1"), "measure.local = 1: should be true or false"),
         (
             ("[swarm]", '[swarm]\nbrain = "nobody"'),
             "swarm.brain = \"nobody\": brain 'nobody': neither a shipped brain",

@@ -17,7 +17,9 @@ from swarmcensus.results.measures import Measure
 from swarmcensus.simulation import trials as simulated
 from swarmcensus.tuning import trying
 from swarmcensus.tuning.budgets import budget_of
+from swarmcensus.tuning.influence import without_idle
 from swarmcensus.tuning.objectives import loss, scales_of
+from swarmcensus.tuning.plans import plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
 from swarmcensus.tuning.seeds import seed_for
@@ -274,7 +276,13 @@ def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_pa
         again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")
         assert again.values == whole.values
         assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
-    monkeypatch.setattr(trying.Training, "run", lambda *_: pytest.fail("was tried again"))
+    through = trying.Training.run
+
+    def run(self, brains, seed, *others):
+        assert seed == seed_for(args[0].seed, "influence"), "was tried again"
+        return through(self, brains, seed, *others)
+
+    monkeypatch.setattr(trying.Training, "run", run)
     assert sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml").values == whole.values
     assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
 
@@ -358,3 +366,50 @@ def test_robots_that_move_share_their_walks(tmp_path):
     errors = [(one.values[0] - 0.6) ** 2 for one in found.evaluations]
     usual = errors[0]
     assert [one.loss for one in found.evaluations] == pytest.approx([e / (e + usual) for e in errors])
+
+
+def test_values_that_change_nothing_are_no_finding(tmp_path):
+    study = study_of(tmp_path, "a = 0.1")
+    found = sc.tune(study, ["a=0:1", "idle=0:10", "shift=0:1"], budget=200, trials=2)
+    assert found.values["a"] == pytest.approx(0.6, abs=0.05)
+    assert (found.values["idle"], found.values["shift"]) == (1.0, 0.0)
+    said = [
+        "idle changes nothing in final_error, and stays at 1",
+        "shift changes nothing in final_error, and stays at 0",
+    ]
+    assert found.notes == said
+    assert all(one in found.text and one in str(found) for one in said)
+
+
+def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
+    """1/2 + 0.7 z and 1/2 + 0.7 y are one estimate where z = y, and neither is there without the other's."""
+    study = study_of(tmp_path, "a = 0.1")
+    plan = plan_of(study, ["idle=0:10", "shift=0:1"], None, "final_error", budget_of(50), 2)
+    tried = []
+
+    class Either:
+        """A training in which it is enough that one of the two has changed."""
+
+        def run(self, brains, seed, keep, show):
+            for place, one in enumerate(brains):
+                changed = one.parameters["idle"] != 1.0 or one.parameters["shift"] != 0.0
+                tried.append(changed)
+                keep(place, np.full((1, 2), float(changed)))
+            return []
+
+    values, idle = without_idle(plan, (5.0, 0.5), Either(), None)
+    assert values == (1.0, 0.5)
+    assert idle == ["idle"]
+    assert tried == [True, True, True, False]
+
+
+def test_a_range_without_the_value_there_is_is_told(tmp_path):
+    found = sc.tune(study_of(tmp_path, "a = 0.1"), ["a=0.3:1"], budget=40, trials=1)
+    assert found.notes == ["a was 0.1, which is not in a=0.3:1: the search began at the nearest end"]
+
+
+def test_a_search_that_is_refused_leaves_nothing(tmp_path):
+    study = study_of(tmp_path, "a = 0.1")
+    with pytest.raises(InputError, match="--budget 5: the brain as it is and one generation take 13 evaluations"):
+        sc.tune(study, ["a=0:1"], budget=5, out=tmp_path / "t.toml")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["tunable.py"]

@@ -196,7 +196,8 @@ def test_a_message_of_another_shape_is_told(message, given, said):
         ("(0.0,) * 4097", "a vector of 4097: it should have 1 to 4096 numbers"),
         ("()", "a vector of 0"),
         ("(0.0, (1.0, 2.0))", "not a number"),
-        ("(0.0, True)", "not a number"),
+        ("(0.0, True)", "not a number, as item 1"),
+        ("(1e300, 0.0)", "too large, as item 0: numbers are below"),
     ],
 )
 def test_wrong_vectors_are_refused(declared, said):
@@ -253,3 +254,34 @@ def estimate(me):
     )  # fmt: skip
     with pytest.raises(InputError, match="IndexError"):
         sc.run(study, jobs=1)
+
+
+def test_a_list_may_be_repeated_too():
+    assert brain(changed(('"seen": (0.0, 0.5)', '"seen": [0.25] * 2'), source=COUNTS)).memory["seen"] == (0.25, 0.25)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("p = me.weights\n    p *= 2", "a parameter is only for reading"),
+        ("p = me.weights\n    me.x = (p + p)[0]", "a parameter is only for reading"),
+        ("p = me.weights\n    me.x = p[0:1][0]", "a parameter is only for reading"),
+        ("me.x = me.weights[0:1][0]", "takes a part of a vector"),
+    ],
+)
+def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path):
+    (tmp_path / "b.py").write_text(changed(("    me.heard = 0.0\n", f"    {line}\n    me.heard = 0.0\n"), source=ALL))
+    found = [one.fault for one in suite.examine(tmp_path / "b.py", PROMISES) if one.fault]
+    assert said in found[0]
+
+
+def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
+    (tmp_path / "b.py").write_text(changed(('"seen": (0.0, 0.5), ', declared), source=COUNTS))
+    swarm, world = {"robots": 3, "accuracy": 0.7, "brain": "b.py"}, {"topology": "line", "fill_ratio": 0.8}
+    sc.save(sc.run(sc.Study(trials=1, swarm=swarm, world=world, schedule={"rounds": 2}), jobs=1), "r.nc")
+    assert main(["replay", "r.nc", "--setting", "0", "--trial", "0", "--out", "t.csv"]) == 0
+    head = Path("t.csv").read_text().splitlines()[0]
+    assert "seen[1]" in head
+    assert "item_seen[2]" in head

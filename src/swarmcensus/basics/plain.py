@@ -22,6 +22,7 @@ ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
 }  # fmt: skip
+SEVERAL = ast.Tuple | ast.List
 SIGNS: dict[type, Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_}
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
 ALLOCATES = (
@@ -164,13 +165,13 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
         value = known[node.id]
     elif isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and known.get(node.value.id) is math:
         value = getattr(math, node.attr, None)
-    elif isinstance(node, ast.Tuple | ast.List):
+    elif isinstance(node, SEVERAL):
         return tuple(_constant(item, known) for item in node.elts)
     elif isinstance(node, ast.Dict) and None not in node.keys:
         return {_constant(k, known): _constant(v, known) for k, v in zip(node.keys, node.values, strict=True)}
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
-    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, ast.Tuple):
+    elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
             raise ValueError(f"a tuple is repeated a whole number of times, to {LONGEST} items at the most")

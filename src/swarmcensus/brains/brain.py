@@ -12,7 +12,7 @@ from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains.contract import Contents, contents
-from swarmcensus.brains.fields import Value, Vector, length, slots, value_of
+from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots, value_of
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
 DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
@@ -142,7 +142,7 @@ class Brain:
         for key, value in self.memory.items():
             setattr(mind, key, Vector(value) if isinstance(value, tuple) else value)
         for key, value in self.parameters.items():
-            setattr(mind, key, value)
+            setattr(mind, key, Fixed(value) if isinstance(value, tuple) else value)
         if self.uses.luck:
             mind.luck = 0.5
         if self.uses.name:

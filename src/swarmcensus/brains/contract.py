@@ -1,6 +1,7 @@
 """What a brain file has to hold: see docs/brain-contract.md."""
 
 import ast
+import difflib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -70,6 +71,8 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS} (bins)",
     )
     functions = _functions(tree, constants)
+    need("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
+    syntax.check_decisions(tree, options)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
     return Contents(fields, message, tuple(sums), given, options, syntax.uses(tree, (*fields, *given)), functions)
 
@@ -79,6 +82,8 @@ def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
     if isinstance(given, dict):
         need(bool(given), "MESSAGE is empty")
         return {name: length(value) for name, value in fields_of(given, "MESSAGE", ()).items()}
+    if isinstance(given, str):
+        raise ValueError(f"MESSAGE is {given!r}, a text: a tuple of one name is ({given!r},)")
     example = 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")'
     need(_are_names(given) and bool(given), example)
     twice = [name for name in given if list(given).count(name) > 1 and memory.get(name)]
@@ -104,4 +109,12 @@ def _functions(tree: ast.Module, constants: Mapping[str, Any]) -> frozenset[str]
             continue
         found = len(functions[name].posonlyargs) + len(functions[name].args)
         need(found == arity and not functions[name].kwonlyargs, f"{name} takes {found} arguments: {arity} are right")
+    for name in syntax.never_called(tree):
+        if name not in (*FUNCTIONS, *MAY_HAVE) and (meant := _meant(name)):
+            raise ValueError(f"the function {name} is called by nobody: did you mean {meant!r}?")
     return frozenset(name for name in MAY_HAVE if name in functions)
+
+
+def _meant(name: str) -> str:
+    """Which function that a brain may have is written almost like this; nothing where none is."""
+    return next(iter(difflib.get_close_matches(name.lower(), MAY_HAVE, n=1, cutoff=0.9)), "")

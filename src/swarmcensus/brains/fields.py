@@ -1,5 +1,6 @@
 """What a robot keeps under a name: a number, or a vector, which is a fixed number of them."""
 
+import math
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
@@ -32,18 +33,35 @@ class Vector(list[float]):
         super().__setitem__(place, value)
 
 
+class Fixed(tuple[float, ...]):
+    """A parameter's vector in CPython: of a compiled one, too, only single items are read."""
+
+    __slots__ = ()
+
+    def _no(self, *_: object) -> NoReturn:
+        raise TypeError("a parameter is only for reading: the items of its vector are read one by one")
+
+    __add__ = __radd__ = __mul__ = __rmul__ = _no  # type: ignore[assignment]
+
+    def __getitem__(self, place: Any) -> Any:
+        """One item."""
+        return self._no() if isinstance(place, slice) else super().__getitem__(place)
+
+
 def value_of(given: object) -> Value:
     """A number, or a vector, as floats. Raises ValueError, which says what it is not."""
     if isinstance(given, list | tuple):
         if not 1 <= len(given) <= LONGEST:
             raise ValueError(f"a vector of {len(given)}: it should have 1 to {LONGEST} numbers")
-        return tuple(_number(one) for one in given)
+        return tuple(_number(one, f", as item {k}") for k, one in enumerate(given))
     return _number(given)
 
 
-def _number(given: object) -> float:
-    if not isinstance(given, int | float) or isinstance(given, bool) or not abs(given) < LARGEST:
-        raise ValueError("not a number")
+def _number(given: object, where: str = "") -> float:
+    if not isinstance(given, int | float) or isinstance(given, bool) or math.isnan(given):
+        raise ValueError(f"not a number{where}")
+    if not abs(given) < LARGEST:
+        raise ValueError(f"too large{where}: numbers are below {LARGEST:g}")
     return float(given)
 
 

@@ -47,6 +47,7 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
     given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters}
     known = [*memory, *parameters, *BELIEFS, *given]
     vectors = {name for name, long in memory.items() if long}
+    wholes = vectors | {name for name, long in parameters.items() if long}
     functions = _functions(tree)
     given_to = functions["observe"].args
     record = [*given_to.posonlyargs, *given_to.args][0].arg  # what the file calls `me`
@@ -60,7 +61,7 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
                 raise Wrong(_unknown(function.name, node.attr, known), node.lineno)
             if isinstance(node, ast.Subscript) and isinstance(node.ctx, ast.Store | ast.Del):
                 _check_item(node, function.name, vectors, parameters)
-            elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _names(node.value, vectors):
+            elif isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice) and _names(node.value, wholes):
                 raise Wrong(f"{function.name} takes a part of a vector: its items are read one by one", node.lineno)
             elif _of_record(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
                 _check_set(node, function.name, vectors, parameters, given)
@@ -73,6 +74,41 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
 def _unknown(function: str, name: str, known: list[str]) -> str:
     hint = did_you_mean(name, known)
     return f"{function} uses me.{name}: {hint}MEMORY and PARAMETERS name all that a robot has, beside b and w"
+
+
+def check_decisions(tree: ast.Module, options: int) -> None:
+    """Raise Wrong where `decide` returns a number that is no option, or it or `done` nothing."""
+    functions = _functions(tree)
+    for name in {"decide", "done"} & functions.keys():
+        if _falls_off(functions[name]):
+            raise Wrong(f"{name} may end without returning anything", functions[name].lineno)
+    decide = functions.get("decide")
+    for node in ast.walk(decide) if decide else ():
+        if isinstance(node, ast.Return) and node.value is not None:
+            for number in filter(None, map(_literal, _outcomes(node.value))):
+                if number not in range(-1, options):
+                    what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
+                    raise Wrong(what, node.lineno)
+
+
+def _outcomes(node: ast.expr) -> list[ast.expr]:
+    """What an expression may come to, as far as it says `if`."""
+    return [*_outcomes(node.body), *_outcomes(node.orelse)] if isinstance(node, ast.IfExp) else [node]
+
+
+def _literal(node: ast.expr) -> float | None:
+    """The number that an expression is, if it is nothing but one."""
+    try:
+        value = ast.literal_eval(node)
+    except ValueError:
+        return None
+    return value if type(value) in (int, float) else None
+
+
+def never_called(tree: ast.Module) -> list[str]:
+    """The functions of a file whose names stand nowhere in it."""
+    named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    return [name for name in _functions(tree) if name not in named]
 
 
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
@@ -152,6 +188,13 @@ def _may_be_none(function: ast.FunctionDef) -> bool:
     said = [node for node in nodes if isinstance(node, ast.Constant) and node.value is None]
     bare = [node for node in nodes if isinstance(node, ast.Return) and node.value is None]
     return bool(said or bare) or not _returns(function.body)
+
+
+def _falls_off(function: ast.FunctionDef) -> bool:
+    """Whether a function may return nothing: a loop at its end is trusted to return before."""
+    bare = [node for node in ast.walk(function) if isinstance(node, ast.Return) and node.value is None]
+    trusted = isinstance(function.body[-1], ast.For | ast.While | ast.Match | ast.Try | ast.With)
+    return bool(bare) or not (trusted or _returns(function.body))
 
 
 def _returns(body: list[ast.stmt]) -> bool:

@@ -13,8 +13,10 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.studies.checks import taken_in_results
 
 PATIENCE = 30.0  # seconds for a check: some hundred times what it takes
+MANY = 250  # numbers in a mind from which on a check may take longer
 COMPILE_PATIENCE = 300.0  # the shipped brains take 8 s and 0.6 GiB, Numba itself included
 ROOM = 2 << 30  # bytes that a check may take, beyond what the process has
 COMPILE_ROOM = 4 << 30
@@ -60,9 +62,12 @@ def check(path: str | Path, patience: float = PATIENCE) -> list[Check]:
     Where a check does not end within `patience` seconds, or ends its process, it is the last.
     """
     try:
-        brains.load(path)
+        brain = brains.load(path)
     except InputError as error:
         return [Check(KEEPS, str(error))]
+    if name := taken_in_results(brain):
+        return [Check(KEEPS, f"PARAMETERS key {name!r} is a name that is taken in the results: call it otherwise")]
+    patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY)
     done = _child("report", path, patience)
     told = [json.loads(line) for line in done.stdout.splitlines()]
     results = [Check(*one) for one in told if len(one) == 2]
@@ -164,8 +169,11 @@ def _why_it_ended(done: subprocess.CompletedProcess[str], path: str | Path, name
         return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
     if name == COMPILES:
         return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
-    again = _child("call_by_call", path, patience)
-    last = again.stdout.splitlines()[-1] if again.returncode and again.stdout else "steer"
+    again = _child("call_by_call", path, patience) if name == AGREES else None
+    hangs = again is not None and again.returncode and again.stdout
+    if again is None or not (hangs or brains.load(path).steers):
+        return f"the check itself took longer than {patience:g} s: the brain is slow, or this machine busy"
+    last = again.stdout.splitlines()[-1] if hangs else "steer"
     return f"compiled, {last} did not return within {patience:g} s, though in CPython it does"
 
 

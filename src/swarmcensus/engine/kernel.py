@@ -26,7 +26,7 @@ from swarmcensus.engine.modes import (
 from swarmcensus.engine.random import word_of, words
 from swarmcensus.engine.swarms import Swarm
 
-from .minds import ZERO, begin, believe_all, count_known, forget_verdicts, is_said, judge, put, settle
+from .minds import ZERO, begin, believe_all, count_known, forget_verdicts, is_said, judge, judge_blank, put, settle
 from .rounds import advance, advance_alone, bounds_of, most_links
 
 
@@ -83,6 +83,8 @@ def simulate(
             begin(swarm, memory, assumed_b[trial], assumed_w[trial])
             believe_all(swarm, memory, start, ZERO)
             forget_verdicts(all_verdicts[trial], agreed[trial])
+            if all_verdicts.shape[1] > 0:
+                judge_blank(swarm, memory, start, all_verdicts[trial])
             count_known(swarm, all_counts[trial], stops, rounds)
             if flag < 0 and threshold == 0 and stops.shape[1] == 0 and links != PAIRS:
                 for i in range(all_counts.shape[2]):

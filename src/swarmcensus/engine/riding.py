@@ -37,6 +37,7 @@ from .minds import (
     forget_verdicts,
     is_said,
     judge,
+    judge_blank,
     luck_of_messages,
     put,
     settle,
@@ -60,6 +61,8 @@ def wake(
         call(swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, ZERO, nothing, 1.0, a, z, luck, ONE)
     believe_all(swarm, memory, start, ZERO)
     forget_verdicts(verdicts, agreed)
+    if verdicts.shape[0] > 0:
+        judge_blank(swarm, memory, start, verdicts)
 
 
 @loop(forceinline=True)

@@ -200,7 +200,8 @@ class Arena:
         self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
         self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
         edges = np.where(self.honest, "black", LIES).tolist()
-        edges[self.robot] = RANGE
+        if self.honest[self.robot]:  # of a liar that ring says more, and the circle of its range whose it is
+            edges[self.robot] = RANGE
         widths = np.where(self.honest, thin, 2.5 * thin)
         widths[self.robot] = 2.0 * thin
         size = 2.0 * self.drawn_radius

@@ -23,7 +23,7 @@ from swarmcensus.results.standings import Standings
 from swarmcensus.results.summaries import is_idle
 
 SIZE = 6.0  # points: a dot
-NEAR, BESIDE = 0.01, 8.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
+NEAR, BESIDE = 0.01, 5.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
 SPREAD = 8.0  # from there on the axis of costs is logarithmic
 COSTS = {
     "bytes_sent": "bytes sent by a robot", "messages_sent": "messages sent by a robot",
@@ -83,7 +83,7 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
     if any(_beside(place, cost).any() for place, cost in zip(axes, costs, strict=True)):
-        entries["close together: at one cost"] = Line2D([], [], linestyle="")
+        entries["side by side: at one cost, that of their middle"] = Line2D([], [], linestyle="")
     add_key(axes, "", entries)
     figure: Figure = axes[0].figure.canvas.figure
     return figure

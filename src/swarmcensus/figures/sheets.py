@@ -137,9 +137,9 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def say_empty(axes: Axes) -> None:
-    """Say in an empty panel that it is empty because nothing has been run."""
-    axes.text(0.5, 0.5, "no trial has been run", ha="center", transform=axes.transAxes, fontsize=SMALL + 1)
+def say_empty(axes: Axes, why: str = "no trial has been run") -> None:
+    """Say in an empty panel why it is empty."""
+    axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=SMALL + 1)
     axes.set_axis_off()
 
 

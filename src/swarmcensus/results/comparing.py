@@ -13,7 +13,7 @@ from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import comparison_tables, measures, selecting
 from swarmcensus.results.contenders import NONE, Field, field_of
-from swarmcensus.results.contests import ALPHA, Asked, Contest, contests
+from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
 from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.standings import Standings
 from swarmcensus.results.store import load
@@ -127,6 +127,13 @@ def _cautions(
             f"{most} trial{'s' * (most > 1)} cannot tell anything apart among {tests:,} tests: run {least} or more, "
             "or compare fewer measures or worlds"
         )
+    cautions += [
+        f"{one.label}: {first} and {second} are the same in every trial, and neither can be best"
+        for one, contest in zip(some, found, strict=True)
+        if one.unit == "1" and not one.share  # others are equal by chance
+        for k in np.flatnonzero(contest.alike).tolist()
+        for first, second in [[field.contenders[c] for c in pairs_of(len(field.contenders))[k]]]
+    ]
     lacks = dict.fromkeys(one for name in COSTS if name not in costs for one in measures.lacks(data, name))
     lacks |= dict.fromkeys(name for name in SIZES if name not in data)
     if lacks:

@@ -63,6 +63,12 @@ class Contest:
         return np.asarray((self.corrected <= ALPHA) & agree)
 
     @property
+    def alike(self) -> NDArray[np.bool_]:
+        """Which pairs have met, and had the same number in every trial of every world, (pair,)."""
+        differ = (self.tests.below + self.tests.above).sum(axis=0)
+        return np.asarray((differ == 0) & (self.tests.equal.sum(axis=0) > 0))
+
+    @property
     def average_ranks(self) -> Floats:
         """The mean rank of each contender, 1 the best, over the trials and worlds that all have met; NaN without."""
         if not len(self.ranks):

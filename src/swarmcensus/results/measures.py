@@ -137,8 +137,9 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         values = found[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
     if name == "consensus_round" and "consensus_right" in data:  # who agrees on a lie is not the faster one
-        wrong = data["consensus_right"].transpose("setting", "trial").values == 0
-        return np.where(wrong, np.inf, _known(data[name].transpose("setting", "trial").values))
+        sound = data["consensus_right"].transpose("setting", "trial").values  # NaN where no option is right
+        when = _known(data[name].transpose("setting", "trial").values)
+        return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
     if name == "bytes_sent":
         return np.asarray(numbers(data, "messages_sent") * data["message_bytes"].values[:, np.newaxis], np.float64)
     array = data[MADE_OF.get(name, (name,))[0]]

@@ -108,7 +108,7 @@ def must_be_read(brain: brains.Brain) -> None:
     if not brain.is_read:
         raise InputError(
             f"the brain {brain.name!r} is a file, and a file named in results is not run unasked, but where it lies "
-            "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
+            "below the current folder, unchanged: give it yourself as it was (--brain FILE, or brain=...)"
         )
 
 

@@ -118,6 +118,8 @@ def _read(text: str) -> dict[str, Any]:
 def bounds_in(data: Any, name: str) -> tuple[float, float]:
     """The least and the largest number that a variable can be: of a metric what it says; estimates can be anything."""
     source = metrics_in(data).get(name)
+    if name in ("decision", "consensus", "right_option"):
+        return -1.0, float(np.nanmax(data[name].values, initial=0.0))
     if source is None:
         return (-np.inf if "estimate" in name else 0.0), np.inf
     return parse(source["source"], source["name"], Path(source["name"])).bounds

@@ -47,6 +47,7 @@ def run(
     A trial that fails is missing in the dataset and named in its attribute `failed`. Ctrl-C raises Interrupted,
     which carries the dataset of what was done. Raises InputError where nothing could be run.
     """
+    study = study if isinstance(study, Study) else Study.load(study)
     jobs = pools.threads(jobs)
     if share is not None and study.until:
         raise InputError(

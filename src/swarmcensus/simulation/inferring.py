@@ -13,7 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.addresses import address
 from swarmcensus.simulation import oracle
-from swarmcensus.simulation.swarming import fields_of, swarm
+from swarmcensus.simulation.swarming import fields_of, free, swarm
 
 ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any observation"}
 
@@ -23,7 +23,7 @@ def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains
     dims = ("round", "robot")
     trace = xr.Dataset(
         {
-            name: ((*dims, f"item_{name}")[: values.ndim], np.ascontiguousarray(values))
+            name: ((*dims, free(f"item_{name}", fields))[: values.ndim], np.ascontiguousarray(values))
             for name, values in fields.items()
         },
         coords={"round": ("round", np.arange(len(estimates)), ROUND), "robot": np.arange(estimates.shape[1])},

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
+from swarmcensus.brains import Brain
 from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies import members
 from swarmcensus.studies.fields import LARGEST, plain_text
@@ -58,14 +59,19 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
 
 def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
     """Parameters are coordinates of the results, beside what else has a name there."""
-    taken = {*RESERVED, *(metric.variable for metric in tables.measure.metrics)}
+    metrics = [metric.variable for metric in tables.measure.metrics]
     for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
-        for name in brain.parameters:
-            if name in taken or name.startswith(PREFIXES) or name.endswith(SUFFIXES):
-                raise ValueError(
-                    f"swarm.brain: the brain {brain.name!r} has a parameter {name!r}, a name that is taken in the "
-                    "results: call it otherwise"
-                )
+        if name := taken_in_results(brain, metrics):
+            raise ValueError(
+                f"swarm.brain: the brain {brain.name!r} has a parameter {name!r}, a name that is taken in the "
+                "results: call it otherwise"
+            )
+
+
+def taken_in_results(brain: Brain, also: Iterable[str] = ()) -> str:
+    """The first parameter of a brain that is called like something else in a dataset; nothing where none is."""
+    taken = {*RESERVED, *also}
+    return next((n for n in brain.parameters if n in taken or n.startswith(PREFIXES) or n.endswith(SUFFIXES)), "")
 
 
 NAMES = {

@@ -23,7 +23,7 @@ def _listed(value: object) -> object:
 
 
 def _tables(value: object, info: ValidationInfo) -> object:
-    if isinstance(value, Mapping):
+    if not isinstance(value, list | tuple):
         raise ValueError(f"should be a list of tables, each under [[{info.field_name}]]")
     return value
 

@@ -96,6 +96,8 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
                 f"members[{n}] differs in nothing from the others: give it a brain, an accuracy, an assumed_accuracy, "
                 "a speed, or honest = false"
             )
+        if not any(one.robots):
+            raise ValueError(f"members[{n}].robots = {one.robots[0]}: that is nobody, and the table would mean nothing")
         for some in one.robots:
             if some and not Member(some, share=isinstance(some, float)).count(max(sizes)):
                 raise ValueError(f"members[{n}].robots = {some}: that is less than one of {max(sizes)} robots")

@@ -50,12 +50,18 @@ class Setting:
         assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
         lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
         mixed = "".join(f", of them {member}" for member in self.members)
-        told = "".join(f", {name} = {_shown(value)}" for name, value in self.brain.given)
+        told = "".join(f", {name} = {_shown(value)}" for name, value in self._parameters)
         what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}{told}{mixed}"
         if self.body is not None:
             floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
             return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
         return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
+
+    @property
+    def _parameters(self) -> list[tuple[str, Value]]:
+        """What a title tells of its brain: all numbers, for others may vary what this one leaves, and given vectors."""
+        given = dict(self.brain.given)
+        return [(n, v) for n, v in self.brain.parameters.items() if n in given or not isinstance(v, tuple)]
 
     @property
     def _room(self) -> str:

@@ -154,6 +154,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
     message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    message = message.replace("should be a valid boolean", "should be true or false")
     message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
     if not key:
         return f"{name}: {message}{more}"

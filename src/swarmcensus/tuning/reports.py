@@ -1,6 +1,6 @@
 """How a search and its evaluation are told, in the comments of the fragment."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from swarmcensus.basics.version import __version__
@@ -13,7 +13,20 @@ from swarmcensus.tuning.searching import library
 from swarmcensus.tuning.seeds import seed_for
 
 
-def report(plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, files: Mapping[str, Path]) -> str:
+def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:
+    """What should be known of the values found: which change nothing, and which the search could not begin at."""
+    starts = dict(zip((one.place for one in plan.ranges), plan.start, strict=True))
+    notes = [f"{place} changes nothing in {plan.metric}, and stays at {starts[place]:.6g}" for place in idle]
+    return notes + [
+        f"{one.place} was {value:.6g}, which is not in {one}: the search began at the nearest end"
+        for one, value in zip(plan.ranges, plan.start, strict=True)
+        if not one.low <= value <= one.high
+    ]
+
+
+def report(
+    plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, notes: Sequence[str], files: Mapping[str, Path]
+) -> str:
     """The fragment's text."""
     worlds, seed = len(plan.worlds), plan.study.seed
     head = [
@@ -24,6 +37,7 @@ def report(plan: Plan, tuned: Brain, ended: Ended, evidence: Evidence, files: Ma
         head += ["There is no evidence that the line below is worth anything: read on"]
     said = [
         *evidence.sentences,
+        *notes,
         f"evaluated in {_several(worlds, 'world')} with seed {seed}, the study's own, and {plan.study.trials} trials "
         "in each, none of which the search has seen; p-values are corrected by Holm's method for this metric alone, so "
         "that swarmcensus compare, which asks for more measures, may tell less apart",

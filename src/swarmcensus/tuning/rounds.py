@@ -102,17 +102,22 @@ class _Course:
         return show
 
 
-def search_on(plan: Plan, log: Log, training: Training, show: Callable[[Progress], None]) -> Ended:
-    """Search, or go on, until the budget is spent or the search has come to its end.
-
-    Raises InputError where the brain as it is fails in all trials, and where the budget is too small.
-    """
+def search_of(plan: Plan) -> Search:
+    """The search that is asked for, before its first generation. Raises InputError where the budget is too small."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
         raise InputError(
             f"--budget {plan.budget.evaluations}: the brain as it is and one generation take {1 + search.size} "
             "evaluations"
         )
+    return search
+
+
+def search_on(plan: Plan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]) -> Ended:
+    """Search, or go on, until the budget is spent or the search has come to its end.
+
+    Raises InputError where the brain as it is fails in all trials.
+    """
     course = _Course(plan, log, training, show)
     course.evaluate(0, [plan.start])
     generation = 0

@@ -14,10 +14,11 @@ from swarmcensus.studies.study import Study
 from swarmcensus.tuning.budgets import budget_of
 from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of
 from swarmcensus.tuning.evidence import Evidence, evidence_of
+from swarmcensus.tuning.influence import without_idle
 from swarmcensus.tuning.logs import Evaluation, Log
 from swarmcensus.tuning.plans import Plan, plan_of
-from swarmcensus.tuning.reports import report
-from swarmcensus.tuning.rounds import search_on
+from swarmcensus.tuning.reports import notes_of, report
+from swarmcensus.tuning.rounds import search_of, search_on
 from swarmcensus.tuning.trying import Training
 
 
@@ -30,6 +31,7 @@ class Tuned:
     values: dict[str, float]  # what was looked for, as "prior" or "weights[0]"
     evaluations: list[Evaluation]
     evidence: Evidence
+    notes: list[str]  # what else should be known of these values, a sentence each
     text: str  # a study file's fragment, with the evidence as comments
 
     @property
@@ -44,7 +46,7 @@ class Tuned:
 
     def __str__(self) -> str:
         """What came of it, in sentences."""
-        return "\n".join(self.evidence.sentences)
+        return "\n".join([*self.evidence.sentences, *self.notes])
 
 
 def tune(
@@ -75,22 +77,24 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     show = progress or (lambda _: None)
-    jobs = pools.threads(jobs)
+    jobs, search = pools.threads(jobs), search_of(plan)
     with (
         Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], fresh) as log,
         Training(study, plan.worlds, plan.measure, trials, jobs) as training,
     ):
         if log.evaluations and say:
             say(f"{log.path}: found {len(log.evaluations):,} evaluations")
-        ended = search_on(plan, log, training, show)
-        tuned = plan.brain_of(ended.values)
+        ended = search_on(plan, search, log, training, show)
+        values, idle = without_idle(plan, ended.values, training, show)
+        tuned = plan.brain_of(values)
         evidence = _evidence(plan, tuned, files.get(".nc"), jobs, show, say, fresh)
-        text = report(plan, tuned, ended, evidence, files)
+        notes = notes_of(plan, idle)
+        text = report(plan, tuned, ended, evidence, notes, files)
         if files:
             with whole(files[".toml"]) as beside:
                 beside.write_text(text, encoding="utf-8")
-    values = dict(zip((one.place for one in plan.ranges), ended.values, strict=True))
-    return Tuned(tuned, plan.before, values, ended.evaluations, evidence, text)
+    found = dict(zip((one.place for one in plan.ranges), values, strict=True))
+    return Tuned(tuned, plan.before, found, ended.evaluations, evidence, notes, text)
 
 
 def files_of(out: str | Path | None) -> dict[str, Path]:

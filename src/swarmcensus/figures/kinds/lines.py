@@ -84,7 +84,7 @@ def lines(
     step = min(apart, NEAR / max(len(looks) - 1, 1)) if places_of(across)[1] else apart
     for found, place in zip(series, axes, strict=True):
         if all(np.isnan(point.value) for points in found.values() for point in points):
-            say_empty(place)
+            say_empty(place, f"no trial has numbers of {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
         for k, (value, look) in enumerate(looks.items()):
