@@ -9,6 +9,8 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.basics.bootstrap import centres, intervals
+from swarmcensus.basics.corrections import holm
+from swarmcensus.basics.errors import InputError
 from swarmcensus.results import measures
 from swarmcensus.results.contenders import field_of
 from swarmcensus.results.latex import escaped, latex
@@ -391,3 +393,52 @@ def test_contenders_that_are_the_same_are_told():
     [said] = [one for one in sc.compare(data, "final_error").cautions if "same" in one]
     first, second = NAMES[1:3]
     assert said == f"final error: {first} and {second} are the same in every trial, and neither can be best"
+
+
+@pytest.mark.parametrize("mark", NAMES)
+@pytest.mark.parametrize("metric", ["final_error", "correct"])
+def test_against_one_contender_the_others_are_held_in_fewer_tests(mark, metric):
+    """Pair by pair the tests are the same; Holm's correction is for those with that contender alone."""
+    data = made_up(trials=20, gap=0.5)
+    data["correct"][:] = np.clip(data["correct"] - 0.1 * (data["setting"] % 4), 0, 1)
+    every, held = sc.compare(data, metric).pairs, sc.compare(data, metric, against=mark)
+    mine = every[(every["one"] == mark) | (every["other"] == mark)].reset_index(drop=True)
+    assert held.pairs["p"].tolist() == mine["p"].tolist()
+    tests = [*mine["p"], *held.duels["p"]]
+    assert [*held.pairs["p_holm"], *held.duels["p_holm"]] == pytest.approx(holm(np.array(tests)).tolist())
+    assert (held.pairs["p_holm"] <= mine["p_holm"]).all()
+    low, seen = metric == "final_error", set()
+    for row in held.pairs.to_dict("records"):
+        other = row["other"] if row["one"] == mark else row["one"]
+        larger = (row["difference"] > 0) == (row["one"] == mark)  # the one that others are held against
+        expected = "level" if not row["told_apart"] else "better" if larger == low else "worse"
+        table = held.table
+        there = table[(table["world"] == row["world"]) & (table["contender"] == other)]
+        assert there[f"{metric}_standing"].tolist() == [expected]
+        seen.add(expected)
+    assert seen - {"level"}
+    assert (held.table[held.table["contender"] == mark][f"{metric}_standing"] == "").all()
+    counts = held.ranks.set_index("contender")[["better", "level", "worse"]].sum(axis=1)
+    assert counts.tolist() == [0 if name == mark else 2 for name in NAMES]
+
+
+def test_the_verdict_against_one_is_of_each_other():
+    said = sc.compare(made_up(brains=2, trials=30, gap=3.0), "final_error", against="bayes-bots").verdict
+    assert said[0].startswith("final error: of 2 worlds, against bayes-bots")
+    assert said[0].endswith(": minimalistic is better in all 2")
+    assert said[1].startswith(
+        "final error, over all worlds: minimalistic is better (better in 100% of trials there, p "
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("minimal", "--against minimal: did you mean 'minimalistic'? there are minimalistic, bayes-bots prior=1"),
+        ("bayes-bots", "--against bayes-bots: these are several, bayes-bots prior=1, bayes-bots prior=10: name one"),
+    ],
+)
+def test_whom_to_hold_them_against_is_named_once(name, said):
+    with pytest.raises(InputError) as caught:
+        sc.compare(made_up(), against=name)
+    assert str(caught.value).startswith(said)

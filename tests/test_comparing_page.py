@@ -22,24 +22,27 @@ def ran(tmp_path_factory):
     shutil.copytree(ROOT / "studies", folder / "studies")
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
-        (run, _), _ = (list(commands(text)) for text in blocks(PAGE, "console"))
+        (run, _), *_ = (list(commands(text)) for text in blocks(PAGE, "console"))
         assert main(run[1:]) == 0
     return folder
 
 
 def test_the_comparison_is_what_the_command_prints(ran, monkeypatch, capsys):
     monkeypatch.chdir(ran)
-    first, _ = blocks(PAGE, "console")
+    first, against, _ = blocks(PAGE, "console")
     _, compare = commands(first)
     capsys.readouterr()
     assert main(compare[1:]) == 0
     assert first.endswith("ranking.nc\n" + capsys.readouterr().out)
+    [held] = commands(against)
+    assert main(held[1:]) == 0
+    assert against.partition("...\n")[2] in capsys.readouterr().out
 
 
 def test_the_other_commands_run_and_the_figure_is_theirs(ran, monkeypatch, capsys):
     monkeypatch.chdir(ran)
     printed = []
-    for command in commands(blocks(PAGE, "console")[1]):
+    for command in commands(blocks(PAGE, "console")[2]):
         assert main(command[1:]) == 0
         printed.append(capsys.readouterr().out)
     with Image.open("ranking-ranks.png") as drawn, Image.open(ROOT / "docs" / "images" / "ranks.png") as shown:

@@ -34,7 +34,7 @@ def compare(options: argparse.Namespace) -> int:
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = opened(options.results)
-    found = compare_results(stored, options.metric, options.where)
+    found = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
     comparison_page.show(found, head(stored, options.results), _again(options), limit, options.pairs)
     if options.csv:
@@ -56,6 +56,7 @@ def _again(options: argparse.Namespace) -> str:
     """The command with what it was given."""
     words = ["swarmcensus", "compare", str(options.results)]
     words += ["--where", options.where] if options.where is not None else []
+    words += ["--against", options.against] if options.against is not None else []
     return shlex.join([*words, *(word for name in options.metric for word in ("--metric", name))])
 
 
@@ -65,7 +66,10 @@ def _draw(found: "Comparison", figures: dict[str, Path]) -> None:
     from swarmcensus.figures.pareto_fronts import draw_pareto
     from swarmcensus.figures.rank_lines import draw_ranks
 
-    save_figure(draw_ranks(found), figures["ranks"])
+    if found.against is None:
+        save_figure(draw_ranks(found), figures["ranks"])
+    else:
+        print(f"{figures['ranks']} is not drawn: ranks are of each against each", file=sys.stderr)
     if "bytes_sent" in found.costs:
         save_figure(draw_pareto(found), figures["pareto"])
     else:

@@ -8,10 +8,18 @@ from rich.table import Table
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.results.comparing import Comparison
-from swarmcensus.results.comparison_cells import COSTS, PAIR_HEADS, Cell, columns, head, pair_rows, rows_of
+from swarmcensus.results.comparison_cells import (
+    COSTS,
+    MARKS,
+    PAIR_HEADS,
+    Cell,
+    columns,
+    head,
+    marks_of,
+    pair_rows,
+    rows_of,
+)
 from swarmcensus.results.summaries import is_idle
-
-MARKS = {"best": "*", "level": "="}
 
 
 def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
@@ -120,7 +128,6 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         "; ".join(said),
         f"values: the median over {many} trials of each one's median robot (of shares and what is sent: means){few}",
         *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
-        f"* best in its world, told apart from all others; = first, or not told apart from the first; {tests:,} tests, "
-        "corrected by Holm's method",
+        f"{marks_of(found)}; {tests:,} tests, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.bootstrap import centres
 from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.results import comparison_tables, measures, selecting
 from swarmcensus.results.contenders import NONE, Field, field_of
 from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
@@ -40,7 +41,8 @@ class Comparison(Standings):
 
         Of each measure there are its value, the ends of its 95 % interval (`_low`, `_high`), its `_rank` in the world
         and its `_standing`: "best" is told apart from all others, "level" is first or not told apart from the first,
-        "behind" is told apart from it. Then come costs and sizes.
+        "behind" is told apart from it; of contenders held against one of them "better", "level" or "worse". Then come
+        costs and sizes.
         """
         return comparison_tables.table(self)
 
@@ -64,24 +66,31 @@ class Comparison(Standings):
         return "\n".join([*self.verdict, *(f"caution: {one}" for one in self.cautions)])
 
 
-def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), where: str | None = None) -> Comparison:
+def compare(
+    results: xr.Dataset | str | Path,
+    metric: str | Sequence[str] = (),
+    where: str | None = None,
+    against: str | None = None,
+) -> Comparison:
     """Compare brains, and a brain's parameters, within each world, paired trial by trial (docs/comparing.md).
 
     `metric` names the measures that are compared and corrected for, as "correct" or ["final_error", "my_metric:low"];
     by default they are the final error, the convergence, the right decisions, consensus where brains decide, and
-    metrics of files. `where` picks settings, as in `swarmcensus show`. Raises InputError, as where there is nothing to
-    compare.
+    metrics of files. `where` picks settings, as in `swarmcensus show`. With `against`, a contender or a brain that is
+    but one, all others are held against it alone, which takes fewer tests. Raises InputError, as where there is nothing
+    to compare.
     """
     whole = load(results) if isinstance(results, str | Path) else results
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
     field, cautions = field_of(data, whole)
+    mark = None if against is None else _marked(against, field.contenders)
     some, unsaid = measures.chosen(data, metric)
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]
     if all(np.isnan(numbers).all() for numbers in compared):
         raise InputError("there is nothing to compare: no trial of these settings has been run")
     asked = zip(compared, some, strict=True)
-    found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked])
+    found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked], against=mark)
     costs = {
         name: centres(field.spread(measures.numbers(data, name)), "mean")
         for name in COSTS
@@ -91,7 +100,19 @@ def compare(results: xr.Dataset | str | Path, metric: str | Sequence[str] = (), 
     settings = np.where(field.place == NONE, NONE, data["setting"].values[field.place])
     cautions += [*unsaid, *_cautions(data, field, some, compared, found, costs)]
     title = str(data.attrs.get("title", ""))
-    return Comparison(title, field, some, found, costs, sizes, settings, cautions)
+    return Comparison(title, field, some, found, costs, sizes, settings, cautions, mark)
+
+
+def _marked(name: str, contenders: list[str]) -> int:
+    """The place of the contender of this name, or of the only one of this brain."""
+    found = [one for one in contenders if one == name] or [one for one in contenders if one.startswith(f"{name} ")]
+    if len(found) != 1:
+        hint = did_you_mean(name, contenders)
+        what = (
+            f"these are several, {', '.join(found)}: name one" if found else f"{hint}there are {', '.join(contenders)}"
+        )
+        raise InputError(f"--against {name}: {what}")
+    return contenders.index(found[0])
 
 
 def _cautions(

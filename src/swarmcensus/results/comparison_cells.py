@@ -15,6 +15,7 @@ MOST_DECIMALS = 6
 NEVER = "never"
 ALWAYS = "always"
 LEAST_P = 0.001  # smaller ones are said to be smaller
+MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
 COSTS = {"messages_sent": "messages", "bytes_sent": "bytes", "memory_bytes": "memory"}  # heads of columns
 Floats = NDArray[np.float64]
 
@@ -87,6 +88,13 @@ def amount(value: float) -> str:
     return "-" if np.isnan(value) else f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
+def marks_of(found: Standings) -> str:
+    """What the marks mean."""
+    if found.against is None:
+        return "* best in its world, told apart from all others; = first, or not told apart from the first"
+    return f"+ better, - worse than {found.contenders[found.against]}, and told apart from it; = not told apart"
+
+
 def p_value(p: float) -> str:
     """A p-value in three decimals, or that it is less than can be told in them."""
     return f"< {LEAST_P}" if p < LEAST_P else f"{p:.3f}"
@@ -97,7 +105,7 @@ def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
     rows: list[tuple[str, ...]] = []
     for one, contest in zip(found.measures, found.contests, strict=True):
         trials = (contest.tests.below + contest.tests.equal + contest.tests.above)[:worlds]
-        world, pair = at = np.nonzero(trials)
+        world, pair = at = np.nonzero(~np.isnan(contest.corrected[:worlds]))
         better = contest.tests.below if contest.low else contest.tests.above
         low, high = (ends[at] for ends in contest.difference_ends)
         texts = numbers(contest.difference[at], low, high, trials[at], one, "inf")

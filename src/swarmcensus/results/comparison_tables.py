@@ -7,7 +7,7 @@ import numpy as np
 
 from swarmcensus.basics.files import whole
 from swarmcensus.results.contests import pairs_of, world_ranks
-from swarmcensus.results.standings import Standings
+from swarmcensus.results.standings import AGAINST, RANKED, Standings
 
 
 def table(found: Standings) -> Any:
@@ -43,7 +43,7 @@ def pairs(found: Standings) -> Any:
     some = []
     for one, contest in zip(found.measures, found.contests, strict=True):
         trials = contest.tests.below + contest.tests.equal + contest.tests.above
-        worlds, which = np.nonzero(trials > 0)
+        worlds, which = np.nonzero(~np.isnan(contest.corrected))
         at, sign = (worlds, which), -1 if contest.low else 1
         better = contest.tests.below if contest.low else contest.tests.above
         ends = np.array(pairs_of(len(found.contenders)), np.intp).reshape(-1, 2)[which]
@@ -65,7 +65,7 @@ def ranks(found: Standings) -> Any:
 
     `average_rank` is over the trials and worlds that all have met. `best` counts the worlds in which a contender is
     first and told apart from all others, `level` those in which it is first or not told apart from the first otherwise,
-    and `behind` the rest.
+    and `behind` the rest; of contenders held against one of them `better`, `level` and `worse` count worlds.
     `friedman` and `friedman_p` are of the measure, and not corrected.
     """
     import pandas as pd
@@ -73,7 +73,8 @@ def ranks(found: Standings) -> Any:
     some = []
     for one, contest in zip(found.measures, found.contests, strict=True):
         standing = found.standing(contest)
-        counts = {name: (standing == name).sum(axis=0) for name in ("best", "level", "behind")}
+        ways = RANKED if found.against is None else AGAINST
+        counts = {name: (standing == name).sum(axis=0) for name in ways}
         columns = {"measure": one.name, "contender": found.contenders, "average_rank": contest.average_ranks}
         statistic, p = contest.friedman
         some.append(pd.DataFrame(columns | counts | {"friedman": statistic, "friedman_p": p}))

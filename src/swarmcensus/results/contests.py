@@ -86,13 +86,13 @@ def pairs_of(contenders: int) -> list[tuple[int, int]]:
     return list(combinations(range(contenders), 2))
 
 
-def contests(measures: list[Asked], with_intervals: bool = True) -> list[Contest]:
+def contests(measures: list[Asked], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
     """The contest of each measure; without intervals, and Friedman's test, which take the most time, these are NaN.
 
-    All tests of all measures are one family: if no contender differs from another, anything is told apart in at most
-    5 % of comparisons.
+    With `against` only pairs with that contender are tested. All tests of all measures are one family: if no contender
+    differs from another, anything is told apart in at most 5 % of comparisons.
     """
-    found = [_contest(one, with_intervals) for one in measures]
+    found = [_contest(one, with_intervals, against) for one in measures]
     tested = [part.ravel() for one in found for part in (one.corrected, one.duels_corrected)]
     corrected = holm(np.concatenate(tested)) if tested else np.zeros(0)
     at = 0
@@ -103,12 +103,13 @@ def contests(measures: list[Asked], with_intervals: bool = True) -> list[Contest
     return found
 
 
-def _contest(asked: Asked, with_intervals: bool) -> Contest:
+def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest:
     numbers, statistic, low, share = asked
     worlds, contenders, trials = numbers.shape
     most = 1.0 if share else np.inf
     first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
     shape = worlds, len(first)
+    tested = np.full(len(first), True) if against is None else (first == against) | (second == against)
     parts: list[tuple[Floats, Floats, Floats, SignedRanks]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
     for start in range(0, worlds, step):
@@ -119,11 +120,13 @@ def _contest(asked: Asked, with_intervals: bool) -> Contest:
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = SignedRanks(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
     there = tests.below + tests.equal + tests.above > 0
-    p = np.where(there, tests.p, np.nan).reshape(shape)
+    p = np.where(there & tested, tests.p, np.nan).reshape(shape)
     met = np.asarray(np.all(np.any(~np.isnan(numbers), axis=2), axis=1))
     ranks, ahead = _over_worlds(numbers[met], low, first, second)
     duels = signed_ranks(ahead.T)
-    told = (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1)  # in one, the world's own tests say it all
+    told = (
+        (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
+    )  # in one, the world's own tests say it all
     return Contest(
         low=low,
         values=centres(numbers, statistic),

@@ -3,7 +3,7 @@ r"""A comparison as a LaTeX table of the package booktabs, to be read into a pap
 from pathlib import Path
 
 from swarmcensus.basics.files import whole
-from swarmcensus.results.comparison_cells import Cell, columns, rows_of
+from swarmcensus.results.comparison_cells import MARKS, Cell, columns, marks_of, rows_of
 from swarmcensus.results.standings import Standings
 from swarmcensus.results.summaries import is_idle
 
@@ -21,8 +21,8 @@ def escaped(text: str) -> str:
 def latex(found: Standings, worlds: int | None = None) -> str:
     """The table of the first so many worlds (by default of all): a row for each world and contender.
 
-    Marks are those of the terminal: a star, and bold, for what is best in its world, told apart from all others; an
-    equals sign for what is first, or not told apart from the first. A comment says so, for the caption.
+    Marks are those of the terminal, and what is best, or better, is bold. A comment says what they mean, for the
+    caption.
     """
     worlds = len(found.field.worlds) if worlds is None else worlds
     world, contender = rows_of(found, worlds)
@@ -31,7 +31,7 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
     lines = [
         f"% {len(found.field.worlds)} worlds, {len(found.contenders)} contenders: {' '.join(found.title.split())}",
-        "% * best in its world, told apart from all others; = first, or not told apart from the first",
+        f"% {' '.join(marks_of(found).split())}",
         rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip
@@ -57,7 +57,7 @@ def write_latex(found: Standings, path: str | Path) -> None:
 
 def _cell(cell: Cell) -> str:
     value = escaped(cell.value).replace("-", "$-$") if cell.value != "-" else "--"
-    marks = {"best": rf"\textbf{{{value}}}$^{{*}}$", "level": rf"{value}$^{{=}}$"}
-    value = marks.get(cell.standing, value)
+    strong = rf"\textbf{{{value}}}" if cell.standing in ("best", "better") else value
+    value = rf"{strong}$^{{{MARKS[cell.standing]}}}$" if cell.standing in MARKS else value
     lacks = cell.interval in ("", "-")
     return value if lacks else f"{value} {{\\footnotesize {escaped(cell.interval).replace('-', '$-$')}}}"

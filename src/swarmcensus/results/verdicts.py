@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.rankings import groups
 from swarmcensus.results.comparison_cells import amount, p_value
-from swarmcensus.results.contests import Contest
+from swarmcensus.results.contests import Contest, pairs_of
 from swarmcensus.results.standings import Standings
 
 UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}
@@ -38,6 +38,8 @@ def costs(found: Standings) -> list[str]:
 def _by_world(found: Standings, contest: Contest) -> str:
     """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
     standing = found.standing(contest)
+    if found.against is not None:
+        return _against(found, standing)
     worlds = int((standing != "").any(axis=1).sum())
     if not worlds:
         return "no two contenders have numbers of it in the same world"
@@ -63,6 +65,8 @@ def _by_world(found: Standings, contest: Contest) -> str:
 
 def _overall(found: Standings, contest: Contest) -> str:
     """Average ranks, best first, and who is not told apart."""
+    if found.against is not None:
+        return _against_overall(found, contest)
     average, apart = contest.average_ranks, found.apart_overall(contest)
     order = np.argsort(average, kind="stable").tolist()
     ranked = ", ".join(f"{found.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
@@ -76,6 +80,39 @@ def _overall(found: Standings, contest: Contest) -> str:
         several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
         told = f"not told apart: {'; '.join(several)}"
     return f"average ranks {ranked}{more}; {told} (Friedman's test: p {_equals(contest.friedman[1])})"
+
+
+def _against(found: Standings, standing: NDArray[np.str_]) -> str:
+    """Such as "of 5 worlds, against a: b is better in 3 and not told apart in 2; c is worse in all 5"."""
+    parts = []
+    for k, name in enumerate(found.contenders):
+        met = int((standing[:, k] != "").sum())
+        said = [
+            f"{how} in {f'all {met:,}' if count == met > 1 else f'{count:,}'}"
+            for what, how in (("better", "better"), ("worse", "worse"), ("level", "not told apart"))
+            if (count := int((standing[:, k] == what).sum()))
+        ]
+        if met == 1:
+            said = [one.removesuffix(" in 1") for one in said]
+        if said:
+            parts.append(f"{name} is {' and '.join([', '.join(said[:-1]), said[-1]] if said[1:] else said)}")
+    assert found.against is not None
+    worlds = f"of {len(standing):,} worlds, " * (len(standing) > 1)
+    return f"{worlds}against {found.contenders[found.against]}: {'; '.join(parts) or 'nobody has numbers of it'}"
+
+
+def _against_overall(found: Standings, contest: Contest) -> str:
+    parts = []
+    for k, (one, other) in enumerate(pairs_of(len(found.contenders))):
+        if np.isnan(contest.duels_corrected[k]):
+            continue
+        who, ahead = (other, -contest.ahead[k]) if one == found.against else (one, contest.ahead[k])
+        how = "not told apart" if not contest.duels_apart[k] else "better" if ahead > 0 else "worse"
+        parts.append(
+            f"{found.contenders[who]} is {how} (better in {(1 + ahead) / 2:.0%} of trials there, "
+            f"p {_equals(contest.duels_corrected[k])})"
+        )
+    return "; ".join(parts)
 
 
 def _equals(p: float) -> str:
