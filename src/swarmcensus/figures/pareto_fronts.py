@@ -83,7 +83,7 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)
     if any(_beside(place, cost).any() for place, cost in zip(axes, costs, strict=True)):
-        entries["side by side: at one cost, that of their middle"] = Line2D([], [], linestyle="")
+        entries["side by side: at the same cost"] = Line2D([], [], linestyle="")
     add_key(axes, "", entries)
     figure: Figure = axes[0].figure.canvas.figure
     return figure
