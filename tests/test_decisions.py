@@ -365,3 +365,31 @@ def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
     assert (found["done_round"] == 0).all()
     assert (found["decision_round"] == 1).all()
     assert (found["consensus_round"] == 1).all()
+
+
+def test_nobody_is_asked_to_decide_before_the_first_round():
+    """A brain that divides by what it has seen need not ask whether it has seen anything."""
+    source = MEANS + "\n\ndef decide(me):\n    return 1 if me.n / me.t > 0.5 else 0\n"
+    found = told(source + "\n\ndef done(me):\n    return me.t > 3.0\n")
+    assert (found["decision_round"] == 1).all()
+    (setting,) = fixed(brain(source))
+    fields, _, _ = record_trial(setting, SEED, 0)
+    assert (fields["decided"][0] == -1).all()
+    assert (fields["decided"][1:] >= 0).all()
+    readings = np.ones((3, 2))
+    for compiled in (True, False):
+        trace = sc.infer(readings, None, 0.8, 1, brain(source), compiled=compiled)
+        assert trace["decided"].values.tolist() == [[-1, -1], *[[1, 1]] * 3]
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        "    if me.t > 2.0:\n        for k in range(3):\n            return k - 1\n    else:\n        return -1\n",
+        "    if me.t > 2.0:\n        while True:\n            for k in range(3):\n                if k:\n"
+        "                    break\n            return 1\n    else:\n        return 0\n",
+        "    while me.t < 0.0:\n        return 1\n    return 0\n",
+    ],
+)
+def test_loops_are_trusted_to_return_wherever_they_stand(body):
+    brain(MEANS + "\n\ndef decide(me):\n" + body)

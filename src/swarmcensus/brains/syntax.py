@@ -193,8 +193,15 @@ def _may_be_none(function: ast.FunctionDef) -> bool:
 def _falls_off(function: ast.FunctionDef) -> bool:
     """Whether a function may return nothing: a loop at its end is trusted to return before."""
     bare = [node for node in ast.walk(function) if isinstance(node, ast.Return) and node.value is None]
-    trusted = isinstance(function.body[-1], ast.For | ast.While | ast.Match | ast.Try | ast.With)
-    return bool(bare) or not (trusted or _returns(function.body))
+    return bool(bare) or _may_end(function.body)
+
+
+def _may_end(body: list[ast.stmt]) -> bool:
+    last = body[-1]
+    if isinstance(last, ast.If):
+        return not last.orelse or _may_end(last.body) or _may_end(last.orelse)
+    trusted = isinstance(last, ast.Return | ast.Raise | ast.For | ast.While | ast.Match | ast.Try | ast.With)
+    return not trusted and not _returns(body)
 
 
 def _returns(body: list[ast.stmt]) -> bool:

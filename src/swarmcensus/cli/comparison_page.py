@@ -63,7 +63,10 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
     if not with_pairs:
         count = sum(int((~np.isnan(one.corrected)).sum()) for one in found.contests)
         out.print(
-            f"all {count:,} differences, their effects and p-values: {again} --pairs, or --csv FILE", soft_wrap=True
+            f"all {count:,} differences, their effects and p-values: {again} --pairs, or --csv FILE"
+            if count > 1
+            else f"the difference, its effect and p-value: {again} --pairs, or --csv FILE",
+            soft_wrap=True,
         )
 
 
@@ -128,6 +131,6 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         "; ".join(said),
         f"values: the median over {many} trials of each one's median robot (of shares and what is sent: means){few}",
         *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
-        f"{marks_of(found)}; {tests:,} tests, corrected by Holm's method",
+        f"{marks_of(found)}; {tests:,} test{'s' * (tests != 1)}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]

@@ -162,20 +162,14 @@ def agree(verdicts, honest, agreed, now):
         agreed[1] = now
 
 
-@loop(forceinline=True)
-def forget_decision(verdicts, i):
-    """That robot i has decided for anything."""
-    verdicts[i, DECISION] = -1.0
-    verdicts[i, DECIDED_IN] = np.inf
-    verdicts[i, CHANGED] = np.inf
-    verdicts[i, WRONG] = -1.0  # which is right
-
-
 @loop()
 def forget_verdicts(verdicts, agreed):
     """What is known of decisions before the first round."""
     for i in range(verdicts.shape[0]):
-        forget_decision(verdicts, i)
+        verdicts[i, DECISION] = -1.0
+        verdicts[i, DECIDED_IN] = np.inf
+        verdicts[i, CHANGED] = np.inf
+        verdicts[i, WRONG] = -1.0  # which is right
         verdicts[i, DONE_IN] = np.inf
         verdicts[i, DONE_ESTIMATE] = np.nan
         verdicts[i, IS_DONE] = 0.0
@@ -185,11 +179,9 @@ def forget_verdicts(verdicts, agreed):
 
 @loop()
 def judge_blank(swarm, memory, start, verdicts):
-    """Who is done before the first round, by minds that believe in `start`; nobody has decided for anything yet."""
+    """Who is done before the first round, by minds that believe in `start`."""
     for block in range(np.uint64(swarm.of_block.size - 1)):
         judge(swarm, block, memory, start, ZERO, verdicts, 0)
-    for i in range(verdicts.shape[0]):
-        forget_decision(verdicts, i)
 
 
 @loop()

@@ -179,12 +179,12 @@ def believe(memory, rows, start, first, last):
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE)
 def judge(memory, rows, start, verdicts, now, first, last):
-    """What robots first ... last - 1 have decided after round `now`, and who is done."""
+    """What robots first ... last - 1 have decided after round `now`, and who is done; before any nobody decides."""
     minds = seen_as(memory, last, record)
     estimates = seen_as(rows, start + last, np.float64)
     told = seen_as(verdicts, (last, VERDICTS), np.float64)
     for i in range(first, last):
-        choice = 1.0 * decide(minds[i])
+        choice = 1.0 * decide(minds[i]) if now > 0.0 else -1.0
         if not (-1.0 <= choice < options and choice == np.floor(choice)):
             told[i, WRONG] = choice
         elif choice != told[i, DECISION]:

@@ -18,7 +18,7 @@ from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_
 from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.standings import Standings
 from swarmcensus.results.store import load
-from swarmcensus.results.summaries import asked_anew, failed_trials
+from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.results.verdicts import verdict
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,8 @@ def compare(
     some, unsaid = measures.chosen(data, metric)
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]
     if all(np.isnan(numbers).all() for numbers in compared):
-        raise InputError("there is nothing to compare: no trial of these settings has been run")
+        what = f"has numbers of {', '.join(one.label for one in some)}" if done(data).any() else "has been run"
+        raise InputError(f"there is nothing to compare: no trial of these settings {what}")
     asked = zip(compared, some, strict=True)
     found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked], against=mark)
     costs = {
@@ -149,7 +150,7 @@ def _cautions(
             "or compare fewer measures or worlds"
         )
     cautions += [
-        f"{one.label}: {first} and {second} are the same in every trial, and neither can be best"
+        f"{one.label}: {first} and {second} are the same in every trial that both have"
         for one, contest in zip(some, found, strict=True)
         if one.unit == "1" and not one.share  # others are equal by chance
         for k in np.flatnonzero(contest.alike).tolist()

@@ -77,8 +77,16 @@ class Contest:
 
     @property
     def duels_apart(self) -> NDArray[np.bool_]:
-        """Which pairs are told apart over all worlds, (pair,)."""
-        return np.asarray(self.duels_corrected <= ALPHA)
+        """Which pairs are told apart over all worlds, (pair,): where the mean of `ahead` points as the test does."""
+        agree = np.sign(self.ahead) * np.sign(self.duels.balance) >= 0
+        return np.asarray((self.duels_corrected <= ALPHA) & agree)
+
+    def shares(self, pair: int) -> tuple[float, float]:
+        """In what share of trials, in the worlds that all have met, the first of a pair is better, and worse."""
+        tests = self.tests
+        below, equal, above = (int(part[self.met, pair].sum()) for part in (tests.below, tests.equal, tests.above))
+        better, worse = (below, above) if self.low else (above, below)
+        return better / (below + equal + above), worse / (below + equal + above)
 
 
 def pairs_of(contenders: int) -> list[tuple[int, int]]:

@@ -84,7 +84,8 @@ def _overall(found: Standings, contest: Contest) -> str:
 
 def _against(found: Standings, standing: NDArray[np.str_]) -> str:
     """Such as "of 5 worlds, against a: b is better in 3 and not told apart in 2; c is worse in all 5"."""
-    parts = []
+    assert found.against is not None
+    mark, parts = found.contenders[found.against], []
     for k, name in enumerate(found.contenders):
         met = int((standing[:, k] != "").sum())
         said = [
@@ -92,13 +93,16 @@ def _against(found: Standings, standing: NDArray[np.str_]) -> str:
             for what, how in (("better", "better"), ("worse", "worse"), ("level", "not told apart"))
             if (count := int((standing[:, k] == what).sum()))
         ]
-        if met == 1:
+        if len(standing) == 1:
             said = [one.removesuffix(" in 1") for one in said]
         if said:
             parts.append(f"{name} is {' and '.join([', '.join(said[:-1]), said[-1]] if said[1:] else said)}")
-    assert found.against is not None
+    if not parts:
+        return f"nobody else has numbers of it where {mark} has"
+    alone = [name for k, name in enumerate(found.contenders) if name != mark and not (standing[:, k] != "").any()]
+    parts += [f"{', '.join(alone)} {'is' if len(alone) == 1 else 'are'} in no world with it"] * bool(alone)
     worlds = f"of {len(standing):,} worlds, " * (len(standing) > 1)
-    return f"{worlds}against {found.contenders[found.against]}: {'; '.join(parts) or 'nobody has numbers of it'}"
+    return f"{worlds}against {mark}: {'; '.join(parts)}"
 
 
 def _against_overall(found: Standings, contest: Contest) -> str:
@@ -106,13 +110,19 @@ def _against_overall(found: Standings, contest: Contest) -> str:
     for k, (one, other) in enumerate(pairs_of(len(found.contenders))):
         if np.isnan(contest.duels_corrected[k]):
             continue
-        who, ahead = (other, -contest.ahead[k]) if one == found.against else (one, contest.ahead[k])
+        better, worse = contest.shares(k)
+        who, ahead = one, contest.ahead[k]
+        if one == found.against:
+            who, ahead, better, worse = other, -ahead, worse, better
         how = "not told apart" if not contest.duels_apart[k] else "better" if ahead > 0 else "worse"
-        parts.append(
-            f"{found.contenders[who]} is {how} (better in {(1 + ahead) / 2:.0%} of trials there, "
-            f"p {_equals(contest.duels_corrected[k])})"
-        )
+        p = _equals(contest.duels_corrected[k])
+        parts.append(f"{found.contenders[who]} is {how} ({often(better, worse)}, p {p})")
     return "; ".join(parts)
+
+
+def often(better: float, worse: float) -> str:
+    """In what shares of trials one is better and worse; in the others they are equal."""
+    return f"better in {better:.0%}, worse in {worse:.0%} of trials"
 
 
 def _equals(p: float) -> str:

@@ -35,7 +35,7 @@ def follow(
     estimates: list[list[float]] = []
 
     def keep() -> None:
-        memories.append([kept_of(brain, me) for me in minds])
+        memories.append([kept_of(brain, me, bool(memories)) for me in minds])
         estimates.append([functions.estimate(me) for me in minds])
 
     keep()
@@ -70,11 +70,14 @@ def follow(
     return {name: np.array([[m[name] for m in row] for row in memories]) for name in names}, np.array(estimates)
 
 
-def kept_of(brain: Brain, me: Any) -> dict[str, Any]:
-    """What a trace shows of a mind: its fields, and of brains that decide what."""
+def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
+    """What a trace shows of a mind: its fields, and of brains that decide what, from the first round on."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
-    fields |= {free(DECIDED, brain.memory): float(brain.functions.decide(me))} if brain.decides else {}
-    return fields | ({free(IS_DONE, brain.memory): float(bool(brain.functions.done(me)))} if brain.ends else {})
+    if brain.decides:
+        fields[free(DECIDED, brain.memory)] = float(brain.functions.decide(me)) if decides else -1.0
+    if brain.ends:
+        fields[free(IS_DONE, brain.memory)] = float(bool(brain.functions.done(me)))
+    return fields
 
 
 def is_done(brain: Brain, me: Any) -> bool:

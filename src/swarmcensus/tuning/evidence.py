@@ -11,6 +11,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.results.comparing import Comparison, compare
 from swarmcensus.results.comparison_cells import p_value
 from swarmcensus.results.summaries import is_idle
+from swarmcensus.results.verdicts import often
 from swarmcensus.studies.settings import Setting
 
 BETTER, WORSE, LEVEL = "better", "worse", "not told apart"
@@ -57,9 +58,9 @@ class Evidence:
         told = {LEVEL: "is not told apart from", BETTER: "is better than", WORSE: "is worse than"}[self.verdict]
         over = ""
         for row in self.comparison.duels.to_dict("records"):
-            share = row["ahead"] if self._first else -row["ahead"]
-            better = f"better in {(1 + share) / 2:.0%} of trials there"
-            over = f" over all {len(pairs)} worlds: {better}, p {_equals(row['p_holm'])}"
+            better, worse = self.comparison.contests[0].shares(0)
+            said = often(better, worse) if self._first else often(worse, better)
+            over = f" over all {len(pairs)} worlds: {said}, p {_equals(row['p_holm'])}"
         one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.label}: {self.tuned} {told} {self.before}{over}{one}"]
         if over:

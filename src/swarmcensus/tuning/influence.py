@@ -17,7 +17,8 @@ def without_idle(
 ) -> tuple[Values, list[str]]:
     """The values found, but those that change no number of any trial as they were before, and which these are.
 
-    Each is tried by itself, then all of them together: of two that each can stand for the other the first one stays.
+    Each is tried by itself, then all of them together; where one can stand for another, they are put back one by one,
+    as long as that changes nothing.
     """
     changed = [k for k, (value, was) in enumerate(zip(values, plan.start, strict=True)) if value != was]
     if not changed or len(values) == 1:  # where a search finds anything, its only parameter matters
@@ -26,12 +27,16 @@ def without_idle(
     def as_before(*places: int) -> Values:
         return tuple(plan.start[k] if k in places else value for k, value in enumerate(values))
 
+    def same(places: list[int]) -> bool:
+        [other] = _tried(plan, [as_before(*places)], training, show)
+        return np.array_equal(found, other, equal_nan=True)
+
     found, *others = _tried(plan, [values, *map(as_before, changed)], training, show)
     idle = [k for k, other in zip(changed, others, strict=True) if np.array_equal(found, other, equal_nan=True)]
-    while len(idle) > 1 and not np.array_equal(
-        found, _tried(plan, [as_before(*idle)], training, show)[0], equal_nan=True
-    ):
-        idle.pop()
+    if len(idle) > 1 and not same(idle):
+        alone, idle = idle, []
+        for k in alone:
+            idle += [k] * same([*idle, k])
     return as_before(*idle), [plan.ranges[k].place for k in idle]
 
 
