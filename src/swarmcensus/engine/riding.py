@@ -183,6 +183,9 @@ def live_on(
             )  # fmt: skip
             if silent:
                 count_said(swarm, outbox, np.uint64(then), bounds, senders, LISTED, counts)
+            else:
+                for i in range(n):
+                    counts[HEARD, i] += bounds[i + 1] - bounds[i]
         else:
             if now >= delay:
                 hear_each(

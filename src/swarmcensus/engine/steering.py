@@ -6,7 +6,7 @@ Compiled once on a machine, like all of the engine's loops.
 import numpy as np
 
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.modes import HEARD, PACE
+from swarmcensus.engine.modes import PACE
 from swarmcensus.engine.swarms import Swarm
 
 from .riding import ask_all, live_on, room_of
@@ -45,7 +45,4 @@ def live(
             swarm, room, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
             looked, black, heard, senders, *kept, counts, verdicts, agreed, stops, stop,
         )  # fmt: skip
-        if tick >= delay and swarm.additive and threshold == 0 and stops.shape[1] == 0 and swarm.flag < 0:
-            for i in range(n):
-                counts[HEARD, i] += heard[i + 1] - heard[i]
         ask_all(swarm, room[0], memory, body, state[PACE], trial, tick, wishes)

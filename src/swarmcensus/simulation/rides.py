@@ -8,7 +8,6 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.engine.modes import HEARD
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.metrics import right_bin
 from swarmcensus.simulation.swarming import (
@@ -57,9 +56,6 @@ class Rider:
                 *self.swarm, self.memory, *beliefs, self.outbox, self.start, self.counts, self.verdicts, self.agreed,
                 self.stops, setting.rounds,
             )  # fmt: skip
-        self.hears_all = (
-            self.swarm.additive and self.swarm.flag < 0 and not given.loss_threshold and not self.stops.shape[1]
-        )
 
     def ride(
         self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
@@ -72,8 +68,6 @@ class Rider:
             *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
             self.stops, stop,
         )  # fmt: skip
-        if self.hears_all:
-            self.counts[HEARD] += chunk.messages(self.delay)
 
     def wish(self, wishes: np.ndarray, tick: int) -> None:
         """Say where the minds want to go after a tick, if they steer."""

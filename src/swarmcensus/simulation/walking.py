@@ -32,12 +32,6 @@ class Chunk:
     poses: np.ndarray  # (tick, robot, 3): x and y in metres, heading in radians; no rows where not asked for
     begin: np.ndarray  # (robot, 3): the same before the first of these ticks
 
-    def messages(self, delay: int) -> np.ndarray:
-        """How many messages each robot hears in these ticks (robot), where what is heard was said `delay` ago."""
-        ticks, robots = self.looked.shape
-        skipped = min(max(delay - self.tick, 0), ticks) * robots
-        return np.asarray(np.diff(self.heard[skipped:]).reshape(-1, robots).sum(axis=0))
-
 
 def neighbours_at_most(robots: int, body: Body) -> int:
     """How many bodies fit around one robot within its reach: the densest packing of discs."""
