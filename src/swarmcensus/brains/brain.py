@@ -91,12 +91,12 @@ class Brain:
         """How long each vector of the memory is; 0 for a number."""
         return {name: length(value) for name, value in self.memory.items()}
 
-    @property
+    @functools.cached_property
     def memory_bytes(self) -> int:
         """What a robot remembers, beliefs about its sensor included; parameters are part of its program."""
         return BYTES_A_NUMBER * (len(slots(self.lengths)) + len(BELIEFS))
 
-    @property
+    @functools.cached_property
     def message_bytes(self) -> int:
         """What a robot broadcasts in one message."""
         return BYTES_A_NUMBER * len(slots(self.message))

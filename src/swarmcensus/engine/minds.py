@@ -31,6 +31,7 @@ TILE = 256  # robots whose curves are looked at together: their extremes stay in
 def begin(swarm, memory, b, w):
     """Blank minds that believe in the accuracies b and w (of one robot where all are alike), their last fields."""
     flat = memory.reshape(-1)
+    b_step, w_step = np.int64(b.size > 1), np.int64(w.size > 1)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         fields = swarm.fields[group]
@@ -40,8 +41,8 @@ def begin(swarm, memory, b, w):
                 flat[row + j] = swarm.blanks[group, j]
             if swarm.named[group]:
                 flat[row + fields - 3] = i
-            flat[row + fields - 2] = b[i % b.size]
-            flat[row + fields - 1] = w[i % w.size]
+            flat[row + fields - 2] = b[i * b_step]
+            flat[row + fields - 1] = w[i * w_step]
 
 
 @loop()

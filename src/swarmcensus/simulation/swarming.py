@@ -16,7 +16,6 @@ from swarmcensus.studies.settings import Setting
 
 NO_LUCK = np.zeros(0, np.uint64)
 ALL_HONEST = np.zeros(0, np.bool_)
-NOTHING = np.full(4, np.nan)
 DECIDED, IS_DONE = "decided", "is_done"  # of a trace, beside a brain's own fields
 
 
@@ -91,7 +90,7 @@ def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarr
     """What all robots agreed on, when, whether it is right, and what is (trial, 4); all NaN where no brain decides."""
     options = [brain.options for brain in setting.crew if brain.decides]  # all the same
     if not options:
-        return np.broadcast_to(NOTHING, (len(agreed), 4))
+        return np.full((len(agreed), 4), np.nan)
     right = right_option(truth, options[0])
     is_right = np.full(len(agreed), np.nan) if np.isnan(right) else (agreed[:, 0] == right).astype(np.float64)
     return np.column_stack([agreed, is_right, np.full(len(agreed), right)])

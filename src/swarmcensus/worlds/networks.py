@@ -126,7 +126,8 @@ class Topology:
             key = address(seed, "topology", topology=self.content, robots=robots)
             graphs = self._drawn(robots, [Chance(key, first_trial + k) for k in range(trials)])
         else:
-            graphs = [self._fixed(robots)]
+            receivers, senders = map(np.ascontiguousarray, self._fixed(robots))
+            return Links(LISTED, np.array([0, len(receivers)]), receivers, senders)
         starts = np.cumsum([0, *(len(r) for r, _ in graphs)])
         return Links(LISTED, starts, np.concatenate([r for r, _ in graphs]), np.concatenate([s for _, s in graphs]))
 
