@@ -270,35 +270,7 @@ def test_an_infinite_interval_has_no_width():
 
 def test_recorded_readings_are_those_that_were_made(tmp_path):
     """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
-    source = '''"""A mean of 25 readings, or as many as the round has."""
-MEMORY = {"t": 0.0, "n": 0.0}
-MESSAGE = ("n",)
-
-
-def observe(me, blacks, looks):
-    me.t += looks
-    me.n += blacks
-
-
-def broadcast(me):
-    return (me.n,)
-
-
-def receive(me, message):
-    pass
-
-
-def fuse(me):
-    pass
-
-
-def estimate(me):
-    return me.n / me.t if me.t > 0.0 else 0.5
-
-
-def done(me):
-    return me.t >= 25.0
-'''
+    source = changed(("me.t >= 3.0", "me.t >= 25.0"), source=ENDS)
     (tmp_path / "some.py").write_text(source)
     study = sc.Study(
         trials=1, swarm={"brain": str(tmp_path / "some.py"), "robots": 4, "accuracy": 0.7},

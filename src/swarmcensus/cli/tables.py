@@ -18,7 +18,7 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.conformance.suite import Check
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, is_idle, summary, told
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
@@ -97,7 +97,7 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     if (data["link_success"] == 1.0).all():
         del columns["link_success"]
     columns.pop(told(data), None)
-    columns |= {name: np.array([NOTHING if is_idle(v) else v for v in values]) for name, values in columns.items()}
+    columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in parameters_in(data):
         columns[name] = _parameter(data[name].values)
         if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # of some of the brains, and never another

@@ -58,7 +58,7 @@ def looks_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[int,
         for black, looks in product((1.0, 0.0), LOOKS):
             once = _law(brain, partial(_seen, brain, where, start, [(looks * black, float(looks))]))
             for how, sizes in PARTS.items():
-                way = [(size * black, float(size)) for size in _split(looks, sizes)]
+                way = [(size * black, float(size)) for size in split(looks, sizes)]
                 if len(way) > max(ONE_BY_ONE, looks // 20):
                     continue
                 laws = [once, _law(brain, partial(_seen, brain, where, start, way))]
@@ -71,13 +71,14 @@ def looks_add_up(brain: Brain, starts: Iterable[tuple[str, Any, tuple[tuple[int,
                 )
 
 
-def _split(looks: int, sizes: tuple[int, ...]) -> list[int]:
+def split(looks: int, sizes: tuple[int, ...]) -> list[int]:
     """Parts of these sizes, again and again."""
     parts: list[int] = []
     for size in cycle(sizes):
-        if sum(parts) == looks:
-            return parts
-        parts.append(min(size, looks - sum(parts)))
+        if not looks:
+            break
+        parts.append(min(size, looks))
+        looks -= parts[-1]
     return parts
 
 

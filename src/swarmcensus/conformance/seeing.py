@@ -1,7 +1,7 @@
 """What a brain promises about its readings: many at once mean the same as one by one."""
 
 from collections.abc import Iterator
-from itertools import cycle, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -93,13 +93,9 @@ def _halves(blacks: int, looks: int) -> list[tuple[int, int]]:
 def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, int]]:
     """Parts of these sizes, again and again, the black readings first."""
     parts: list[tuple[int, int]] = []
-    for most in cycle(sizes):
-        if not looks:
-            break
-        size = min(most, looks)
-        black = min(size, blacks)
-        parts.append((black, size))
-        blacks, looks = blacks - black, looks - size
+    for size in chances.split(looks, sizes):
+        parts.append((min(size, blacks), size))
+        blacks -= parts[-1][0]
     return parts
 
 

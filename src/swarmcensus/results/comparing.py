@@ -149,12 +149,13 @@ def _cautions(
             f"{most} trial{'s' * (most > 1)} cannot tell anything apart among {tests:,} tests: run {least} or more, "
             "or compare fewer measures or worlds"
         )
+    pairs = [(field.contenders[one], field.contenders[other]) for one, other in pairs_of(len(field.contenders))]
     cautions += [
         f"{one.label}: {first} and {second} are the same in every trial that both have"
         for one, contest in zip(some, found, strict=True)
         if one.unit == "1" and not one.share  # others are equal by chance
-        for k in np.flatnonzero(contest.alike).tolist()
-        for first, second in [[field.contenders[c] for c in pairs_of(len(field.contenders))[k]]]
+        for (first, second), alike in zip(pairs, contest.alike, strict=True)
+        if alike
     ]
     lacks = dict.fromkeys(one for name in COSTS if name not in costs for one in measures.lacks(data, name))
     lacks |= dict.fromkeys(name for name in SIZES if name not in data)

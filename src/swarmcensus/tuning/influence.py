@@ -36,7 +36,8 @@ def without_idle(
     if len(idle) > 1 and not same(idle):
         alone, idle = idle, []
         for k in alone:
-            idle += [k] * same([*idle, k])
+            if same([*idle, k]):
+                idle.append(k)
     return as_before(*idle), [plan.ranges[k].place for k in idle]
 
 
