@@ -61,6 +61,29 @@ def tile_unit(key: np.ndarray, trial: int, purpose: int, column: int, row: int) 
     return unit(one), unit(other)
 
 
+# ---- what changes while robots look
+
+
+def fill_ratio_in(setting: Setting, tick: int) -> float:
+    """The fill ratio of a round or tick: the last with the old one is at - 1, the first with the new one is until."""
+    change = setting.change
+    if change is None:
+        return setting.fill_ratio
+    steps = (change.until or change.at) - change.at + 1
+    done = min(max(tick - change.at + 1, 0), steps)
+    return change.last if done == steps else change.first + (change.last - change.first) * (done / steps)
+
+
+def accuracy_in(setting: Setting, member: int, start: float, tick: int) -> float:
+    """A robot's true accuracy of a round or tick, of the swarm (0) or of a member: it stays where its drift ends."""
+    accuracy = (setting.members[member - 1].accuracy if member else None) or setting.accuracy
+    if accuracy.drift is None:
+        return start
+    value = start + accuracy.drift.slope * (tick - 1)
+    bound = accuracy.drift.bound
+    return max(value, min(bound, start)) if accuracy.drift.slope < 0 else min(value, max(bound, start))
+
+
 # ---- who hears whom on fixed networks
 
 
@@ -126,11 +149,12 @@ class Minds:
         self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)
         self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
-        crew = [setting.brain, *(member.brain or setting.brain for member in setting.members)]
+        crew = [setting.brain, *(member.brain_in(setting.brain) for member in setting.members)]
         self.brains = [crew[k] for k in (setting.who(seed, trial, 1)[0] if setting.members else [0] * n)]
         every = zip(self.brains, np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
         self.minds = [brain.robot(*beliefs, float(i)) for i, (brain, *beliefs) in enumerate(every)]
         self.said = [[self.says(i) for i in range(n)]]
+        self.noise = [[self.jams(i) for i in range(n)]]
         self.estimates = [[self.call("estimate", i) for i in range(n)]]
         self.sent, self.heard = [0] * n, [0] * n
         self.decisions: list[list[float]] = []
@@ -142,8 +166,12 @@ class Minds:
 
     def says(self, i: int) -> object:
         """Its message, or None: a vector as it is now."""
-        message = self.call("broadcast", i)
+        message = None if self.jams(i) else self.call("broadcast", i)
         return message and tuple(tuple(part) if isinstance(part, list) else part for part in message)
+
+    def jams(self, i: int) -> bool:
+        """Whether it makes noise, and so says nothing."""
+        return self.brains[i].jams and bool(self.call("jam", i))
 
     def is_done(self, i: int) -> bool:
         """Whether it makes no more readings."""
@@ -162,9 +190,12 @@ class Minds:
                 self.cast(i, tick, self.parts[0])
                 self.call("observe", i, float(blacks[i]), float(looks))
         self.said.append([self.says(i) for i in range(n)])
+        self.noise.append([self.jams(i) for i in range(n)])
         for i in range(n):
             self.sent[i] += self.said[-1][i] is not None and tick < self.failed.talking[i]
-            for j in heard[i] if tick >= delay else ():
+            before = tick - delay
+            drowned = tick >= delay and any(self.noise[before][j] and before < self.failed.talking[j] for j in heard[i])
+            for j in heard[i] if tick >= delay and not drowned else ():
                 spoke = tick - delay < self.failed.talking[j] and self.said[tick - delay][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:

@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.bodies import Body
-from tests.reference import Failures, Minds, key_of, robots_word, threefry, tile_unit, unit
+from tests.reference import Failures, Minds, accuracy_in, fill_ratio_in, key_of, robots_word, threefry, tile_unit, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = range(4)
 SLANT = math.sqrt(0.5)
@@ -215,16 +215,19 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     side = math.sqrt(n * math.pi * body.radio_range**2 / setting.density)
     walk, floor, reads = setting.walk_key(seed), setting.floor_key(seed), setting.readings_key(seed)
     b, w = (np.broadcast_to(side_of[0], n) for side_of in setting.accuracies(seed, trial, 1)[:2])
+    who = setting.who(seed, trial, 1)[0] if setting.members else [0] * n
     swarm, minds = placed(n, side, body, walk, trial), Minds(setting, seed, trial, failed)
     begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
     out = Life(begin, [], [], [], minds.estimates, minds)
     wants: list[tuple[float, float] | None] = [None] * n
     for tick in range(1, setting.rounds + 1):
         now = step(swarm, side, body, walk, trial, tick, failed.moving, wants)
-        black = [tile_unit(floor, trial, 0, *tile)[0] < setting.fill_ratio for tile in now.tiles]
+        black = [tile_unit(floor, trial, 0, *tile)[0] < fill_ratio_in(setting, tick) for tile in now.tiles]
         read = []
         for i in range(n):
-            right = unit(robots_word(reads, trial, tick, i)) < (b[i] if black[i] else w[i])
+            right = unit(robots_word(reads, trial, tick, i)) < accuracy_in(
+                setting, who[i], b[i] if black[i] else w[i], tick
+            )
             able = now.looked[i] and tick < failed.sensing[i]
             read.append(float(black[i] == right) if able else math.nan)
         minds.live(tick, read, 1, now.heard, body.message_delay)

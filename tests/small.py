@@ -8,6 +8,8 @@ from tests import reference
 
 GO = np.zeros(1, np.uint8)
 SEED = 29
+SWITCH = {"from": 0.85, "to": 0.25, "at": 31}
+SLOW = SWITCH | {"until": 71}
 FAULTS = [
     {"at": 3, "robots": 2, "stop": "sensing"},
     {"at": 5, "robots": 0.4, "stop": "talking"},
@@ -48,3 +50,11 @@ def heard_in(setting, trial):
     """Who hears whom in the reference."""
     content = setting.topology.content
     return reference.hearers(setting, address(SEED, "topology", topology=content, robots=setting.robots), trial)
+
+
+def changing(fill_ratio=SLOW, accuracy=0.9, world=(), **tables):
+    """A study of 100 rounds whose fill ratio changes, on a ring unless `world` says otherwise."""
+    moves = dict(world).get("topology") == "moving"
+    schedule = {"ticks": 100} if moves else {"rounds": 100, "observations_per_round": 3}
+    given = {"trials": 3, "seed": 7, "swarm": {"robots": 8, "accuracy": accuracy}, "schedule": schedule}
+    return sc.Study(**given | {"world": {"topology": "ring", "fill_ratio": fill_ratio} | dict(world)} | tables)

@@ -1,5 +1,6 @@
 """What is drawn: each number where the docs say it is drawn, and on just what they say it depends."""
 
+import itertools
 import math
 from dataclasses import replace
 
@@ -7,14 +8,17 @@ import numpy as np
 import pytest
 from scipy import stats
 
+import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
+from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.draws import COLUMNS, LOW, PART, black_tables
+from swarmcensus.engine.draws import COLUMNS, LOW, PART
 from swarmcensus.engine.random import block, counter, words
-from swarmcensus.simulation.trials import record_trial
+from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
+from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault, stops
 from swarmcensus.worlds.sensors import parse_accuracy, parse_assumed
 from tests import reference
@@ -60,7 +64,10 @@ CHANGES = {  # what is changed, and whose numbers are others then
     "robots": (7, {READINGS, LOSSES, WALK, FLOOR}),
     "density": (3.0, {READINGS, LOSSES, WALK, FLOOR}),
     "fill_ratio": (0.3, {READINGS, FLOOR}),
+    "change": (Change(0.55, 0.1, 3), set()),  # from what there is now: it begins as the same world
+    "change's begin": (Change(0.3, 0.55, 3), {READINGS, FLOOR}),
     "accuracy": (parse_accuracy(0.9), {READINGS}),
+    "accuracy's drift": (parse_accuracy({"start": 0.7, "drift": -0.01}), set()),
     "observations_per_round": (2, {READINGS}),
     "link_success": (0.25, {LOSSES}),
     "rounds": (99, set()),
@@ -95,6 +102,13 @@ def test_purposes_share_no_numbers():
 # ---- readings
 
 
+def tables_of(b, w, fill_ratio, looks):
+    """The alias rows of robots of these accuracies, on a floor that stays."""
+    source = source_of(b, w, np.zeros((3, 0)), np.array([fill_ratio, fill_ratio, 1.0, 1.0]), looks)
+    renew(source, looks, 1)
+    return source.tables
+
+
 def shares_of(row):
     """The probabilities of the columns of an alias row."""
     shares = np.zeros(COLUMNS)
@@ -117,7 +131,7 @@ def test_counts_of_black_readings_have_their_law_and_their_address(looks):
     (setting,) = settings_of(robots=5, looks=looks, rounds=3, accuracy={"black": "U(0.7, 0.9)", "white": "U(0.4, 0.8)"})
     for trial in (0, 1):
         b, w = (side[0] for side in setting.accuracies(SEED, trial, 1)[:2])
-        tables = black_tables(b, w, 0.55, looks)
+        tables = tables_of(b, w, 0.55, looks)
         sizes = [PART] * (looks // PART) + [looks % PART] * (looks % PART > 0)
         assert len(tables) == len(set(sizes))
         _, _, blacks = record_trial(setting, SEED, trial)
@@ -135,11 +149,46 @@ def test_counts_of_black_readings_have_their_law_and_their_address(looks):
                 assert blacks[tick, i] == sum(drawn)
 
 
+@pytest.mark.parametrize("looks", [3, PART + 2])
+@pytest.mark.parametrize("change", [{"at": 3}, {"at": 2, "until": 4}], ids=["switch", "drift"])
+@pytest.mark.parametrize(
+    ("accuracy", "members"),
+    [(0.8, []), ({"start": 0.8, "drift": -0.07, "least": 0.6}, []), ({"start": "U(0.6, 0.8)", "drift": 0.1}, []),
+     (0.8, [{"robots": 2, "accuracy": {"start": "U(0.7, 0.8)", "drift": -0.2}}]),
+     ({"start": 0.8, "drift": -0.07}, [{"robots": 2, "accuracy": {"black": 0.9, "white": 0.6}}])],
+)  # fmt: skip
+def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members, change, looks):
+    """In each round those of tables that stand for its own fill ratio and accuracies."""
+    study = sc.Study(
+        trials=2, seed=SEED, swarm={"robots": 5, "accuracy": accuracy}, members=members,
+        world={"topology": "ring", "fill_ratio": {"from": 0.9, "to": 0.2} | change},
+        schedule={"rounds": 5, "observations_per_round": looks},
+    )  # fmt: skip
+    (setting,) = study.settings()
+    sizes = [PART] * (looks // PART) + [looks % PART]
+    for trial in (0, 1):
+        b, w = (np.broadcast_to(side[0], 5) for side in setting.accuracies(SEED, trial, 1)[:2])
+        who = setting.who(SEED, trial, 1)[0]
+        _, _, blacks = record_trial(setting, SEED, trial)
+        readings = record_readings(setting, SEED, trial).reshape(5, looks, 5)
+        assert (readings.sum(axis=1) == blacks[1:]).all()
+        for tick, i in itertools.product(range(1, 6), range(5)):
+            now = [reference.accuracy_in(setting, who[i], side[i], tick) for side in (b, w)]
+            tables = tables_of(*(np.array([side]) for side in now), reference.fill_ratio_in(setting, tick), looks)
+            words_ = [
+                reference.robots_word(setting.readings_key(SEED), trial, tick, i, part) for part in range(len(sizes))
+            ]
+            drawn = [
+                picked(tables[0 if size == PART else -1, 0], word) for size, word in zip(sizes, words_, strict=True)
+            ]
+            assert blacks[tick, i] == sum(drawn)
+
+
 @pytest.mark.parametrize(
     ("b", "w", "fill_ratio", "p"), [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)]
 )
 def test_sure_readings_are_sure(b, w, fill_ratio, p):
-    tables = black_tables(np.array([b]), np.array([w]), fill_ratio, 4)
+    tables = tables_of(np.array([b]), np.array([w]), fill_ratio, 4)
     assert shares_of(tables[0, 0])[round(4 * p)] == pytest.approx(1.0, abs=1e-14)
 
 

@@ -46,6 +46,14 @@ def test_robots_that_stop_sensing_observe_no_more(text):
         assert (trace["estimate"].values[:20] == sound["estimate"].values[:20]).all()
 
 
+def test_robots_that_stop_sensing_are_heard_as_ever():
+    text = STUDY.replace('"STOP"', '"sensing"')
+    heard = sc.run(sc.Study.parse(text))["messages_heard"]
+    sound = sc.run(sc.Study.parse(text.replace("faults", "#")))["messages_heard"]
+    assert (heard.values == sound.values).all()
+    assert (heard.values[0] == 40 * 7).all()
+
+
 def test_robots_that_stop_talking_are_heard_no_more():
     for setting, failed, trace, sound in traces(STUDY, '["talking"]'):
         assert trace["estimate"].values[:20] == pytest.approx(sound["estimate"].values[:20], abs=1e-12)

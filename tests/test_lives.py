@@ -28,6 +28,13 @@ CASES = [
     },
     {"robots": 4, "accuracy": {"black": "N(0.8, 0.1)", "white": 0.6}, "assumed_accuracy": {"error": "U(-0.2, 0.1)"}},
     {"robots": 260, "rounds": 2, "accuracy": "U(0.6, 0.8)", "looks": 17},
+    {
+        "robots": 5,
+        "topology": ["ring", "full"],
+        "looks": 3,
+        "fill_ratio": {"from": 0.9, "to": 0.2, "at": 3, "until": 6},
+        "accuracy": {"start": "U(0.7, 0.9)", "drift": -0.02, "least": 0.6},
+    },
     {"robots": 258, "topology": "line", "rounds": 3, "faults": [FAULTS[0] | {"robots": 0.5}], "link_success": 0.9},
 ]
 
@@ -66,7 +73,8 @@ def test_single_readings_make_up_their_rounds_in_an_order_of_their_own(looks):
 def measured(curves, setting, measure):
     """The metrics of a trial's curves, by definition."""
     index = metrics.convergence(curves, measure.delta)
-    right = [metrics.correct(curves[c], setting.fill_ratio, measure.bins) for c in measure.checkpoints]
+    truths = {c: reference.fill_ratio_in(setting, c) for c in measure.checkpoints}
+    right = [metrics.correct(curves[c], truth, measure.bins) for c, truth in truths.items()]
     return index, metrics.error_at(curves, index, setting.fill_ratio), curves[-1], right
 
 
@@ -75,9 +83,11 @@ def measured(curves, setting, measure):
 def test_a_batch_measures_the_curves_of_its_trials(rows, local, monkeypatch):
     """However long the segments are that it keeps, and whichever trials of a study it runs."""
     looks, measure = 3, Metrics(0.3 if rows in (1, 6) else 0.03, 7, () if local else (2, 5, 10), estimates=True)
+    changes = [{"from": 0.9, "to": 0.2, "at": 4}, {"from": 0.2, "to": 0.7, "at": 3, "until": 8}]
     for setting in settings_of(
-        robots=4, rounds=10, looks=looks, topology=["full", "scale-free"], faults=FAULTS[:1], accuracy="U(0.6, 0.9)"
-    ):
+        robots=4, rounds=10, looks=looks, topology=["full", "scale-free"], faults=FAULTS[:1],
+        accuracy=["U(0.6, 0.9)", {"start": "U(0.7, 0.9)", "drift": -0.03, "least": 0.6}], fill_ratio=[0.55, *changes],
+    ):  # fmt: skip
         if rows is not None:
             monkeypatch.setattr(trials, "segment_length", lambda *_: rows * (looks if local else 1))
         batch = run_batch(setting, SEED, 1, 2, measure, GO, local)

@@ -314,3 +314,20 @@ def test_what_are_no_pairs(pairs):
 def test_what_are_no_edges_of_three_robots(edge):
     with pytest.raises(ValueError, match=re.escape(f"its edge {edge} ")):
         wiring.pairs_of([(0, 1), edge], 3)
+
+
+def test_a_generator_without_chance_makes_one_graph_for_all_trials(tmp_path):
+    """As its edges do, given in full: robots that lose no message live the same lives."""
+    star = {"networkx": "star_graph", "n": 4}
+    topology = parse(star, tmp_path)
+    assert not topology.varies
+    assert parse({"networkx": "gnp_random_graph", "p": 0.5}, tmp_path).varies
+    assert links_of(topology, 5, trials=7).starts.tolist() == [0, 8]
+    assert nx.utils.graphs_equal(graph_of(links_of(topology, 5), 0, 5), nx.star_graph(4))
+    one, other = (
+        sc.run(sc.Study(trials=6, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": form, "fill_ratio": 0.4},
+                        schedule={"rounds": 20}))["final_estimate"].values
+        for form in (star, {"name": "star", "edges": [[0, k] for k in range(1, 5)]})
+    )  # fmt: skip
+    assert np.array_equal(one, other)
+    assert len({trial.tobytes() for trial in one[0]}) == 6

@@ -131,6 +131,8 @@ MOVES = [
     {"faults": [*FAULTS, {"at": 4, "robots": 2, "stop": "moving"}], "body": {"message_delay": 3}, "brain": "legacy"},
     {"accuracy": {"black": 0.9, "white": 0.6}, "density": 30.0, "body": {"line_of_sight": False, "message_delay": 2}},
     {"accuracy": {"black": "U(0.6, 0.9)", "white": 0.7}, "faults": FAULTS[1:2], "link_success": 0.5, "density": 20.0},
+    {"fill_ratio": {"from": 0.9, "to": 0.2, "at": 6}, "accuracy": {"start": 0.9, "drift": -0.1, "least": 0.55}},
+    {"fill_ratio": {"from": 0.1, "to": 0.8, "at": 4, "until": 11}, "accuracy": {"start": "U(0.6, 0.8)", "drift": 0.03}},
 ]
 
 
@@ -159,16 +161,17 @@ def same_life(setting, trial):
     assert (ride.estimates == np.array(life.estimates)).all()
     # metrics of the very same
     measure = Metrics(0.02, 5, (2, setting.rounds, 99), on_floor=trial > 0, estimates=True)
-    truth = ride.true_fill_ratio if measure.on_floor else setting.fill_ratio
+    told = [reference.fill_ratio_in(setting, tick) for tick in range(1, setting.rounds + 1)]
+    truths = ride.true_fill_ratio if measure.on_floor else np.array([told[0], *told])
     (batch,) = run_ride([setting], SEED, trial, measure, GO)
     index = metrics.convergence(ride.estimates, 0.02)
     assert (batch.convergence[0] == index).all()
-    assert (batch.error[0] == metrics.error_at(ride.estimates, index, truth)).all()
+    assert (batch.error[0] == metrics.error_at(ride.estimates, index, truths[-1])).all()
     assert (batch.final[0] == ride.estimates[-1]).all()
-    assert batch.true_fill_ratio[0] == ride.true_fill_ratio
+    assert batch.true_fill_ratio[0] == ride.true_fill_ratio[-1]
     for c, checkpoint in enumerate((2, setting.rounds)):
         assert (batch.kept[c, 0] == ride.estimates[checkpoint]).all()
-        assert batch.correct[c, 0] == metrics.correct(ride.estimates[checkpoint], truth, 5)
+        assert batch.correct[c, 0] == metrics.correct(ride.estimates[checkpoint], truths[checkpoint], 5)
     assert np.isnan(batch.correct[2]).all()
     assert np.isnan(batch.kept[2]).all()
     (at_once,) = run_ride([setting], SEED, trial, Metrics(2.0, 5, ()), GO)
@@ -204,6 +207,14 @@ def test_swarms_that_steer_live_the_life_of_the_reference(want, body, folder, mo
     )  # fmt: skip
     same_life(setting, 0)
     if want == "SEEN":
+        changes = {"from": 0.3, "to": 0.8, "at": 3, "until": 9}
+        for change in (changes, changes | {"from": 0.9}, {"from": 0.9, "to": 0.1, "at": 5}):
+            for accuracy in (
+                {"black": 0.8, "white": WANTS[want]},
+                {"start": WANTS[want], "drift": -0.02, "least": 0.1},
+            ):
+                brain = str(folder / "steered.py")
+                same_life(moving_of(brain=brain, ticks=12, fill_ratio=change, accuracy=accuracy), 0)
         monkeypatch.setattr("swarmcensus.simulation.rides.MOST_TILES", 0)
         same_life(setting, 1)
 

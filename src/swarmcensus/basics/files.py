@@ -5,7 +5,7 @@ import errno
 import os
 import re
 import secrets
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
@@ -91,3 +91,15 @@ def check_writable(path: str | Path, *inputs: Path) -> None:
         raise InputError(f"cannot write {path}: it is what is read")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise InputError(f"cannot write {path}: the folder {folder} cannot be written")
+
+
+def check_own(page: Path, is_ours: Callable[[str], bool], command: str) -> None:
+    """Raise InputError where a command's page cannot be written, or is somebody else's, by what it says."""
+    check_writable(page)
+    if page.exists() and not is_ours(page.read_text(encoding="utf-8", errors="replace")):
+        raise InputError(f"{page} is there, and no page of {command}: write to another folder with --out")
+
+
+def data_path(out: Path, study: str) -> Path:
+    """Where the results of a study go in a folder with a page."""
+    return out / "data" / f"{study}.nc"

@@ -87,6 +87,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     def bad(node: ast.stmt | ast.expr, what: str) -> InputError:
         return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
 
+    one = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
     own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     known = {*own, *CALLS, *(t.id for n in tree.body if isinstance(n, ast.Assign) for t in n.targets
                              if isinstance(t, ast.Name))}  # fmt: skip
@@ -95,7 +96,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
     constants: dict[str, Any] = {}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
-            raise bad(node, f"a {kind} file holds constants and small functions, nothing else")
+            raise bad(node, f"{one} file holds constants and small functions, nothing else")
         modules = (
             [a.name for a in node.names]
             if isinstance(node, ast.Import)
@@ -104,7 +105,7 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             else []
         )
         if any(m != "math" for m in modules):
-            raise bad(node, f"imports {', '.join(map(str, modules))}: a {kind} may import math alone")
+            raise bad(node, f"imports {', '.join(map(str, modules))}: {one} may import math alone")
         if isinstance(node, ast.Import | ast.ImportFrom):
             constants |= _imported(node)
         if isinstance(node, ast.Assign):
@@ -119,15 +120,15 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
             constants |= {target.id: value for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.FunctionDef):
             if node.decorator_list:
-                raise bad(node, f"{node.name} has a decorator: a {kind}'s functions are plain")
+                raise bad(node, f"{node.name} has a decorator: {one}'s functions are plain")
             given = node.args
             if given.defaults or given.kw_defaults or given.vararg or given.kwarg or getattr(node, "type_params", None):
-                raise bad(node, f"{node.name} has arguments that may be left out: a {kind}'s functions are plain")
+                raise bad(node, f"{node.name} has arguments that may be left out: {one}'s functions are plain")
             every = [*given.posonlyargs, *given.args]
             if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
                 raise bad(node, f"{node.name} has an annotation that is no plain name")
             notes = [n for a in ast.walk(node) if isinstance(a, ast.AnnAssign) for n in ast.walk(a.annotation)]
-            here = {a.arg for a in (*every, *given.kwonlyargs)} | {name for n in ast.walk(node) for name in _set_by(n)}
+            here = {a.arg for a in (*every, *given.kwonlyargs)} | {name for n in ast.walk(node) for name in set_by(n)}
             for inner in (n for statement in node.body for n in ast.walk(statement)):
                 if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load) and inner.id not in known | here:
                     if hasattr(builtins, inner.id) or inner in notes:
@@ -136,11 +137,11 @@ def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
                     raise bad(inner, f"{node.name} uses {inner.id}, which is nowhere set: {hint}".rstrip(": "))
                 if isinstance(inner, ALLOCATES):
                     name = type(inner).__name__
-                    raise bad(inner, f"{name} in {node.name}: a {kind} allocates and defines nothing")  # type: ignore[arg-type]
+                    raise bad(inner, f"{name} in {node.name}: {one} allocates and defines nothing")  # type: ignore[arg-type]
                 if isinstance(inner, ast.Call) and not _may_call(inner.func, own):
                     raise bad(
                         inner,
-                        f"{node.name} calls {ast.unparse(inner.func)}: a {kind} may call its own functions, math's, "
+                        f"{node.name} calls {ast.unparse(inner.func)}: {one} may call its own functions, math's, "
                         f"and {', '.join(CALLS)}",
                     )
     return constants
@@ -203,7 +204,7 @@ def _may_call(function: ast.expr, own: set[str]) -> bool:
     return isinstance(function, ast.Name) and (function.id in own or function.id in CALLS or hasattr(math, function.id))
 
 
-def _set_by(node: ast.AST) -> Iterator[str]:
+def set_by(node: ast.AST) -> Iterator[str]:
     """The names that a piece of a function gives values to."""
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
         yield node.id

@@ -35,7 +35,8 @@ class Time:
             return whole
         around = sorted({max(least, math.floor(count)), max(least, math.ceil(count))})
         near = " or ".join(f'"{Time(n * tick / UNITS[self.unit], self.unit)}" ({n})' for n in around)
-        raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: should be a whole number, such as {near}")
+        kind = "whole number" if least <= 1 else f"whole number from {least}"
+        raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: should be a {kind}, such as {near}")
 
 
 def parse_time(text: str) -> Time:
@@ -55,13 +56,16 @@ def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
 OR_TIME = WrapValidator(_time_or)  # of a whole number that may be a time, until its ticks are known
 
 
-def in_ticks(value: Any, tick: float | None, key: str) -> int:
-    """A whole number as it is, a time in ticks; `tick` is None where rounds are counted. Raises ValueError."""
+def in_ticks(value: Any, tick: float | None, key: str, least: int = 1) -> int:
+    """A whole number as it is, a time in ticks, `least` or more; `tick` is None where rounds are counted.
+
+    Raises ValueError.
+    """
     if not isinstance(value, Time):
         return int(value)
     if tick is None:
         raise ValueError(f'{key} = "{value}": the rounds of fixed networks have no clock: should be a whole number')
     try:
-        return value.ticks(tick)
+        return value.ticks(tick, least)
     except ValueError as error:
         raise ValueError(f'{key} = "{value}": {error}') from None

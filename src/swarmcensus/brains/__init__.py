@@ -1,15 +1,17 @@
 """Brain files and the contract that they keep: found, checked, loaded, hashed; `library` holds those that come along.
 
-In: a brain file, or the name of one that is shipped or that another package gives.
-Out: a Brain: its functions, memory, message, parameters and source.
+In: a brain file, or the name of one that is shipped or that another package gives; likewise an adversary.
+Out: a Brain: its functions, memory, message, parameters and source; of an adversary and the brain that it wears, too.
 Must not know: how brains are compiled, worlds, studies.
 """
 
 from swarmcensus.basics.plain import digest, read_source
+from swarmcensus.brains.adversary import Adversary
 from swarmcensus.brains.brain import DOOR, Brain, find, load, parse, shipped, unread
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 from swarmcensus.brains.syntax import BELIEFS
+from swarmcensus.brains.wearing import worn
 
 __all__ = [
     "BELIEFS",
@@ -17,6 +19,7 @@ __all__ = [
     "FUNCTIONS",
     "MAY_HAVE",
     "TRACED",
+    "Adversary",
     "Brain",
     "Value",
     "Vector",
@@ -31,4 +34,5 @@ __all__ = [
     "shipped",
     "slots",
     "unread",
+    "worn",
 ]

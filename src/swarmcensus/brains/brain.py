@@ -2,34 +2,30 @@
 
 import functools
 import types
-from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Any, ClassVar
 
 from swarmcensus.basics import plain
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import Contents, contents
-from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots, value_of
+from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
+from swarmcensus.brains.program import UNREAD, Program
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
 DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
-UNREAD = "unread"
 
 
 @dataclass(frozen=True)
-class Brain:
+class Brain(Program):
     """One brain file, read and found to keep the contract, with values of its parameters."""
 
-    name: str  # a shipped brain's name, or the file's path as the user gave it
-    path: Path
-    source: str
+    what: ClassVar[str] = "brain"
+
     says: Contents = field(compare=False, repr=False)
-    functions: types.ModuleType = field(compare=False, repr=False)  # the file itself, run by CPython
-    given: tuple[tuple[str, Value], ...] = ()  # parameters that are not as the file says
 
     @property
     def memory(self) -> dict[str, Value]:
@@ -52,24 +48,24 @@ class Brain:
         return self.says.options
 
     @property
+    def roles(self) -> dict[str, str]:
+        """What fields of its message mean, as far as that is known: see `contract.ROLES`."""
+        return self.says.roles
+
+    @property
+    def is_opinion(self) -> bool:
+        """Whether its estimate is a mere opinion, 0 or 1, which no error should be taken of."""
+        return self.says.opinion
+
+    @property
+    def is_oracle(self) -> bool:
+        """Whether it is a bound: it hears every robot whatever the network, and believes in the true accuracies."""
+        return self.says.oracle
+
+    @property
     def uses(self) -> Uses:
         """Which parts of the contract's second edition it asks for."""
         return self.says.uses
-
-    @functools.cached_property
-    def parameters(self) -> dict[str, Value]:
-        """Its parameters' values here."""
-        return self.says.parameters | dict(self.given)
-
-    @functools.cached_property
-    def sha256(self) -> str:
-        """The hash of the source, as stored with results."""
-        return plain.digest(self.source)
-
-    @property
-    def is_read(self) -> bool:
-        """Whether there are functions that can be called."""
-        return self.functions.__name__ != UNREAD
 
     @property
     def steers(self) -> bool:
@@ -80,6 +76,11 @@ class Brain:
     def decides(self) -> bool:
         """Whether it decides for an option."""
         return "decide" in self.says.functions
+
+    @property
+    def jams(self) -> bool:
+        """Whether it may drown what others say."""
+        return "jam" in self.says.functions
 
     @property
     def ends(self) -> bool:
@@ -100,36 +101,6 @@ class Brain:
     def message_bytes(self) -> int:
         """What a robot broadcasts in one message."""
         return BYTES_A_NUMBER * len(slots(self.message))
-
-    @property
-    def told(self) -> str:
-        """Its name, and the parameters that are not as the file says."""
-        return " ".join([self.name, *(f"{name}={value}" for name, value in self.given)])
-
-    @property
-    def as_written(self) -> Self:
-        """The same with the file's own parameters: machine code is the same for all."""
-        return replace(self, given=()) if self.given else self
-
-    def with_parameters(self, values: Mapping[str, object]) -> Self:
-        """The same with other values of some parameters. Raises ValueError, naming the key and the value."""
-        given = dict(self.given)
-        for name, value in values.items():
-            own = self.says.parameters
-            if name not in own:
-                known = f"{did_you_mean(name, own)}it has {', '.join(own)}" if own else "it has none"
-                raise ValueError(f"the brain {self.name!r} has no parameter {name!r}: {known}")
-            try:
-                found = value_of(value)
-                if length(found) != length(own[name]):
-                    asked = f"a vector of {length(own[name])}" if length(own[name]) else "a number"
-                    raise ValueError(f"the brain {self.name!r} asks for {asked}")
-            except ValueError as error:
-                shown = list(value) if isinstance(value, tuple) else value
-                raise ValueError(f"{name} = {shown!r}: {error}") from None
-            given[name] = found
-        other = {name: value for name, value in given.items() if value != self.says.parameters[name]}
-        return replace(self, given=tuple(sorted(other.items())))
 
     @functools.cached_property
     def _robot(self) -> type:
@@ -161,6 +132,7 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
 
     Raises InputError where the file is not there or breaks the contract.
     """
+    refuse_adversary(str(name), base, DOOR)
     path = find(name, base)
     return parse(plain.read_source("brain", path), str(name), path)
 
@@ -183,5 +155,5 @@ def unread(name: str, source: str) -> Brain:
         tree, constants = plain.checked(source, "brain", Path(name))
         says = contents(tree, constants, Path(name))
     except InputError:
-        says = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset())
+        says = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False)
     return Brain(name, Path(name), source, says, types.ModuleType(UNREAD))

@@ -13,10 +13,20 @@ from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.syntax import BELIEFS
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
-MAY_HAVE = {"steer": 1, "decide": 1, "done": 1}
+CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "SUMS")
+MAY_HAVE = {"steer": 1, "decide": 1, "done": 1, "jam": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
 MOST_OPTIONS = 10_000
+ROLES = {  # what a number of a message may mean, and how it is mostly called
+    "estimate": ("x", "x_hat", "x_bar", "estimate", "share"),  # a fill ratio, in [0, 1]
+    "opinion": ("opinion", "decision"),  # 0 for white, 1 for black
+    "option": ("option", "site"),  # one of several bins of the fill ratio, from 0 on
+    "belief": ("belief", "beliefs"),  # a vector: how likely each bin is, up to a factor
+    "confidence": ("alpha", "beta", "confidence", "quality"),  # from 0 on
+    "information": (),  # an estimate times the confidence that stands in the same message
+    "name": ("name",),  # who speaks
+}
 
 
 class Contents(NamedTuple):
@@ -29,6 +39,9 @@ class Contents(NamedTuple):
     options: int  # among how many `decide` decides
     uses: syntax.Uses
     functions: frozenset[str]  # which of MAY_HAVE there are
+    roles: dict[str, str]  # what fields of the message mean, as far as it is known
+    opinion: bool  # whether its estimate is a mere opinion, 0 or 1
+    oracle: bool  # whether it hears all robots, and knows all sensors
 
 
 def contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Contents:
@@ -70,11 +83,35 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         whole and 2 <= options <= MOST_OPTIONS,
         f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS} (bins)",
     )
-    functions = _functions(tree, constants)
+    functions = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     need("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
+    need(not (sums and "jam" in functions), "SUMS goes without jam: where noise is, messages are heard one by one")
     syntax.check_decisions(tree, options)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
-    return Contents(fields, message, tuple(sums), given, options, syntax.uses(tree, (*fields, *given)), functions)
+    uses = syntax.uses(tree, (*fields, *given))
+    opinion = constants.get("OPINION", False)
+    need(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
+    oracle = constants.get("ORACLE", False)
+    need(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
+    need(bool(sums) or not oracle, "an ORACLE hears all robots at once, and so has SUMS")
+    roles = _roles(constants.get("ROLES"), message)
+    return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle)
+
+
+def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
+    """What the fields of a message mean: as the file says, else as their names do."""
+    if given is None:
+        usual = {name: role for role, names in ROLES.items() for name in names}
+        return {name: usual[name] for name in message if name in usual}
+    need(isinstance(given, dict), 'ROLES should be a dict such as {"x_hat": "estimate"}')
+    for name, role in given.items():
+        need(name in message, f"ROLES names {name!r}, which is not in MESSAGE")
+        need(role in ROLES, f"ROLES[{name!r}] = {role!r}: should be one of {', '.join(ROLES)}")
+    for name, role in given.items():
+        need((role == "belief") == bool(message[name]), f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
+    needs = "information" in given.values() and "confidence" not in given.values()
+    need(not needs, "ROLES names an information, which is a confidence times an estimate, and no confidence")
+    return dict(given)
 
 
 def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
@@ -100,21 +137,24 @@ def _are_names(value: object) -> bool:
     return isinstance(value, tuple) and all(plain.is_name(v) for v in value)
 
 
-def _functions(tree: ast.Module, constants: Mapping[str, Any]) -> frozenset[str]:
+def functions_in(
+    tree: ast.Module, constants: Mapping[str, Any], must: Mapping[str, int], may: Mapping[str, int]
+) -> frozenset[str]:
+    """Which functions of `may` a file has; it has those of `must`, with so many arguments. Raises ValueError."""
     functions = {node.name: node.args for node in tree.body if isinstance(node, ast.FunctionDef)}
-    for name, arity in (FUNCTIONS | MAY_HAVE).items():
+    for name, arity in {**must, **may}.items():
         need(name not in constants, f"{name} is {constants.get(name)!r}, not a function")
         if name not in functions:
-            need(name in MAY_HAVE, f"the function {name} is missing")
+            need(name in may, f"the function {name} is missing")
             continue
         found = len(functions[name].posonlyargs) + len(functions[name].args)
         need(found == arity and not functions[name].kwonlyargs, f"{name} takes {found} arguments: {arity} are right")
     for name in syntax.never_called(tree):
-        if name not in (*FUNCTIONS, *MAY_HAVE) and (meant := _meant(name)):
+        if name not in (*must, *may) and (meant := _meant(name, may)):
             raise ValueError(f"the function {name} is called by nobody: did you mean {meant!r}?")
-    return frozenset(name for name in MAY_HAVE if name in functions)
+    return frozenset(name for name in may if name in functions)
 
 
-def _meant(name: str) -> str:
-    """Which function that a brain may have is written almost like this; nothing where none is."""
-    return next(iter(difflib.get_close_matches(name.lower(), MAY_HAVE, n=1, cutoff=0.9)), "")
+def _meant(name: str, may: Mapping[str, int]) -> str:
+    """Which function that a file may have is written almost like this; nothing where none is."""
+    return next(iter(difflib.get_close_matches(name.lower(), may, n=1, cutoff=0.9)), "")

@@ -1,7 +1,7 @@
 """What a brain's source says of how it uses its record, found without running it."""
 
 import ast
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
 from swarmcensus.basics.hints import did_you_mean
@@ -9,6 +9,7 @@ from swarmcensus.basics.hints import did_you_mean
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that are there where a brain asks for them
 LUCKY = ("observe", "receive", "fuse", "steer")  # luck is fresh at each call of these
+TELL = ("broadcast", "estimate", "decide", "done", "jam")  # these tell, and change nothing
 
 
 class Uses(NamedTuple):
@@ -35,21 +36,33 @@ class Wrong(Exception):
 
 def uses(tree: ast.Module, own: Collection[str]) -> Uses:
     """What a brain asks for; `own` are the fields that it names itself."""
-    functions = _functions(tree)
+    functions = functions_of(tree)
     said = [functions[name] for name in called_by("broadcast", functions)]
     lucky = [name for name in LUCKY if "luck" not in own and _reads("luck", called_by(name, functions), functions)]
     named = "name" not in own and bool(_reads("name", functions, functions))
-    return Uses(frozenset(lucky), named, any(map(_may_be_none, said)))
+    return Uses(frozenset(lucky), named, any(map(may_be_none, said)))
 
 
-def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], sums: Collection[str]) -> None:
-    """Hold a source against what it may do with its record, fields and their lengths. Raises Wrong."""
+def check(
+    tree: ast.Module,
+    memory: dict[str, int],
+    parameters: dict[str, int],
+    sums: Collection[str],
+    first: str = "observe",
+    tells: Collection[str] = TELL,
+    lucky: Sequence[str] = LUCKY,
+) -> None:
+    """Hold a source against what it may do with its record, fields and their lengths. Raises Wrong.
+
+    The record is the first argument of the function `first`; those of `tells` only tell, in those that are `lucky`
+    luck is fresh.
+    """
     given = {name for name in GIVEN_ON_ASKING if name not in memory and name not in parameters}
     known = [*memory, *parameters, *BELIEFS, *given]
     vectors = {name for name, long in memory.items() if long}
     wholes = vectors | {name for name, long in parameters.items() if long}
-    functions = _functions(tree)
-    given_to = functions["observe"].args
+    functions = functions_of(tree)
+    given_to = functions[first].args
     record = [*given_to.posonlyargs, *given_to.args][0].arg  # what the file calls `me`
     for function in functions.values():
         for node in ast.walk(function):
@@ -66,7 +79,7 @@ def check(tree: ast.Module, memory: dict[str, int], parameters: dict[str, int], 
             elif _of_record(node) and isinstance(node.ctx, ast.Store | ast.Del):  # type: ignore[attr-defined]
                 _check_set(node, function.name, vectors, parameters, given)
     if "luck" in given:
-        _check_luck(tree)
+        _check_luck(tree, tells, lucky)
     for name in given if sums else ():
         _check_sums(tree, name)
 
@@ -77,11 +90,9 @@ def _unknown(function: str, name: str, known: list[str]) -> str:
 
 
 def check_decisions(tree: ast.Module, options: int) -> None:
-    """Raise Wrong where `decide` returns a number that is no option, or it or `done` nothing."""
-    functions = _functions(tree)
-    for name in {"decide", "done"} & functions.keys():
-        if _falls_off(functions[name]):
-            raise Wrong(f"{name} may end without returning anything", functions[name].lineno)
+    """Raise Wrong where `decide` returns a number that is no option, or it, `done` or `jam` nothing."""
+    functions = functions_of(tree)
+    check_returns(functions, ("decide", "done", "jam"))
     decide = functions.get("decide")
     for node in ast.walk(decide) if decide else ():
         if isinstance(node, ast.Return) and node.value is not None:
@@ -89,6 +100,13 @@ def check_decisions(tree: ast.Module, options: int) -> None:
                 if number not in range(-1, options):
                     what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
                     raise Wrong(what, node.lineno)
+
+
+def check_returns(functions: dict[str, ast.FunctionDef], names: Collection[str]) -> None:
+    """Raise Wrong where one of these may return nothing."""
+    for name in names:
+        if name in functions and _falls_off(functions[name]):
+            raise Wrong(f"{name} may end without returning anything", functions[name].lineno)
 
 
 def _outcomes(node: ast.expr) -> list[ast.expr]:
@@ -108,7 +126,7 @@ def _literal(node: ast.expr) -> float | None:
 def never_called(tree: ast.Module) -> list[str]:
     """The functions of a file whose names stand nowhere in it."""
     named = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
-    return [name for name in _functions(tree) if name not in named]
+    return [name for name in functions_of(tree) if name not in named]
 
 
 def _check_item(node: ast.Subscript, function: str, vectors: Collection[str], parameters: Collection[str]) -> None:
@@ -131,20 +149,20 @@ def _check_set(
         raise Wrong(f"{function} sets me.{node.attr}, a vector: its items are set one by one", node.lineno)
 
 
-def _check_luck(tree: ast.Module) -> None:
-    functions = _functions(tree)
-    for name in ("broadcast", "estimate", "decide", "done"):
+def _check_luck(tree: ast.Module, tells: Collection[str], lucky: Sequence[str]) -> None:
+    functions = functions_of(tree)
+    for name in tells:
         found = _reads("luck", called_by(name, functions), functions)
         if found:
             through = f" in {found[0]}" if found[0] != name else ""
             raise Wrong(
-                f"{name} reads me.luck{through}, which is fresh in {', '.join(LUCKY[:-1])} and {LUCKY[-1]} alone",
+                f"{name} reads me.luck{through}, which is fresh in {', '.join(lucky[:-1])} and {lucky[-1]} alone",
                 functions[found[0]].lineno,
             )
 
 
 def _check_sums(tree: ast.Module, name: str) -> None:
-    functions = _functions(tree)
+    functions = functions_of(tree)
     found = _reads(name, called_by("receive", functions), functions)
     if found:
         what = f"receive reads me.{name}: by SUMS what it adds depends on the message alone"
@@ -165,7 +183,8 @@ def called_by(name: str, functions: dict[str, ast.FunctionDef]) -> list[str]:
     return found
 
 
-def _functions(tree: ast.Module) -> dict[str, ast.FunctionDef]:
+def functions_of(tree: ast.Module) -> dict[str, ast.FunctionDef]:
+    """The functions of a file by name."""
     return {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
 
 
@@ -182,7 +201,7 @@ def _names(node: ast.AST, fields: Collection[str]) -> bool:
     return _of_record(node) and node.attr in fields  # type: ignore[attr-defined]
 
 
-def _may_be_none(function: ast.FunctionDef) -> bool:
+def may_be_none(function: ast.FunctionDef) -> bool:
     """Whether a function may return None, as far as one sees without running it."""
     nodes = [node for one in function.body for node in ast.walk(one)]
     said = [node for node in nodes if isinstance(node, ast.Constant) and node.value is None]

@@ -103,7 +103,8 @@ def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     judged = {"judge"} if mixed or brain.decides or brain.ends else set()
     if use == "alone":
         return {"go_alone", "believe"}
-    in_sums = {"network": {"hear_sums", "add_up", "hear_all"}, "moving": {"hear_sums"}}
+    at_once = {"add_up", "hear_all"}
+    in_sums = {"network": {"hear_sums", *at_once}, "moving": {"hear_sums", *(at_once if brain.is_oracle else ())}}
     sums = in_sums.get(use, set()) if brain.sums and not mixed else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
     return {*ALWAYS, *judged, *sums, *asked}

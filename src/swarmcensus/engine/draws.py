@@ -66,25 +66,6 @@ def binomial_row(looks, p, row):
     alias_row(weights, row)
 
 
-@njit(nogil=True)
-def black_tables(b, w, fill_ratio, looks):
-    """Alias rows (kind, robot, column): kind 0 for PART observations, the last kind for what remains.
-
-    `b` and `w` are the true accuracies, of one robot where all are alike. A reading says black with
-    probability b f + (1 - w)(1 - f) (paper, Sec. III-C).
-    """
-    rest = looks % PART
-    kinds = (1 if looks >= PART else 0) + (1 if rest > 0 else 0)
-    tables = np.zeros((kinds, b.size, COLUMNS), np.uint64)
-    for i in range(b.size):
-        p = min(max(b[i] * fill_ratio + (1.0 - w[i]) * (1.0 - fill_ratio), 0.0), 1.0)
-        if looks >= PART:
-            binomial_row(np.int64(PART), p, tables[0, i])  # a type of its own would be compiled apart
-        if rest > 0:
-            binomial_row(rest, p, tables[kinds - 1, i])
-    return tables
-
-
 @loop(forceinline=True)
 def pick(row, word):
     """The column that a word picks from an alias row."""

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
+from swarmcensus.engine.modes import NOISE, SAID
 from swarmcensus.metrics import Metric
 
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
@@ -135,7 +136,7 @@ def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
 
 def is_flagged(brain: Brain, mixed: bool) -> bool:
     """Whether the last number of what the engine keeps of a message is whether it was said at all."""
-    return mixed or brain.uses.silence
+    return mixed or brain.uses.silence or brain.jams
 
 
 @functools.lru_cache(maxsize=256)
@@ -170,6 +171,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
                 f"{name} = " + (f"brain.{name}" if name in brain.says.functions else f"compiled({otherwise})")
                 for name, otherwise in OTHERWISE.items()
             ]
+            + ["jam = brain.jam"] * brain.jams
         ),
         width=len(columns) + len(flag),
         options=brain.options,
@@ -194,10 +196,13 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
     names = [f"said_{k}" for k, _ in enumerate(brain.message)]
     unpacked = f"{', '.join(names)}, = broadcast(me)"
     lines = [unpacked]
+    unsaid = [f"    {column} = 0.0" for column in (*columns, *flag)]
+    noise = []
+    if brain.jams:
+        noise = ["if jam(me):", *unsaid[:-1], f"    {flag[0]} = {NOISE}", "    return"]
     if brain.uses.silence:
         blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
-        silent = [f"    {column} = 0.0" for column in (*columns, *flag)]
-        lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *silent, "    return"]
+        lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *unsaid, "    return"]
         lines += [f"{', '.join(names)}, = message"]
     lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
     if sums:
@@ -212,7 +217,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
                 lines += [f"for k in range({long}):", f"    outbox[i, {start} + k] = 1.0 * {name}[k]"]
             else:
                 lines += [f"outbox[i, {start}] = 1.0 * {name}"]
-    return lines + [f"{column} = 1.0" for column in flag]
+    return noise + lines + [f"{column} = {SAID}" for column in flag]
 
 
 def _equipped(brain: Brain) -> list[str]:

@@ -7,8 +7,8 @@ functions (see `calling.py`), a mind is a row of numbers.
 import numpy as np
 
 from swarmcensus.engine.calling import call
+from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.draws import black_tables
 from swarmcensus.engine.modes import (
     BLOCK,
     DECISION,
@@ -32,18 +32,19 @@ from .rounds import advance, advance_alone, bounds_of, most_links
 
 @entry
 def simulate(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
-    memory, outbox, rows, snapshots, first_trial, b, w, assumed_b, assumed_w, fill_ratio, local,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
+    memory, outbox, rows, snapshots, first_trial, b, w, drift, assumed_b, assumed_w, course, local,
     looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
-    delta, bin_low, bin_high, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
+    delta, bins, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
     extremes, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
-    Accuracies are (trial, robot or 1). Links are those of graph g in [starts[g], starts[g + 1]), one graph for
-    all trials or one for each. `memory` (robot, field), `outbox` (2 robots, message), `rows` (index, robot) and
-    `snapshots` (segment, robot, field) are room to work in. With `local`, robots hear nobody and `rounds` counts single
-    observations. `kept` (checkpoint or 0, trial, robot) is filled with estimates at the checkpoints, if it has room;
+    Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
+    those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. `memory` (robot, field),
+    `outbox` (2 robots, message), `rows` (index, robot) and `snapshots` (segment, robot, field) are room to work in.
+    With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
+    right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
     `all_verdicts` (trial, robot or 0, what) and `agreed` (trial, 2) are of decisions.
     Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
@@ -51,7 +52,7 @@ def simulate(
     same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
     with the same room: `rows` then hold the step's. What comes first is a `Swarm`.
     """
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     robots = memory.shape[0]
     segment = rows.shape[0]
     segments = (rounds + segment - 1) // segment
@@ -77,7 +78,8 @@ def simulate(
             arrivals = np.zeros((2, most), np.uint32)
         if swarm.luck.size > 0 and most > luck.shape[1]:
             luck = np.zeros((3, most), np.uint64)
-        tables = black_tables(b[trial], w[trial], fill_ratio, looks)
+        source = source_of(b[trial], w[trial], drift[trial], course, looks)
+        renew(source, looks, 1)
         start = extremes[2:]
         if first_step == 0:
             begin(swarm, memory, assumed_b[trial], assumed_w[trial])
@@ -86,7 +88,7 @@ def simulate(
             if all_verdicts.shape[1] > 0:
                 judge_blank(swarm, memory, start, all_verdicts[trial])
             count_known(swarm, all_counts[trial], stops, rounds)
-            if flag < 0 and threshold == 0 and stops.shape[1] == 0 and links != PAIRS:
+            if flag < 0 and (links == FULL or (threshold == 0 and stops.shape[1] == 0 and links != PAIRS)):
                 for i in range(all_counts.shape[2]):
                     degree = robots - 1 if links == FULL else bounds[i + 1] - bounds[i]
                     all_counts[trial, HEARD, i] = rounds * degree
@@ -106,12 +108,12 @@ def simulate(
                 last = min(first + segment, rounds + 1)
                 if local:
                     advance_alone(
-                        swarm, memory, reading, blacks, bits, luck, tables, first, last, looks, number, read_key,
+                        swarm, memory, reading, blacks, bits, luck, source, first, last, looks, number, read_key,
                         order_key, rows, stops, stop,
                     )  # fmt: skip
                 else:
                     advance(
-                        swarm, memory, outbox, beside, blacks, bits, luck, tables, first, last, looks, number,
+                        swarm, memory, outbox, beside, blacks, bits, luck, source, first, last, looks, number,
                         read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
                         all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
                         agreed[trial], stop,
@@ -125,7 +127,7 @@ def simulate(
                             for i in range(robots):
                                 x = rows[checkpoints[c] - first, i]
                                 if honest.size == 0 or honest[i]:
-                                    right += bin_low <= x < bin_high
+                                    right += bins[c, 0] <= x < bins[c, 1]
                                     counted += 1
                                 if kept.shape[0] > 0:
                                     kept[c, trial, i] = x
@@ -143,21 +145,22 @@ def simulate(
 
 @entry
 def believe(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest, history, estimates
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest, history, estimates
 ):  # fmt: skip
     """The estimates (round, robot) of minds (round, robot, field) of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
 
 
 @entry
 def decided(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest, history, estimates, verdicts
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
+    history, estimates, verdicts,
 ):  # fmt: skip
     """What minds (round, robot, field) that believe in `estimates` (round, robot) have decided, as (round, robot, 2):
     the option, and whether they are done. What comes first is a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     robots = history.shape[1]
     told = np.empty((robots, VERDICTS))
     agreed = np.empty(2)
@@ -172,7 +175,7 @@ def decided(
 
 @entry
 def follow(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
     outbox, b, w, readings, every, periodic, first_message, senders, receivers, judged, history, estimates,
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
@@ -181,7 +184,7 @@ def follow(
     whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have
     one brain. Luck is that of the step; of messages also of their place among all. What comes first is a `Swarm`.
     """
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     robots = np.uint64(readings.shape[1])
     minds = swarm.minds[0]
     memory = np.empty((readings.shape[1], swarm.fields[0]))

@@ -15,6 +15,8 @@ from swarmcensus.engine.modes import (
     HEARD,
     IS_DONE,
     JUDGE,
+    NOISE,
+    SAID,
     SENSING,
     SENT,
     TALKING,
@@ -93,7 +95,22 @@ def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
 @loop(forceinline=True)
 def is_said(outbox, place, flag):
     """Whether a robot said anything: `flag` is where in the outbox that stands, below 0 where all do."""
-    return flag < 0 or outbox[place, flag] != 0.0
+    return flag < 0 or outbox[place, flag] == SAID
+
+
+@loop(forceinline=True)
+def is_noise(swarm, outbox, said, sender, stops, tick):
+    """Whether a robot made noise at `tick`."""
+    return outbox[said + np.uint64(sender), swarm.flag] == NOISE and works(stops, TALKING, sender, tick)
+
+
+@loop()
+def drowned(swarm, outbox, said, senders, first, last, stops, tick):
+    """Whether any of senders[first:last] makes noise: whom it reaches hears nothing of that round."""
+    noises = 0
+    for e in range(first, last):
+        noises += is_noise(swarm, outbox, said, np.int64(senders[e]), stops, tick)
+    return noises > 0
 
 
 @loop()
@@ -119,7 +136,7 @@ def count_known(swarm, counts, stops, rounds):
 def count_sent(swarm, outbox, said, stops, tick, counts):
     """Who of those that may be silent talks in this round; of others it is known beforehand."""
     for i in range(counts.shape[1]):
-        counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] != 0.0 and works(stops, TALKING, i, tick)
+        counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] == SAID and works(stops, TALKING, i, tick)
 
 
 @loop()
@@ -127,13 +144,13 @@ def count_said(swarm, outbox, said, bounds, senders, links, counts):
     """What is heard of those that may be silent where each message is a sum that is added, and none is lost."""
     total = 0
     for i in range(counts.shape[1]):
-        total += outbox[said + np.uint64(i), swarm.flag] != 0.0
+        total += outbox[said + np.uint64(i), swarm.flag] == SAID
     for i in range(counts.shape[1]):
         if links == FULL:
-            counts[HEARD, i] += total - (outbox[said + np.uint64(i), swarm.flag] != 0.0)
+            counts[HEARD, i] += total - (outbox[said + np.uint64(i), swarm.flag] == SAID)
         else:
             for e in range(bounds[i], bounds[i + 1]):
-                counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] != 0.0
+                counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] == SAID
 
 
 @loop()

@@ -9,6 +9,9 @@ BLOCK = 256
 # what is counted of a robot's messages
 SENT, HEARD = 0, 1
 
+# what stands where a message is flagged, if not the 0 of silence: noise drowns all that reach a robot with it
+SAID, NOISE = 1.0, 2.0
+
 # what of a robot may fail
 MOVING, SENSING, TALKING = 0, 1, 2
 NEVER = 1 << 62

@@ -8,11 +8,14 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.changes import accuracy_in
 from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.modes import (
+    ADD_UP,
     ASK,
     END_ROUND,
     HEAR,
+    HEAR_ALL,
     HEAR_SUMS,
     HEARD,
     LISTED,
@@ -34,6 +37,7 @@ from .minds import (
     count_known,
     count_said,
     count_sent,
+    drowned,
     forget_verdicts,
     is_said,
     judge,
@@ -47,11 +51,11 @@ from .minds import (
 
 @entry
 def wake(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
     memory, b, w, outbox, start, counts, verdicts, agreed, stops, rounds,
 ):  # fmt: skip
     """Blank minds of a `Swarm` that believe in b and w; what they would say, and estimate before any observation."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     count_known(swarm, counts, stops, rounds)
     begin(swarm, memory, b, w)
     nothing = np.full(memory.shape[0], -1.0)
@@ -85,6 +89,8 @@ def hear_each(
         count = 0
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             before = count
+            if swarm.jams and drowned(swarm, outbox, then, senders, heard[i], heard[i + 1], stops, tick - delay):
+                continue
             for e in range(heard[i], heard[i + 1]):
                 if is_said(outbox, then + senders[e], swarm.flag) and arrives(
                     key, trial, tick, tick - delay, i, senders[e], threshold, stops
@@ -102,8 +108,9 @@ def hear_each(
 
 
 @njit(nogil=True)
-def room_of(robots, messages):
-    """Room to work in, for so many messages a tick: bits, readings, luck of observing and fusing, arrivals, their luck.
+def room_of(robots, messages, width):
+    """Room to work in, for so many messages a tick: bits, readings, luck of observing and fusing, arrivals, their luck,
+    accuracies b and w of the tick, and sums of messages that are so wide.
 
     Made once: to make it anew in each tick would cost a small swarm that steers a tenth of its time.
     """
@@ -113,40 +120,46 @@ def room_of(robots, messages):
         np.zeros((2, robots), np.uint64),
         np.zeros((2, messages), np.uint32),
         np.zeros(messages, np.uint64),
+        np.zeros(robots),
+        np.zeros(robots),
+        np.zeros((2, width)),
     )
 
 
 @entry
 def ride(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
-    memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
+    memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
     looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
 ):  # fmt: skip
     """`live_on` of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     n, most = memory.shape[0], 0
     for k in range(looked.shape[0]):
         most = max(most, heard[(k + 1) * n] - heard[k * n])
     live_on(
-        swarm, room_of(n, most), memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
-        looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
+        swarm, room_of(n, most, outbox.shape[1]), memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key,
+        threshold, delay, everyone, looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops,
+        stop,
     )  # fmt: skip
 
 
 @loop()
 def live_on(
-    swarm, room, memory, outbox, rows, trial, tick, b, w, read_key, link_key, threshold, delay,
+    swarm, room, memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
     looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
 
     `looked` and `black` (tick, robot): whether a robot observes, and whether the tile under its sensor is black.
-    What a robot hears was said `delay` ticks ago; `outbox` holds delay + 1 ticks. `history` and `readings` (NaN
-    where a robot made none) are filled where they have rows. `counts` (what, robot) grows by what is sent and heard,
-    but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of decisions.
+    `b` and `w` are the true accuracies of tick 1, `drift` is of `changes.py`. What a robot hears was said `delay`
+    ticks ago; `outbox` holds delay + 1 ticks. With `everyone` all hear all, whoever is near: their messages add up.
+    `history` and `readings` (NaN where a robot made none) are filled where they have rows. `counts` (what, robot) grows
+    by what is sent and heard, but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of
+    decisions.
     """
     n = memory.shape[0]
-    bits, seen, luck, arrivals, message_luck = room
+    bits, seen, luck, arrivals, message_luck, now_b, now_w, beside = room
     lucky = swarm.luck.size > 0
     silent = swarm.flag >= 0
     in_sums = swarm.additive and threshold == 0 and stops.shape[1] == 0
@@ -156,7 +169,12 @@ def live_on(
         now = tick + k
         said, then = now % (delay + 1) * n, (now - delay) % (delay + 1) * n
         words(read_key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
-        look(seen, looked[k], black[k], b, w, bits)
+        if drift.shape[1] > 0:
+            for i in range(n):
+                now_b[i], now_w[i] = accuracy_in(b, drift, i, now), accuracy_in(w, drift, i, now)
+            look(seen, looked[k], black[k], now_b, now_w, bits)
+        else:
+            look(seen, looked[k], black[k], b, w, bits)
         silence_failed(seen, stops, now, ZERO, np.uint64(n))
         if readings.shape[0] > 0:
             for i in range(n):
@@ -176,7 +194,14 @@ def live_on(
             count_sent(swarm, outbox, np.uint64(said), stops, now, counts)
         bounds = heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
-        if now >= delay and in_sums:
+        if now >= delay and everyone:
+            call(swarm.minds[0, ADD_UP], outbox, then, beside, n, n)
+            call(
+                swarm.minds[0, HEAR_ALL], memory, outbox, then, beside, ZERO, rows, here, ZERO, n, place(luck, n)
+            )  # fmt: skip
+            for i in range(n):
+                counts[HEARD, i] += n - 1
+        elif now >= delay and in_sums:
             call(
                 swarm.minds[0, HEAR_SUMS], memory, outbox, then, bounds, senders, senders.size, rows, here, ZERO, n, n,
                 place(luck, n),
@@ -208,11 +233,11 @@ def live_on(
 
 @entry
 def wish(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest,
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
     memory, body, paces, trial, tick, wishes,
 ):  # fmt: skip
     """`ask_all` of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, luck_keys, honest)
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     ask_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, paces, trial, tick, wishes)
 
 

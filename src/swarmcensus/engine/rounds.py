@@ -7,6 +7,7 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.calling import call, place
+from swarmcensus.engine.changes import renew
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.modes import (
@@ -35,6 +36,8 @@ from .minds import (
     arrives,
     count_said,
     count_sent,
+    drowned,
+    is_noise,
     is_said,
     judge,
     luck_of_messages,
@@ -67,9 +70,29 @@ def most_links(bounds, links, robots):
 
 
 @loop()
+def take_drowned_away(swarm, outbox, said, senders, bounds, arrivals, count, stops, tick, counts):
+    """How many messages are left of those that arrive, which come receiver by receiver, where some make noise.
+
+    Apart from the loop below, which it would slow by a fifth for those that never jam.
+    """
+    kept, receiver, deaf = 0, -1, False
+    for k in range(count):
+        to = np.int64(arrivals[0, k])
+        if to != receiver:
+            receiver, deaf = to, drowned(swarm, outbox, said, senders, bounds[to], bounds[to + 1], stops, tick)
+        if deaf and counts.shape[1] > 0:
+            counts[HEARD, to] -= 1
+        if not deaf:
+            arrivals[0, kept] = arrivals[0, k]
+            arrivals[1, kept] = arrivals[1, k]
+            kept += 1
+    return kept
+
+
+@loop()
 def hear_what_arrives(
-    swarm, group, memory, outbox, said, receivers, senders, first, last, arrivals, luck, key, trial, tick, threshold,
-    stops, counts,
+    swarm, group, memory, outbox, said, receivers, senders, bounds, first, last, arrivals, luck, key, trial, tick,
+    threshold, stops, counts,
 ):  # fmt: skip
     """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
     count = 0
@@ -83,6 +106,8 @@ def hear_what_arrives(
             count += 1
             if counts.shape[1] > 0:
                 counts[HEARD, to] += 1
+    if swarm.jams:
+        count = take_drowned_away(swarm, outbox, said, senders, bounds, arrivals, count, stops, tick, counts)
     if swarm.luck.size > 0:
         luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
     call(
@@ -95,12 +120,18 @@ def hear_what_arrives(
 def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, threshold, stops, counts, stop):
     """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     robots = memory.shape[0]
+    noises = 0
+    if swarm.jams:
+        for j in range(robots):
+            noises += is_noise(swarm, outbox, said, j, stops, tick)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             if stop[0] != 0:
                 return
             count = 0
+            if noises > 0 and noises > is_noise(swarm, outbox, said, i, stops, tick):  # of another one
+                continue
             for j in range(robots):
                 if (
                     i != j
@@ -122,7 +153,7 @@ def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, th
 
 @loop()
 def advance(
-    swarm, memory, outbox, sums_beside, readings, bits, luck, tables, first, last, looks, trial,
+    swarm, memory, outbox, sums_beside, readings, bits, luck, source, first, last, looks, trial,
     read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
     counts, verdicts, agreed, stop,
 ):  # fmt: skip
@@ -131,7 +162,7 @@ def advance(
     But for pairs a robot ends one round and observes for the next in one go, block by block, so that a
     swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
     `said` is where this round's messages begin. `luck` (what for, robot or message) is empty where none is asked for;
-    `counts` (what, robot) and `verdicts` where nothing is to be counted or judged.
+    `counts` (what, robot) and `verdicts` where nothing is to be counted or judged. `source` is one of `changes.py`.
     """
     n = np.uint64(memory.shape[0])
     said, next_said = ZERO, n
@@ -148,6 +179,8 @@ def advance(
             return
         r = k - first
         here = np.uint64(max(r, 0)) * n
+        if source.changes and k + 1 < last:
+            renew(source, looks, k + 1)
         if r >= 0 and links == FULL:
             call(minds[ADD_UP], outbox, said, sums_beside, n if at_once else np.uint64(BLOCK), n)
             if at_once:
@@ -190,8 +223,8 @@ def advance(
                     base = bases[group]
                     if one_by_one:
                         hear_what_arrives(
-                            swarm, group, memory, outbox, said, receivers, senders, bounds[a], bounds[z], arrivals,
-                            luck[2], link_key, trial, k, threshold, stops, counts,
+                            swarm, group, memory, outbox, said, receivers, senders, bounds, bounds[a], bounds[z],
+                            arrivals, luck[2], link_key, trial, k, threshold, stops, counts,
                         )  # fmt: skip
                     elif links == LISTED:
                         if lucky:
@@ -207,7 +240,7 @@ def advance(
             if r >= 0 and verdicts.shape[0] > 0:
                 judge(swarm, block, memory, rows, here, verdicts, k)
             if k + 1 < last:
-                count_blacks(readings, bits, tables, looks, read_key, trial, k + 1, start, end)
+                count_blacks(readings, bits, source.tables, looks, read_key, trial, k + 1, start, end)
                 silence_failed(readings, stops, k + 1, start, end)
                 if lucky:
                     words(swarm.luck, trial, k + 1, LUCK_OBSERVE, start, end - start, luck[0])
@@ -227,7 +260,7 @@ def advance(
 
 @loop()
 def advance_alone(
-    swarm, memory, readings, blacks, bits, luck, tables, first, last, looks, trial, read_key, order_key, rows, stops,
+    swarm, memory, readings, blacks, bits, luck, source, first, last, looks, trial, read_key, order_key, rows, stops,
     stop,
 ):  # fmt: skip
     """Run single observations first ... last - 1 of robots that hear nobody; their estimates go to `rows`."""
@@ -241,7 +274,9 @@ def advance_alone(
         left = looks - (k - 1) % looks
         tick = (k - 1) // looks + 1
         if left == looks:
-            count_blacks(blacks, bits, tables, looks, read_key, trial, tick, ZERO, n)
+            if source.changes:
+                renew(source, looks, tick)
+            count_blacks(blacks, bits, source.tables, looks, read_key, trial, tick, ZERO, n)
         arrange(readings, blacks, bits, left, order_key, trial, k)
         silence_failed(readings, stops, tick, ZERO, n)
         if lucky:

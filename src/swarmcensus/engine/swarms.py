@@ -23,7 +23,8 @@ class Swarm(NamedTuple):
     runs: np.ndarray  # (run, 3): group, first robot, last robot + 1; none reaches over a block's end
     of_block: np.ndarray  # (block + 1): where the runs of a block of BLOCK robots begin
     additive: bool  # whether all brains only add up what they hear
-    flag: int  # where in a message is whether it was said at all; -1 where all are
+    flag: int  # where in a message is whether it was SAID at all, or NOISE; -1 where all are
+    jams: bool  # whether any brain may drown what others say
     luck: np.ndarray  # two keys of two words each; empty where no brain asks for luck
     honest: np.ndarray  # (robot): who counts where robots decide; empty where all do
 

@@ -7,8 +7,9 @@ import math
 
 import numpy as np
 
+from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import compiled, entry
-from swarmcensus.engine.draws import arrange, black_tables, count_blacks
+from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.modes import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit, words
 
@@ -98,26 +99,28 @@ def paint_tiles(tiles, key, trial, fill_ratio, black):
 
 
 @entry
-def round_readings(b, w, fill_ratio, looks, read_key, trial, out):
+def round_readings(b, w, drift, course, looks, read_key, trial, out):
     """Fill `out` (round, robot) with how many of a round's readings said black, from round 1 on."""
     robots = np.uint64(out.shape[1])
     bits = np.zeros(out.shape[1], np.uint64)
-    tables = black_tables(b, w, fill_ratio, looks)
+    source = source_of(b, w, drift, course, looks)
     for k in range(out.shape[0]):
-        count_blacks(out[k], bits, tables, looks, read_key, trial, k + 1, np.uint64(0), robots)
+        renew(source, looks, k + 1)
+        count_blacks(out[k], bits, source.tables, looks, read_key, trial, k + 1, np.uint64(0), robots)
 
 
 @entry
-def single_readings(b, w, fill_ratio, looks, read_key, order_key, trial, out):
+def single_readings(b, w, drift, course, looks, read_key, order_key, trial, out):
     """Fill `out` (observation, robot) with the readings, 1 black, that the rounds of a trial are made of."""
     robots = out.shape[1]
     bits = np.zeros(robots, np.uint64)
     blacks = np.zeros(robots)
-    tables = black_tables(b, w, fill_ratio, looks)
+    source = source_of(b, w, drift, course, looks)
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:
+            renew(source, looks, step // looks + 1)
             count_blacks(
-                blacks, bits, tables, looks, read_key, trial, step // looks + 1, np.uint64(0), np.uint64(robots)
+                blacks, bits, source.tables, looks, read_key, trial, step // looks + 1, np.uint64(0), np.uint64(robots)
             )
         arrange(out[step], blacks, bits, left, order_key, trial, step + 1)

@@ -47,7 +47,7 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
     brain = [setting.crew[one] for one in group]
     b, w = (belief[0] for belief in given.beliefs)
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
-    delay = setting.body.message_delay if setting.body else 0
+    delay = setting.message_delay
     looks, threshold, key = setting.observations_per_round, given.loss_threshold, given.losses
 
     def works(part: int, robot: int, tick: int) -> bool:
@@ -60,9 +60,12 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
         return words_
 
     def say() -> list[Any]:
-        return [oracle.fixed(one.functions.broadcast(me)) for one, me in zip(brain, minds, strict=True)]
+        return [oracle.said_by(one, me) for one, me in zip(brain, minds, strict=True)]
 
-    said = [say()]
+    def noise() -> list[bool]:
+        return [one.jams and bool(one.functions.jam(me)) for one, me in zip(brain, minds, strict=True)]
+
+    said, loud = [say()], [noise()]
     for tick, (blacks, pairs) in enumerate(_lived(known, seed, trial), start=1):
         seen, fused, steered = (luck(tick, part) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER))
         for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
@@ -70,18 +73,25 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
                 oracle.give(one, me, seen, i)
                 one.functions.observe(me, float(blacks[i]), float(looks))
         said.append(say())
+        loud.append(noise())
         for message in said[-1] if setting.additive else ():  # what it adds is found when it is said
             if message is not None:
                 setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
+        talking = [works(TALKING, i, tick - delay) for i in range(setting.robots)]
+        drowned = (
+            {int(to) for to, by in pairs if loud[-1 - delay][by] and talking[by]} if any(loud[-1 - delay]) else set()
+        )
         for receiver, sender in pairs if tick >= delay else ():
+            if int(receiver) in drowned:
+                continue
             message = said[-1 - delay][sender]
             lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
-            if not lost and works(TALKING, sender, tick - delay) and message is not None:
+            if not lost and talking[sender] and message is not None:
                 if brain[receiver].uses.luck:
                     word = word_of(given.luck[2], given.luck[3], trial, tick, receiver, sender)
                     minds[receiver].luck = chance(np.uint64(word))
                 brain[receiver].functions.receive(minds[receiver], message)
-        del said[: -1 - delay]
+        del said[: -1 - delay], loud[: -1 - delay]
         for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
             oracle.give(one, me, fused, i)
             one.functions.fuse(me)

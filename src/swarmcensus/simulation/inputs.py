@@ -19,7 +19,8 @@ class Inputs(NamedTuple):
     """Of trials first to first + trials - 1; accuracies are (trial, robot), or (trial, 1) where robots are alike."""
 
     first: int
-    sensors: tuple[np.ndarray, np.ndarray]  # true b and w
+    sensors: tuple[np.ndarray, np.ndarray]  # true b and w, of the first round
+    drift: np.ndarray  # (trial, 3, robot or 1): how those drift, see `engine.changes`; no robots where they stay
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail
     readings: np.ndarray  # addresses of random numbers, each a key of two words
@@ -41,8 +42,8 @@ class Inputs(NamedTuple):
             links = replace(links, starts=links.starts[k : k + 2])
         b, w, assumed_b, assumed_w = (a[one] for a in (*self.sensors, *self.beliefs))
         return self._replace(
-            first=self.first + k, sensors=(b, w), beliefs=(assumed_b, assumed_w), stops=self.stops[one], links=links,
-            group=self.group[one], honest=self.honest[one], paces=self.paces[one],
+            first=self.first + k, sensors=(b, w), drift=self.drift[one], beliefs=(assumed_b, assumed_w),
+            stops=self.stops[one], links=links, group=self.group[one], honest=self.honest[one], paces=self.paces[one],
         )  # fmt: skip
 
 
@@ -58,6 +59,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     return Inputs(
         first=first,
         sensors=(b, w),
+        drift=setting.drifts(seed, first, trials, b),
         beliefs=(assumed_b, assumed_w),
         stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
         readings=setting.readings_key(seed),
@@ -79,7 +81,7 @@ def _who(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarr
         return group, honest
     who, crew = setting.who(seed, first, trials), setting.crew
     if len(crew) > 1:
-        group = np.array([0, *(crew.index(m.brain or setting.brain) for m in setting.members)])[who]
+        group = np.array([0, *(crew.index(m.brain_in(setting.brain)) for m in setting.members)])[who]
     if setting.honest < setting.robots:
         honest = np.array([True, *(m.honest for m in setting.members)])[who]
     return group, honest

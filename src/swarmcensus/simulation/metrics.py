@@ -39,6 +39,11 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     )
 
 
+def right_bins(fill_ratios: np.ndarray, bins: int) -> np.ndarray:
+    """The same of several fill ratios, (fill ratio, 2)."""
+    return np.array([right_bin(float(f), bins) for f in fill_ratios]).reshape(-1, 2)
+
+
 def correct(estimates: np.ndarray, fill_ratio: float, bins: int = 10) -> np.ndarray:
     """The fraction of robots (last axis) whose estimate lies in the right bin; consensus is 1."""
     low, high = right_bin(fill_ratio, bins)

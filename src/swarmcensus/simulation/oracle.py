@@ -50,7 +50,7 @@ def follow(
             if not np.isnan(count) and not ended[i]:
                 give(brain, me, seen, i)
                 functions.observe(me, float(count), float(looks))
-        said = [fixed(functions.broadcast(me)) for me in minds]
+        said = [said_by(brain, me) for me in minds]
         if periodic:
             number = 0
         if whole or not periodic:
@@ -83,6 +83,11 @@ def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
 def is_done(brain: Brain, me: Any) -> bool:
     """Whether a robot has seen enough."""
     return brain.ends and bool(brain.functions.done(me))
+
+
+def said_by(brain: Brain, me: Any) -> Any:
+    """What a robot says; nothing where it makes noise."""
+    return None if brain.jams and brain.functions.jam(me) else fixed(brain.functions.broadcast(me))
 
 
 def fixed(message: Any) -> Any:

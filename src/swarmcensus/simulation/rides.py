@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.metrics import right_bins
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
@@ -24,6 +24,8 @@ from swarmcensus.simulation.walking import Chunk, set_out, walk
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
+from swarmcensus.worlds.changing_ground import ChangingGround
+from swarmcensus.worlds.ground import Ground
 
 NOTHING = np.zeros((0, 0, 0)), np.zeros((0, 0))  # what of a ride is recorded where nothing is
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
@@ -37,13 +39,13 @@ class Rider:
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
-        self.delay = setting.body.message_delay
+        self.delay = setting.message_delay
         robots = setting.robots
         self.rows = np.empty((setting.rounds, robots))
         self.start = np.empty((1, robots))
         self.stops = given.stops[0]
         self.keys = given.readings, given.losses
-        self.sensors = [a[0] for a in given.sensors]
+        self.sensors = [a[0] for a in (*given.sensors, given.drift)]
         beliefs = (a[0] for a in given.beliefs)
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, "moving")
@@ -64,8 +66,8 @@ class Rider:
         self.kernel.ride(
             *self.swarm, self.memory, self.outbox, self.rows, self.trial,
             chunk.tick, *self.sensors, *self.keys,
-            self.given.loss_threshold, self.delay, chunk.looked, black, chunk.heard, chunk.senders,
-            *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
+            self.given.loss_threshold, self.delay, self.setting.brain.is_oracle, chunk.looked, black, chunk.heard,
+            chunk.senders, *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
             self.stops, stop,
         )  # fmt: skip
 
@@ -77,9 +79,10 @@ class Rider:
                 *self.swarm, self.memory, self.setting.body.numbers, self.given.paces[0], self.trial, tick, wishes
             )
 
-    def measure(self, metrics: Metrics, true_fill_ratio: float) -> Batch:
+    def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
-        truth = true_fill_ratio if metrics.on_floor else self.setting.fill_ratio
+        truths = ground.truth if metrics.on_floor else self.setting.fill_ratios
+        truth = float(truths(self.setting.rounds))
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
         rows = self.rows
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
@@ -88,16 +91,16 @@ class Rider:
         where, value, counts = where[honest], value[honest], self.counts[:, honest]
         verdicts = self.verdicts[honest] if self.verdicts.size else self.verdicts
         error = np.abs(value - truth)
-        low, high = right_bin(truth, metrics.bins)
+        bins = right_bins(truths(np.array(metrics.checkpoints)), metrics.bins)
         right = np.full((len(metrics.checkpoints), 1), np.nan)
         kept = np.full((len(metrics.checkpoints), 1, where.size), np.nan)
         for c, checkpoint in enumerate(metrics.checkpoints):
             if checkpoint <= len(rows):
                 row = kept[c, 0] = rows[checkpoint - 1, honest]
-                right[c, 0] = np.mean((row >= low) & (row < high))
-        filled = np.array([true_fill_ratio])
+                right[c, 0] = np.mean((row >= bins[c, 0]) & (row < bins[c, 1]))
+        filled = np.array([ground.true_fill_ratio])
         estimates = kept if metrics.estimates else None
-        watches = [Watch(m, self.setting, self.trial, truth, metrics.delta, metrics.bins) for m in metrics.watched]
+        watches = [Watch(m, self.setting, self.trial, truths, metrics.delta, metrics.bins) for m in metrics.watched]
         for watch in watches:
             watch.see(np.ascontiguousarray(rows[:, honest]), 1)
         try:
@@ -121,18 +124,18 @@ def run_ride(
         batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
         return None if batch is None else [batch]
     riders = [Rider(setting, inputs_of(setting, seed, trial)) for setting in settings]
-    keys = [setting.floor_key(seed).tobytes() for setting in settings]
+    keys = [(setting.floor_key(seed).tobytes(), setting.change) for setting in settings]
     grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
     wishes = wishes_of(settings[0])
     for chunk in walk_of(settings[0], riders[0].given, stop, wishes):
-        black = {key: ground.colours(chunk.tiles) for key, ground in grounds.items()}
+        black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
         for rider, key in zip(riders, keys, strict=True):
             with blaming(rider.setting, trial):
                 rider.ride(chunk, black[key], stop)
                 rider.wish(wishes, chunk.tick)
     if stop[0]:
         return None
-    return [rider.measure(metrics, grounds[key].true_fill_ratio) for rider, key in zip(riders, keys, strict=True)]
+    return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
 
 
 def tiles_of(setting: Setting) -> int:
@@ -152,11 +155,11 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
-            ground.all_tiles(), *rider.swarm, rider.memory, rider.outbox,
-            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, NOTHING,
-            rider.counts, rider.verdicts, rider.agreed, rider.stops, stop,
+            ground.all_tiles(), ground.turns(), *rider.swarm, rider.memory, rider.outbox,
+            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, setting.brain.is_oracle,
+            NOTHING, rider.counts, rider.verdicts, rider.agreed, rider.stops, stop,
         )  # fmt: skip
-    return None if stop[0] else rider.measure(metrics, ground.true_fill_ratio)
+    return None if stop[0] else rider.measure(metrics, ground)
 
 
 def wishes_of(setting: Setting) -> np.ndarray:
@@ -195,7 +198,7 @@ class Ride:
     colours: np.ndarray  # the true tile, 1 black
     readings: np.ndarray  # NaN where none was made
     links: np.ndarray  # (link, 3): tick, robot, robot
-    true_fill_ratio: float
+    true_fill_ratio: np.ndarray  # (tick)
 
 
 def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
@@ -214,7 +217,7 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         ticks = slice(chunk.tick, chunk.tick + len(chunk.looked))
         if chunk.tick == 1:
             poses[0] = chunk.begin
-        colours[ticks] = ground.colours(chunk.tiles)
+        colours[ticks] = ground.colours(chunk.tiles, chunk.tick)
         with blaming(setting, trial):
             rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
             rider.wish(wishes, chunk.tick)
@@ -226,7 +229,9 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     done = ended(setting.crew, fields)
     if done.size:
         looked[1:][done], readings[1:][done] = False, np.nan
-    return Ride(fields, estimates, poses, looked, colours, readings, joined, ground.true_fill_ratio)
+    return Ride(
+        fields, estimates, poses, looked, colours, readings, joined, ground.truth(np.arange(setting.rounds + 1))
+    )
 
 
 def links_of(chunk: Chunk) -> np.ndarray:

@@ -59,6 +59,7 @@ def swarm(
         of_block=of_block,
         additive=not mixed and bool(brains[0].sums),
         flag=compiler.flag_of(brains[0], mixed),
+        jams=any(brain.jams for brain in brains),
         luck=luck if any(brain.uses.luck for brain in brains) else NO_LUCK,
         honest=honest,
     )

@@ -1,6 +1,7 @@
 """Runs batches of trials of one setting, and single trials again in full."""
 
 import contextlib
+import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
@@ -14,7 +15,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import PART, VERDICTS
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.metrics import right_bins
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
@@ -26,6 +27,7 @@ from swarmcensus.simulation.swarming import (
 )
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
+from swarmcensus.worlds.changes import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
@@ -129,14 +131,15 @@ def _live(
     counts = np.zeros((trials, 2, setting.robots), np.int64)
     verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
     arguments = (
-        *made, *room, first, *given.sensors, *given.beliefs, setting.fill_ratio, local, looks, rounds,
+        *made, *room, first, *given.sensors, given.drift, *given.beliefs, setting.course, local, looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
-        metrics.delta, *right_bin(setting.fill_ratio, metrics.bins), checkpoints,
+        metrics.delta, bins_at(setting.fill_ratio, setting.change, () if local else metrics.checkpoints, metrics.bins),
+        checkpoints,
         where, value, final, correct, kept, counts, verdicts, agreed, np.empty((3, setting.robots)),
     )  # fmt: skip
     watched = () if local else metrics.watched
-    watches = [Watch(m, setting, first, setting.fill_ratio, metrics.delta, metrics.bins) for m in watched]
+    watches = [Watch(m, setting, first, setting.fill_ratios, metrics.delta, metrics.bins) for m in watched]
     sound = True
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
@@ -186,6 +189,13 @@ def _joined(batches: Sequence[Batch]) -> Batch:
     )
 
 
+@functools.lru_cache(maxsize=256)
+def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ...], bins: int) -> np.ndarray:
+    """The ends of the right bins at checkpoints, (checkpoint, 2); they are only read."""
+    course = change.course if change else steady(fill_ratio)
+    return right_bins(along(course, checkpoints), bins)
+
+
 @contextlib.contextmanager
 def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
     """Whatever a brain does wrong here is told as an InputError that names it."""
@@ -222,16 +232,16 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
         history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
         kernel.simulate(
             *made, history[-1], outbox_of(made, setting, 2), np.empty((1, robots)), history[:-1], trial,
-            *given.sensors, *given.beliefs, setting.fill_ratio, False,
+            *given.sensors, given.drift, *given.beliefs, setting.course, False,
             looks, rounds, given.readings, given.order, given.losses,
             links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
-            1.0, 0.0, 1.0, np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
+            1.0, np.zeros((0, 2)), np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
             np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
             np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
         )  # fmt: skip
         kernel.believe(*made, history, estimates)
     compiler.compile_world().round_readings(
-        *(a[0] for a in given.sensors), setting.fill_ratio, looks, given.readings, trial, blacks[1:]
+        *(a[0] for a in (*given.sensors, given.drift)), setting.course, looks, given.readings, trial, blacks[1:]
     )
     fields = fields_of(setting.crew, made, history, estimates)
     done = ended(setting.crew, fields)
@@ -245,7 +255,7 @@ def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
     out = np.zeros((setting.rounds * setting.observations_per_round, setting.robots))
     given = inputs_of(setting, seed, trial, order=True)
     compiler.compile_world().single_readings(
-        *(a[0] for a in given.sensors), setting.fill_ratio, setting.observations_per_round,
+        *(a[0] for a in (*given.sensors, given.drift)), setting.course, setting.observations_per_round,
         given.readings, given.order, trial, out,
     )  # fmt: skip
     return out

@@ -8,13 +8,15 @@ import numpy as np
 from swarmcensus.basics.errors import InputError, line_of
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
-from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.metrics import right_bin, right_bins
 from swarmcensus.studies.settings import Setting
 
 MOST_SHOWN = 1_000_000  # estimates, to CPython
 WIDEST_CHECKED = 100  # robots
 MOST_CHECKED = 2_000  # by it, of each metric that this process has not met: some milliseconds
 CHECKED: set[Metric] = set()
+
+Truths = Callable[[np.ndarray], np.ndarray]  # of rounds
 
 
 class MetricFails(InputError):
@@ -24,24 +26,26 @@ class MetricFails(InputError):
 class Watch:
     """One metric on one trial."""
 
-    def __init__(self, metric: Metric, setting: Setting, trial: int, truth: float, delta: float, bins: int) -> None:
-        """Make room for its records."""
-        self.metric, self.truth = metric, truth
+    def __init__(self, metric: Metric, setting: Setting, trial: int, truths: Truths, delta: float, bins: int) -> None:
+        """Make room for its records; `truths` gives the fill ratios that estimates of rounds are held against."""
+        self.metric, self.truths, self.bins = metric, truths, bins
         self.where = f"trial {trial} of {setting}"
-        low, high = right_bin(truth, bins)
+        self.changes = setting.change is not None
+        low, high = right_bin(float(truths(np.arange(1, 2))[0]), bins)
         self.blank = blank_record(metric, low=low, high=high, delta=delta, rounds=setting.rounds, robots=setting.honest)
         self.records = np.repeat(self.blank, 1 if metric.of_swarm else setting.honest)
         self.out = np.empty(self.records.size)
 
     def see(self, rows: np.ndarray, first: int) -> None:
         """Look at estimates (round, robot) from round `first` on. Raises MetricFails."""
+        truths = self._of(first, len(rows))
         try:
             follow = compile_metric(self.metric).follow
             if first == 1 and len(rows) > 1 and self.metric not in CHECKED:  # a single round only compiles it
                 few = rows[:, :WIDEST_CHECKED]
-                self._check(np.ascontiguousarray(few[: MOST_CHECKED // few.shape[1] + 2]), follow)
+                self._check(np.ascontiguousarray(few[: MOST_CHECKED // few.shape[1] + 2]), truths, follow)
                 CHECKED.add(self.metric)
-            follow(self.blank, self.records, rows, first, self.truth, self.out)
+            follow(self.blank, self.records, rows, first, truths, self.out)
         except MetricFails:
             raise
         except Exception as error:
@@ -49,19 +53,24 @@ class Watch:
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
                 what = f"it cannot be compiled: {_told(text)}"
-            raise self._wrong(f"{what}{self._line(rows) if first == 1 else ''}") from error
+            raise self._wrong(f"{what}{self._line(rows, truths) if first == 1 else ''}") from error
+
+    def _of(self, first: int, rounds: int) -> np.ndarray:
+        """The truths of so many rounds and the ends of their bins, (round, 3); (1, 3) where they never change."""
+        found = self.truths(np.arange(first, first + (rounds if self.changes else 1)))
+        return np.column_stack([found, right_bins(found, self.bins)])
 
     def _wrong(self, what: str) -> "MetricFails":
         return MetricFails(f"metric {self.metric.name!r} fails in {self.where}: {what}")
 
-    def _check(self, rows: np.ndarray, follow: Callable[..., None]) -> None:
+    def _check(self, rows: np.ndarray, truths: np.ndarray, follow: Callable[..., None]) -> None:
         """Raise MetricFails where CPython refuses these estimates, or finds others of them than machine code."""
         try:
-            slow = self._lived(rows, whole=False)
+            slow = self._lived(rows, truths, whole=False)
         except Exception as error:
             raise self._wrong(f"{type(error).__name__}: {error}{line_of(error, self.metric.path)}") from error
         fast = np.repeat(self.blank, len(slow))
-        follow(self.blank, fast, rows, 1, self.truth, self.out[:0])
+        follow(self.blank, fast, rows, 1, truths, self.out[:0])
         for i, mine in enumerate(slow):
             for name in self.metric.fields:
                 due = float(getattr(mine, name))
@@ -72,23 +81,26 @@ class Watch:
                         "there whole numbers that grow beyond 64 bits?"
                     )
 
-    def _line(self, rows: np.ndarray) -> str:
+    def _line(self, rows: np.ndarray, truths: np.ndarray) -> str:
         """Where in its file the metric fails, by CPython, which is not asked for very much."""
         try:
-            self._lived(rows[: MOST_SHOWN // rows.shape[1] + 1])
+            self._lived(rows[: MOST_SHOWN // rows.shape[1] + 1], truths)
         except Exception as error:
             return line_of(error, self.metric.path)
         return ""
 
-    def _lived(self, rows: np.ndarray, whole: bool = True) -> list[Any]:
+    def _lived(self, rows: np.ndarray, truths: np.ndarray, whole: bool = True) -> list[Any]:
         """The metric's records after these estimates, by CPython; `whole`: their results are asked for too."""
         functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
         records = [self.metric.record(**given) for _ in range(1 if self.metric.of_swarm else rows.shape[1])]
         for my in records:
             functions.begin(my)
         for k, row in enumerate(rows.tolist(), start=1):
+            truth, low, high = truths[min(k, len(truths)) - 1].tolist()
+            for my in records:
+                my.low, my.high = low, high
             for i, x in enumerate(row):
-                functions.watch(records[min(i, len(records) - 1)], k, x, self.truth)
+                functions.watch(records[min(i, len(records) - 1)], k, x, truth)
             if self.metric.of_swarm:
                 functions.after(records[0], k)
         for my in records if whole else ():

@@ -1,6 +1,6 @@
 """The accuracies that robots have and those that they believe in, of swarms whose members differ too."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -43,6 +43,21 @@ def mixed_accuracies(
             drawn = _drawn(told, f"assumed by members {number}", where, had)
             believed = _told(who == number, drawn, believed)
     return tuple(np.ascontiguousarray(side) for side in (*had, *believed))
+
+
+def drifts(true: Accuracy, members: Sequence[Member], who: Callable[[], np.ndarray], start: np.ndarray) -> np.ndarray:
+    """What robots' accuracies gain a round, and their least and greatest: (trial, 3, robot), or alike (trial, 3, 1).
+
+    (trial, 3, 0) where nobody's drift. `who` tells the numbers of members, from 1 on; `start` are the accuracies b of
+    round 1, (trial, robot) or (trial, 1). One that starts beyond its bound stays.
+    """
+    every = [true, *(member.accuracy or true for member in members)]
+    if all(one.drift is None for one in every):
+        return np.zeros((len(start), 3, 0))
+    apart = any(member.accuracy for member in members)
+    sides = np.array([(0.0, 0.0, 1.0) if one.drift is None else one.drift.numbers for one in every])
+    slope, least, most = np.moveaxis(sides[who() if apart else np.zeros(start.shape, int)], -1, 0)
+    return np.ascontiguousarray(np.stack([slope, np.minimum(least, start), np.maximum(most, start)], axis=1))
 
 
 def _drawn(what: Accuracy | Misjudgement, purpose: str, where: Where, had: Sequence[np.ndarray]) -> Sides:

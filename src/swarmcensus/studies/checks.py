@@ -14,6 +14,7 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds import arena
+from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
 MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
@@ -44,6 +45,8 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
         if grid.moves:
             _check_moving(grid)
     _check_faults(tables, grids, all_used)
+    for grid in grids:
+        _check_changes(grid, all_used)
     members.check(
         tables.members,
         list(dict.fromkeys(b for grid in grids for b in grid.swarm.brain)),
@@ -204,6 +207,24 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
         if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):
             raise ValueError(
                 f"faults[{n}].robots = {fault.robots}: that is less than one of {max(sizes)} robots: none would fail"
+            )
+
+
+def _check_changes(grid: Grid, all_used: bool) -> None:
+    """Fill ratios change while there is somebody to see it, on floors that can."""
+    changes = [fill for fill in grid.world.fill_ratio if isinstance(fill, Change)]
+    last = max(grid.lengths)
+    for change in changes if all_used else ():
+        if isinstance(change.at, int) and change.at >= last:
+            raise ValueError(
+                f"{grid.key('fill_ratio')} = {to_toml_value(change.given or change)}: at = {change.told('at')} should "
+                f"be before the last round, {last}, so that there are some after it"
+            )
+    for floor in (grid.world.floor or ()) if changes and grid.moves else ():
+        if not floor.can_change:
+            raise ValueError(
+                f"{grid.key('floor')} = {to_toml_value(floor.form)}: this floor does not tell which tiles turn first, "
+                f"so that its fill ratio cannot change: {grid.key('fill_ratio')} should be a number here"
             )
 
 

@@ -1,16 +1,19 @@
 """What the values of a study file may be, key by key."""
 
 import itertools
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import OR_TIME
+from swarmcensus.brains import adversary
 from swarmcensus.studies.precision import Until
 from swarmcensus.worlds.bodies import Number, Positive
+from swarmcensus.worlds.changes import OR_CHANGE
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.patterns import Floor, parse_floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
@@ -40,24 +43,36 @@ def _floor(value: object, info: ValidationInfo) -> Floor:
     return parse_floor(value, _context(info, "base", Path()), _context(info, "images", {}))
 
 
-def _joined(lists: list[list[brains.Brain]]) -> list[brains.Brain]:
+BrainOrAdversary = brains.Brain | brains.Adversary
+
+
+def _joined(lists: list[list[Any]]) -> list[Any]:
     return [brain for one in lists for brain in one]
 
 
 def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
     """A brain, or one for each combination of its parameters' values: a list of such spans a grid."""
+    return _swept(value, info, _brain)
+
+
+def _sweep_of_members(value: object, info: ValidationInfo) -> list[BrainOrAdversary]:
+    """The same, of brains and adversaries."""
+    return _swept(value, info, _brain_or_adversary)
+
+
+def _swept(value: object, info: ValidationInfo, read: Callable[[object, ValidationInfo], Any]) -> list[Any]:
     if not isinstance(value, Mapping):
-        return [_brain(value, info)]
+        return [read(value, info)]
     if "file" not in value:
         raise ValueError(
             'file is missing: a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}'
         )
-    brain = _brain(value["file"], info)
+    brain = read(value["file"], info)
     given = {str(name): _values(brain, str(name), one) for name, one in value.items() if name != "file"}
     return [brain.with_parameters(dict(zip(given, one, strict=True))) for one in itertools.product(*given.values())]
 
 
-def _values(brain: brains.Brain, name: str, value: object) -> list[object]:
+def _values(brain: BrainOrAdversary, name: str, value: object) -> list[object]:
     """The values that a parameter is to have, one after the other: of a vector each is a list itself."""
     if isinstance(value, list | tuple) and not value:
         raise ValueError(f"{name} = []: should be a list of at least one")
@@ -79,6 +94,24 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     if base is None and str(value) not in brains.DOOR:
         raise ValueError("this brain's source is not here, and no file is opened that is only named here")
     return brains.load(value, base)
+
+
+def _brain_or_adversary(value: object, info: ValidationInfo) -> BrainOrAdversary:
+    if isinstance(value, brains.Adversary):
+        return value
+    known, base, name = _context(info, "adversaries", {}), _context(info, "base", Path()), str(value)
+    if name in known:
+        return known[name]  # type: ignore[no-any-return]
+    is_brain = name in _context(info, "brains", {}) or name in brains.DOOR.shipped
+    if not isinstance(value, str | Path) or is_brain or (base is None and name not in adversary.DOOR):
+        return _brain(value, info)
+    if adversary.is_meant(name, base):
+        return adversary.load(name, base)
+    hint = did_you_mean(name, adversary.DOOR.names)
+    if hint and name not in brains.DOOR and not ((base or Path()) / name).is_file():
+        known = ", ".join(adversary.DOOR.names)
+        raise ValueError(f"brain {name!r}: {hint}neither a brain nor an adversary ({known}), nor a file")
+    return _brain(value, info)
 
 
 def _metric(value: object, info: ValidationInfo) -> metrics.Metric:
@@ -117,8 +150,12 @@ _Listed, _Some = BeforeValidator(_listed), Field(min_length=1)
 Wholes = Annotated[list[Whole], _Listed, _Some]
 Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
 Shares = Annotated[list[Share], _Listed, _Some]
+FillRatios = Annotated[list[Annotated[Share, OR_CHANGE]], _Listed, _Some]
 Positives = Annotated[list[Positive], _Listed, _Some]
 Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep)]], _Listed, _Some, AfterValidator(_joined)]
+BrainsOrAdversaries = Annotated[
+    list[Annotated[Any, BeforeValidator(_sweep_of_members)]], _Listed, _Some, AfterValidator(_joined)
+]
 Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _Listed, _Some]
 Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
 Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]

@@ -10,6 +10,7 @@ from swarmcensus.studies.members import Member, Members
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Case, Schedule, Swarm, World
 from swarmcensus.worlds import arena
+from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 from swarmcensus.worlds.patterns import Floor
 
@@ -96,10 +97,13 @@ class Grid:
             for robots in self.swarm.robots
         }
         mixes = {robots: self._mixes(robots) for robots in self.swarm.robots}
-        for brain, topology, robots, *others in itertools.product(*self._lists):
+        for brain, topology, robots, *sensors, fill, success in itertools.product(*self._lists):
             lengths = moving[robots] if topology.moves else fixed
-            for mix, length in itertools.product(mixes[robots], lengths):
-                yield Setting(brain, topology, robots, *others, *length, members=mix)  # type: ignore[misc]
+            change = fill if isinstance(fill, Change) else None
+            for mix, (rounds, *length) in itertools.product(mixes[robots], lengths):
+                end = change.ends_in(rounds) if change else fill  # type: ignore[arg-type]
+                of_world = (end, success, rounds, *length)
+                yield Setting(brain, topology, robots, *sensors, *of_world, members=mix, change=change)  # type: ignore
 
 
 def grids_of(

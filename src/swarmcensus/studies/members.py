@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain, worn
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.studies.fields import Accuracies, Beliefs, Brains
+from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.worlds.bodies import Least
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
@@ -23,7 +23,7 @@ class Member:
     """So many robots of a swarm, and in what they differ from the others; None where they do not."""
 
     robots: int | float  # a number, or a fraction
-    brain: Brain | None = None
+    brain: Brain | Adversary | None = None
     accuracy: Accuracy | None = None
     assumed_accuracy: Accuracy | Misjudgement | None = None
     speed: float | None = None  # m/s, of robots that move
@@ -34,17 +34,25 @@ class Member:
         """How many of a swarm they are."""
         return round(self.robots * robots) if self.share else int(self.robots)
 
-    def __str__(self) -> str:
-        """Who they are, as the dataset says it."""
+    def brain_in(self, brain: Brain) -> Brain:
+        """Their brain in a swarm of `brain`: an adversary wears that."""
+        return worn(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
+
+    @property
+    def traits(self) -> list[str]:
+        """In what they differ from the others."""
         sides = (
             ("", self.brain and self.brain.told),
             ("accuracy ", self.accuracy),
             ("assumed accuracy ", self.assumed_accuracy),
             ("speed ", self.speed),
         )
-        told = [f"{what}{value}" for what, value in sides if value is not None]
+        return [f"{what}{value}" for what, value in sides if value is not None]
+
+    def __str__(self) -> str:
+        """Who they are, as the dataset says it."""
         many = f"{float(self.robots)!r}" if self.share else str(self.robots)
-        return " ".join([many, ", ".join(told + ["not honest"] * (not self.honest))]).rstrip()
+        return " ".join([many, ", ".join(self.traits + ["not honest"] * (not self.honest))]).rstrip()
 
     @property
     def content(self) -> tuple[object, ...]:
@@ -73,7 +81,7 @@ class Members(BaseModel):
     robots: Annotated[
         list[Annotated[int | float, BeforeValidator(_number)]], BeforeValidator(_listed), Field(min_length=1)
     ]
-    brain: Brains | None = None
+    brain: BrainsOrAdversaries | None = None
     accuracy: Accuracies | None = None
     assumed_accuracy: Beliefs | None = None
     speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1)] | None = None
@@ -103,8 +111,12 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
                 raise ValueError(f"members[{n}].robots = {some}: that is less than one of {max(sizes)} robots")
         if one.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
-        for brain in dict.fromkeys(one.brain or []):
-            for other in (*brains, *(b for before in members[:n] for b in before.brain or [])):
+        hearing = [brain for brain in brains if not brain.is_oracle]  # an oracle hears no member
+        for adversary in (a for a in one.brain or [] if isinstance(a, Adversary)):
+            _check_adversary(n, one, adversary, hearing)
+        for brain in dict.fromkeys(b for b in one.brain or [] if isinstance(b, Brain)):
+            theirs = (b for before in members[:n] for b in before.brain or [] if isinstance(b, Brain))
+            for other in (*hearing, *theirs):
                 if brain.message != other.message:
                     raise ValueError(
                         f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_said(brain)}), and that of "
@@ -124,6 +136,17 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             honest = robots - sum(c for c, one in zip(counts, members, strict=True) if not one.honest)
             if honest < 1:
                 raise ValueError(f"members: of {robots} robots none is honest, and metrics count the honest ones")
+
+
+def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Brain]) -> None:
+    where = f"members[{n}].brain = {adversary.told!r}"
+    if one.honest:
+        raise ValueError(f"{where}: that is an adversary, and none is honest: say honest = false")
+    for brain in brains:
+        try:
+            worn(adversary, brain)
+        except ValueError as error:
+            raise ValueError(f"{where}: {error}") from None
 
 
 def _said(brain: Brain) -> str:

@@ -9,14 +9,18 @@ import hashlib
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from swarmcensus.brains import Brain, Value
+from swarmcensus.brains import Brain
 from swarmcensus.engine.addresses import address
-from swarmcensus.studies.accuracies import accuracies, mixed_accuracies
+from swarmcensus.studies.accuracies import accuracies, drifts, mixed_accuracies
 from swarmcensus.studies.members import Member, groups
+from swarmcensus.studies.telling import coordinates, line
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
-from swarmcensus.worlds.faults import Fault, stops
+from swarmcensus.worlds.changes import Change, along, steady
+from swarmcensus.worlds.changing_ground import ChangingGround
+from swarmcensus.worlds.faults import Fault, as_to_an_oracle, stops
 from swarmcensus.worlds.ground import Ground
 from swarmcensus.worlds.networks import Links, Topology
 from swarmcensus.worlds.patterns import Floor
@@ -34,7 +38,7 @@ class Setting:
     robots: int
     accuracy: Accuracy
     assumed_accuracy: Accuracy | Misjudgement | None  # None: robots know their sensors
-    fill_ratio: float
+    fill_ratio: float  # that of the last round
     link_success: float
     rounds: int  # ticks where robots move
     observations_per_round: int
@@ -43,56 +47,32 @@ class Setting:
     faults: tuple[Fault, ...] = ()
     floor: Floor | None = None  # of robots that move; None: independent tiles
     members: tuple[Member, ...] = ()  # robots that differ from the others
+    change: Change | None = None  # of the fill ratio, while robots look
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
-        where = f"{self.topology}, N = {self.robots}"
-        assumed = "" if self.assumed_accuracy is None else f", assumed accuracy {self.assumed_accuracy}"
-        lossy = "" if self.link_success == 1.0 else f", link success {self.link_success}"
-        mixed = "".join(f", of them {member}" for member in self.members)
-        told = "".join(f", {name} = {_shown(value)}" for name, value in self._parameters)
-        what = f"accuracy {self.accuracy}{assumed}, f = {self.fill_ratio}{lossy}{told}{mixed}"
-        if self.body is not None:
-            floor = f", floor {self.floor}" if self.floor not in (None, Floor()) else ""
-            return f"{where}, {self._room}, {what}{floor}, {self.rounds} ticks"
-        return f"{where}, {what}, C = {self.rounds}, R = {self.observations_per_round}"
-
-    @property
-    def _parameters(self) -> list[tuple[str, Value]]:
-        """What a title tells of its brain: all numbers, for others may vary what this one leaves, and given vectors."""
-        given = dict(self.brain.given)
-        return [(n, v) for n, v in self.brain.parameters.items() if n in given or not isinstance(v, tuple)]
-
-    @property
-    def _room(self) -> str:
-        """Density or side of the arena: which has fewer digits is what the study gave."""
-        density, side = float(f"{self.density:.12g}"), self.side
-        return f"L = {side} m" if len(str(side)) < len(str(density)) else f"D = {density}"
+        return line(self)
 
     @property
     def coordinates(self) -> dict[str, object]:
         """What the dataset says of this setting."""
-        return {
-            "brain": self.brain.name,
-            "topology": str(self.topology),
-            "robots": self.robots,
-            "density": np.nan if self.density is None else self.density,
-            "side": self.side,
-            "accuracy": str(self.accuracy),
-            "assumed_accuracy": str(self.assumed_accuracy or self.accuracy),
-            "fill_ratio": self.fill_ratio,
-            "floor": "" if self.body is None else str(self.floor or Floor()),
-            "link_success": self.link_success,
-            "rounds": self.rounds,
-            "observations_per_round": self.observations_per_round,
-            **{name: _shown(value) for name, value in self.brain.parameters.items()},
-            **({"members": "; ".join(map(str, self.members))} if self.members else {}),
-        }
+        return coordinates(self)
+
+    @functools.cached_property
+    def course(self) -> np.ndarray:
+        """The fill ratio in the course of a trial, as the engine takes it."""
+        return steady(self.fill_ratio) if self.change is None else self.change.course
+
+    def fill_ratios(self, rounds: ArrayLike) -> np.ndarray:
+        """The fill ratios of these rounds, or ticks."""
+        return along(self.course, rounds)
 
     @functools.cached_property
     def crew(self) -> tuple[Brain, ...]:
-        """The brains that live in the swarm, each once, its own first."""
-        return tuple(dict.fromkeys([self.brain, *(m.brain for m in self.members if m.brain)]))
+        """The brains that live in the swarm, each once, its own first; with an oracle no other, as it hears no liar."""
+        if self.brain.is_oracle:
+            return (self.brain,)
+        return tuple(dict.fromkeys([self.brain, *(m.brain_in(self.brain) for m in self.members)]))
 
     @property
     def steers(self) -> bool:
@@ -144,6 +124,8 @@ class Setting:
             content = (*content, [member.content for member in self.members])
         if self.brain.parameters:
             content = (*content, [*self.brain.parameters.items()])
+        if self.change:
+            content = (*content, str(self.change))
         if self.editions:
             content = (*content, self.editions)
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
@@ -156,13 +138,13 @@ class Setting:
         return [part.edition for part in parts if part is not None and part.edition]
 
     def readings_key(self, seed: int, purpose: str = "readings") -> np.ndarray:
-        """The address of what the robots' sensors say."""
+        """The address of what the robots' sensors say; where the world changes, of one that stays as it begins."""
         return address(
             seed,
             purpose,
             robots=self.robots,
-            accuracy=str(self.accuracy),
-            fill_ratio=self.fill_ratio,
+            accuracy=str(self.accuracy.start),
+            fill_ratio=float(self.course[0]),
             observations_per_round=self.observations_per_round,
             **self._where,
         )
@@ -192,7 +174,7 @@ class Setting:
         return address(seed, "walk", **self.walk_content)
 
     def floor_key(self, seed: int) -> np.ndarray:
-        """The address of the floor's tiles."""
+        """The address of the floor's tiles: of one that changes, that of the floor as it begins."""
         assert self.body is not None
         return address(
             seed,
@@ -200,7 +182,7 @@ class Setting:
             robots=self.robots,
             density=self.density,
             tile=self.body.tile,
-            fill_ratio=self.fill_ratio,
+            fill_ratio=float(self.course[0]),
             **({} if self.floor in (None, Floor()) else {"floor": self.floor.content}),
         )
 
@@ -232,8 +214,14 @@ class Setting:
         where = (seed, first_trial, trials, self.robots)
         if any(m.accuracy or m.assumed_accuracy for m in self.members):
             who = self.who(seed, first_trial, trials)
-            return mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, who, where)
-        return accuracies(self.accuracy, self.assumed_accuracy, where)
+            found = mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, who, where)
+        else:
+            found = accuracies(self.accuracy, self.assumed_accuracy, where)
+        return found[:2] * 2 if self.brain.is_oracle else found
+
+    def drifts(self, seed: int, first_trial: int, trials: int, start: np.ndarray) -> np.ndarray:
+        """How true accuracies drift that `start` as b (trial, robot or 1): see `studies.accuracies`."""
+        return drifts(self.accuracy, self.members, lambda: self.who(seed, first_trial, trials), start)
 
     def paces(self, seed: int, trial: int) -> np.ndarray:
         """How far each robot goes in a tick straight ahead, in metres (robot); nothing on fixed networks."""
@@ -253,20 +241,32 @@ class Setting:
         speed = max([self.body.speed, *(m.speed for m in self.members if m.speed is not None)])
         return self.body if speed == self.body.speed else self.body.model_copy(update={"speed": speed})
 
-    def ground(self, seed: int, trial: int) -> Ground:
+    def ground(self, seed: int, trial: int) -> Ground | ChangingGround:
         """The floor of a trial under robots that move."""
         assert self.body is not None
         floor = self.floor or Floor()
+        if self.change:
+            shares = self.fill_ratios(np.arange(1, min(self.rounds, self.change.end) + 1))
+            return ChangingGround(floor, self.body, self.arena_side, shares, self.floor_key(seed), trial)
         return Ground(floor, self.body, self.arena_side, self.fill_ratio, self.floor_key(seed), trial)
 
     def stops(self, seed: int, trial: int) -> np.ndarray:
         """When parts of robots fail: see `swarmcensus.worlds.faults`."""
-        return stops(self.faults, seed, trial, self.robots)
+        found = stops(self.faults, seed, trial, self.robots)
+        lies = np.array([False, *(not m.honest for m in self.members)])
+        return as_to_an_oracle(found, lies[self.who(seed, trial, 1)[0]]) if self.brain.is_oracle else found
 
     def links(self, seed: int, first_trial: int, trials: int) -> Links:
         """Who hears whom in these trials."""
+        if self.brain.is_oracle:
+            return Topology("full").links(self.robots, seed, first_trial, trials, True, self.additive)
         heard_by_all = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
         return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, self.additive)
+
+    @property
+    def message_delay(self) -> int:
+        """How many ticks ago was said what robots that move hear."""
+        return 0 if self.body is None or self.brain.is_oracle else self.body.message_delay
 
     @property
     def additive(self) -> bool:
@@ -276,11 +276,6 @@ class Setting:
     @property
     def loss_threshold(self) -> np.uint64:
         """A message gets through where a uniform uint64 is below this; 0 stands for always."""
-        if self.link_success == 1.0:
+        if self.link_success == 1.0 or self.brain.is_oracle:
             return np.uint64(0)
         return np.uint64(max(1, int(self.link_success * 2.0**64)))
-
-
-def _shown(value: Value) -> float | str:
-    """A parameter as a coordinate: a vector as text."""
-    return f"({', '.join(f'{one:g}' for one in value)})" if isinstance(value, tuple) else value

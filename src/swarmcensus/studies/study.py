@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from swarmcensus import brains, metrics
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain, adversary
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.precision import Until
@@ -87,8 +87,8 @@ class Study:
         """Read a study from TOML text.
 
         `context` may hold `base` (the folder of brain and metric files, edge lists and images; None: no file is
-        opened), `brains`, `metrics`, `edges` and `images` (known by name, so that no file is read), and `kept` (the
-        text is that of results: keys that mean nothing there are let pass).
+        opened), `brains`, `adversaries`, `metrics`, `edges` and `images` (known by name, so that no file is read), and
+        `kept` (the text is that of results: keys that mean nothing there are let pass).
 
         Raises InputError, naming file, key and value.
         """
@@ -110,6 +110,7 @@ class Study:
         """What `parse` must know to read the study's text again without its files."""
         return {
             "brains": {b.name: b for b in self.brains},
+            "adversaries": {a.name: a for a in self.adversaries},
             "edges": {t.source: t.edges for t in self.topologies if t.source},
             "images": {p.source: p.grey for p in self.pictures},
             "metrics": {m.name: m for m in self.measure.metrics},
@@ -123,9 +124,15 @@ class Study:
     @property
     def brains(self) -> list[Brain]:
         """The brains of all settings, each once, with the parameters that their files say."""
-        theirs = [brain for table in self.members for brain in table.brain or ()]
+        theirs = [brain for table in self.members for brain in table.brain or () if isinstance(brain, Brain)]
         every = (brain for grid in self.grids for brain in grid.swarm.brain)
         return list({brain.name: brain.as_written for brain in (*every, *theirs)}.values())
+
+    @property
+    def adversaries(self) -> list[Adversary]:
+        """The adversaries of all settings, each once, with the parameters that their files say."""
+        every = [one for table in self.members for one in table.brain or () if isinstance(one, Adversary)]
+        return list({one.name: one.as_written for one in every}.values())
 
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
@@ -134,6 +141,7 @@ class Study:
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
             *((brains.DOOR, brain.name) for brain in self.brains if _of(brains.DOOR, brain)),
+            *((adversary.DOOR, one.name) for one in self.adversaries if _of(adversary.DOOR, one)),
             *((metrics.DOOR, metric.name) for metric in self.measure.metrics if _of(metrics.DOOR, metric)),
             *((wiring.DOOR, topology.named) for topology in self.topologies if topology.named),
             *((patterns.DOOR, floor.kind) for floor in floors),
@@ -174,6 +182,6 @@ class Study:
         return list(dict.fromkeys(every) if self.case else every)
 
 
-def _of(door: Door, one: Brain | metrics.Metric) -> bool:
-    """Whether a brain or metric is another package's, and no file that has the name of one."""
+def _of(door: Door, one: Brain | Adversary | metrics.Metric) -> bool:
+    """Whether a brain, adversary or metric is another package's, and no file that has the name of one."""
     return one.name not in door.shipped and one.name in door and door.path(one.name) == one.path

@@ -14,6 +14,7 @@ from swarmcensus.studies.fields import (
     Accuracies,
     Beliefs,
     Brains,
+    FillRatios,
     Floors,
     Metrics,
     Name,
@@ -29,6 +30,7 @@ from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds.bodies import Body, Number
+from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
 
@@ -52,7 +54,7 @@ class World(_Table):
     """
 
     topology: Topologies
-    fill_ratio: Shares
+    fill_ratio: FillRatios
     link_success: Shares = [1.0]
     density: Positives | None = None
     side: Positives | None = None
@@ -76,7 +78,7 @@ class Case(_Table):
     accuracy: Accuracies | None = None
     assumed_accuracy: Beliefs | None = None
     topology: Topologies | None = None
-    fill_ratio: Shares | None = None
+    fill_ratio: FillRatios | None = None
     link_success: Shares | None = None
     density: Positives | None = None
     side: Positives | None = None
@@ -125,13 +127,24 @@ class Tables(_Table):
             ticks = [in_ticks(v, tick, f"{where}.{key}") for v in values]
             return table if ticks == values else table.model_copy(update={key: ticks})
 
+        def changes(table: Any, where: str) -> Any:
+            values = table.fill_ratio or []
+            if not any(isinstance(v, Change) for v in values):
+                return table
+            told = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
+            return table.model_copy(update={"fill_ratio": told})
+
         faults = (
             f.model_copy(update={"at": in_ticks(f.at, common, f"faults[{n}].at")}) for n, f in enumerate(self.faults)
         )
         return self.model_copy(
             update={
                 "schedule": converted(self.schedule, "ticks", "schedule", tick),
-                "case": tuple(converted(case, "ticks", f"case[{n}]", tick) for n, case in enumerate(self.case)),
+                "world": changes(self.world, "world"),
+                "case": tuple(
+                    changes(converted(case, "ticks", f"case[{n}]", tick), f"case[{n}]")
+                    for n, case in enumerate(self.case)
+                ),
                 "measure": converted(self.measure, "checkpoints", "measure", common),
                 "faults": tuple(faults),
             }

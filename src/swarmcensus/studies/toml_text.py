@@ -13,6 +13,7 @@ from pydantic import BaseModel
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import Metric
+from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
@@ -82,7 +83,7 @@ def to_toml_value(value: Any) -> str:
         return to_toml_value({"file": value.name, **dict(value.given)})
     if isinstance(value, brains.Brain | Metric):
         return to_toml_value(value.name)
-    if isinstance(value, Floor | Accuracy | Misjudgement | Spread):
+    if isinstance(value, Floor | Accuracy | Change | Misjudgement | Spread):
         return to_toml_value(value.form)
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         value = parse_topology(value, Path(), {})

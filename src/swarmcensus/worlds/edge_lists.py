@@ -28,9 +28,12 @@ def _pair(row: Any) -> tuple[int, int]:
     if len(row) == 3:
         raise ValueError(f"edge {list(row)} has three numbers: {WEIGHTS}")
     i, j = row if len(row) == 2 else (-1, -1)
-    if isinstance(i, bool) or isinstance(j, bool) or min(i, j) < 0:
+    if isinstance(i, bool) or isinstance(j, bool):
         raise TypeError
-    return operator.index(i), operator.index(j)
+    i, j = operator.index(i), operator.index(j)
+    if min(i, j) < 0:
+        raise TypeError
+    return i, j
 
 
 def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:

@@ -63,3 +63,13 @@ def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.n
         for part in fault.stop:
             out[PARTS[part], failing] = np.minimum(out[PARTS[part], failing], fault.at)
     return out
+
+
+def as_to_an_oracle(found: np.ndarray, lies: np.ndarray) -> np.ndarray:
+    """`stops` of a swarm that an oracle hears: whoever sees is heard, and who lies (robot) never sees anything."""
+    if not lies.any() and not found.size:
+        return found
+    out = found.copy() if found.size else np.full((len(found), lies.size), NEVER, np.int64)
+    out[SENSING, lies] = 0
+    out[TALKING] = NEVER
+    return out

@@ -35,6 +35,14 @@ def check(name: str, arguments: str, robots: int) -> None:
     edges_of(name, arguments, robots, 0)
 
 
+def draws(name: str) -> bool:
+    """Whether a function of networkx makes its graphs by chance: it then takes a seed."""
+    import networkx
+
+    function = getattr(networkx, name, None)
+    return callable(function) and "seed" in inspect.signature(function).parameters
+
+
 def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndarray, bool]:
     """A graph's edges (edge, 2), and whether they are directed. Raises ValueError where there is no such graph."""
     graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
@@ -66,7 +74,7 @@ def _made(name: str, arguments: str, n: int, seed: int) -> Any:
         raise ValueError(f"networkx has no graph generator {name!r}{': ' * bool(meant)}{meant.rstrip()}")
     keywords: dict[str, Any] = {**json.loads(arguments), "n": n}
     try:
-        if "seed" in inspect.signature(function).parameters:
+        if draws(name):
             keywords["seed"] = seed
         return function(**keywords)
     except Exception as error:

@@ -5,6 +5,8 @@ Tiles are painted where a sensor stands, and nothing is stored of them.
 
 import functools
 import math
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +39,16 @@ class Ground:
             black = sum(int(np.count_nonzero(self._paint(block))) for block in blocks)
         self.true_fill_ratio = black / reached.shape[1]
 
-    def colours(self, tiles: Tiles) -> NDArray[np.bool_]:
-        """Whether tiles (tick, robot, 2) are black (tick, robot)."""
+    def truth(self, ticks: Any) -> NDArray[np.float64]:
+        """The true fill ratio after these ticks: always the same."""
+        return np.full(np.shape(ticks), self.true_fill_ratio)
+
+    def turns(self) -> NDArray[np.int32]:
+        """The tick from which each tile of the arena has the other colour: no rows, as none ever has."""
+        return np.zeros((0, 0), np.int32)
+
+    def colours(self, tiles: Tiles, tick: int = 1) -> NDArray[np.bool_]:
+        """Whether tiles (tick, robot, 2) are black (tick, robot), from whatever tick on."""
         if self._paint is not None:
             return self._paint(tiles)
         assert self.score is not None
@@ -50,11 +60,9 @@ class Ground:
         The tile of a point (x, y), in metres from the arena's centre, is the one of row floor(y / tile) + rows / 2
         and column floor(x / tile) + columns / 2. Walls cut through the outermost tiles.
         """
-        across = self.across
-        place = np.arange(-(across // 2), across // 2, dtype=np.int32)
-        tiles = np.empty((across, across), np.bool_)
-        for row, y in enumerate(place):  # a row at a time: the list of tiles takes eight bytes each
-            tiles[row] = self.colours(np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis])[0]
+        tiles = np.empty((self.across, self.across), np.bool_)
+        for k, row in enumerate(rows_of(self.across)):
+            tiles[k] = self.colours(row)[0]
         return tiles.view(np.uint8)
 
 
@@ -75,6 +83,16 @@ def reachable(half: float, radius: float, arm: float, tile: float, most: int = M
     near &= (centre[:, np.newaxis] <= half) & (centre <= half)
     row, column = np.nonzero(near)
     return np.stack([place[column], place[row]], axis=1)[np.newaxis]
+
+
+def rows_of(across: int) -> Iterator[Tiles]:
+    """The tiles of an arena of so many from wall to wall, (1, tile, 2), row by row, the lowest in y first.
+
+    A row at a time, for the list of them takes eight bytes a tile.
+    """
+    place = np.arange(-(across // 2), across // 2, dtype=np.int32)
+    for y in place:
+        yield np.stack([place, np.full(across, y, np.int32)], axis=1)[np.newaxis]
 
 
 def quantile(scores: Scores, share: float) -> float:

@@ -73,8 +73,11 @@ class Topology:
         return bool(self.named) and getattr(DOOR.module(self.named), "EVERYONE", False)
 
     @functools.cached_property
-    def _varies(self) -> bool:
-        return wiring.varies(self.named) if self.named else self.generator is not None
+    def varies(self) -> bool:
+        """Whether each trial has another graph."""
+        if self.generator is not None:
+            return generators.draws(self.generator[0])
+        return bool(self.named) and wiring.varies(self.named)
 
     @property
     def form(self) -> object:
@@ -122,7 +125,7 @@ class Topology:
         if self._everyone:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
-        if self._varies:
+        if self.varies:
             key = address(seed, "topology", topology=self.content, robots=robots)
             graphs = self._drawn(robots, [Chance(key, first_trial + k) for k in range(trials)])
         else:
@@ -135,6 +138,8 @@ class Topology:
     def _fixed(self, robots: int) -> Heard:
         if self.edges is not None:
             return heard(np.array(self.edges, np.int64).reshape(-1, 2), self.directed)
+        if self.generator is not None:
+            return heard(*generators.edges_of(*self.generator, robots, 0))
         return wiring.graphs(self.named, self.keys, robots, [None])[0]
 
     def _drawn(self, robots: int, chances: list[Chance]) -> list[Heard]:

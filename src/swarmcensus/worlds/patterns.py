@@ -87,6 +87,16 @@ class Floor:
         make = self._given("paint")
         return None if make is None else self._sure(self._asked(lambda: make(arena, chance, share)), "b")
 
+    def level(self, arena: Arena, chance: Chance) -> Score | None:
+        """What gives tiles the shares above which they are black, where the kind does. Raises InputError."""
+        make = self._given("level")
+        return None if make is None else self._sure(self._asked(lambda: make(arena, chance)), "iuf")
+
+    @property
+    def can_change(self) -> bool:
+        """Whether its fill ratio may change: a kind that paints its tiles itself must give their levels too."""
+        return self._given("level") is not None or self._given("paint") is None
+
     def score(self, arena: Arena, chance: Chance) -> Score:
         """What gives tiles their scores. Raises InputError."""
         make = self._given("score")

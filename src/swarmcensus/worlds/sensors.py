@@ -7,37 +7,48 @@ Eq. 1). A homogeneous swarm has one accuracy, b = w; a heterogeneous one draws a
 import functools
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from swarmcensus.engine.addresses import address
+from swarmcensus.worlds.drifting import Drift, parse_drift
 from swarmcensus.worlds.spreading import Spread, parse_spread
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """A swarm's sensor accuracies: b, and w where it differs (else w = b, robot by robot)."""
+    """A swarm's sensor accuracies: b, and w where it differs (else w = b, robot by robot), and how both drift."""
 
     black: Spread
     white: Spread | None = None
+    drift: Drift | None = None
 
     def __str__(self) -> str:
         """The canonical text, as in the dataset."""
-        return str(self.black) if self.white is None else f"black={self.black} white={self.white}"
+        told = str(self.black) if self.white is None else f"black={self.black} white={self.white}"
+        return told if self.drift is None else f"{told} {self.drift}"
 
     @property
     def form(self) -> object:
         """As in a study file."""
+        if self.drift is not None:
+            return {"start": self.black.form, **self.drift.form}
         return self.black.form if self.white is None else {"black": self.black.form, "white": self.white.form}
+
+    @property
+    def start(self) -> Self:
+        """Those of the first round: what chance draws, and what robots believe in that know their sensors."""
+        return self if self.drift is None else replace(self, drift=None)
 
     def draw(
         self, seed: int, purpose: str, first_trial: int, trials: int, robots: int
     ) -> tuple[np.ndarray, np.ndarray]:
-        """b and w, each (trial, robot) or (trial, 1), addressed by seed, purpose and this accuracy's text."""
+        """b and w of the first round, (trial, robot) or (trial, 1), addressed by seed, purpose and start."""
 
         def key(colour: str) -> np.ndarray:
-            return address(seed, f"{purpose} {colour}", accuracy=str(self), robots=robots)
+            return address(seed, f"{purpose} {colour}", accuracy=str(self.start), robots=robots)
 
         b = self.black.draw(key("black"), first_trial, trials, robots)
         if self.white is None:
@@ -105,9 +116,16 @@ def parse_accuracy(value: object) -> Accuracy:
     """Read any form of accuracy that a study file may hold. Raises ValueError with what would be right."""
     if isinstance(value, Accuracy):
         return value
+    if isinstance(value, Mapping) and ("start" in value or "drift" in value):
+        start, drift = parse_drift(value)
+        return Accuracy(start, None, drift)
     if isinstance(value, Mapping):
         if set(value) != {"black", "white"}:
-            raise ValueError("an accuracy table has the keys black and white")
+            raise ValueError("an accuracy table has the keys black and white, or start and drift")
+        if any(isinstance(side, Mapping) for side in value.values()):
+            raise ValueError(
+                "an accuracy that drifts is b = w: {start = ..., drift = ...} alone, not of black or white"
+            )
         return Accuracy(parse_spread(value["black"]), parse_spread(value["white"]))
     return Accuracy(parse_spread(value))
 
@@ -118,4 +136,6 @@ def parse_assumed(value: object) -> Accuracy | Misjudgement:
         return value
     if isinstance(value, Mapping) and set(value) == {"error"}:
         return Misjudgement(parse_spread(value["error"], accuracy=False))
+    if isinstance(value, Mapping) and ("start" in value or "drift" in value):
+        raise ValueError("a belief does not drift: robots believe in one accuracy, or in the first of their own")
     return parse_accuracy(value)

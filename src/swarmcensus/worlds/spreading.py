@@ -83,6 +83,15 @@ class Spread:
         else:
             self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
 
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest that it gives; of a normal one, which has none but 0 and 1, its mean twice."""
+        module = DOOR.module(self.kind) if self.kind else None
+        if module is None or (hasattr(module, "centre") and not self.edition):
+            middle = float(module.centre(*self.numbers) if module else self.numbers[0])
+            return middle, middle
+        values = self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), 0.0)
+        return float(values.min()), float(values.max())
+
     def _quantile(self, uniform: np.ndarray, least: float) -> np.ndarray:
         quantile = DOOR.module(self.kind).quantile
         if not self.edition:

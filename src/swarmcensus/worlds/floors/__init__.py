@@ -10,6 +10,8 @@ first goes by the name of the kind: `{clusters = 0.2}`. Further, where a file ne
 
 - `check(arena, *, ...)` raises ValueError for arenas that it does not fit;
 - `paint(arena, chance, share, *, ...)` instead of `score`: a function of tiles that says which are black itself;
+- `level(arena, chance, *, ...)` beside `paint`, for floors that change: a function of tiles that gives numbers; a tile
+  is black where its number is below the share, and so the same tiles and more where the share is larger;
 - `most_counted(arena, *, ...)`: of how many tiles at the most the black ones are counted.
 
 Another package adds a kind by an entry point of the group `swarmcensus.floors`.

@@ -5,19 +5,31 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field
 
-from swarmcensus.worlds.arena import Arena, Length, Paint, Tiles
+from swarmcensus.worlds.arena import Arena, Length, Paint, Score, Scores, Tiles
 from swarmcensus.worlds.chance import Chance
 
+Period = Annotated[Length, Field(examples=[0.5])]
 
-def paint(arena: Arena, chance: Chance, share: float, *, length: Annotated[Length, Field(examples=[0.5])]) -> Paint:
-    """Black where the place within the period, `length` metres, is below the share."""
+
+def level(arena: Arena, chance: Chance, *, length: Period) -> Score:
+    """The place within the period, `length` metres, from 0 to 1."""
     which, phase = chance.uniform(2)
     axis = int(which < 0.5)
 
-    def colours(tiles: Tiles) -> np.ndarray:
+    def within(tiles: Tiles) -> Scores:
         # somewhere in the tile: where a stripe ends within it, it is black with the share that is covered
         place = (tiles[..., axis] + chance.noise(tiles)) * (arena.tile / length) + phase
-        within = np.minimum(place - np.floor(place), 1.0 - 2.0**-53)
-        return np.asarray(within < share)
+        inside: Scores = np.minimum(place - np.floor(place), 1.0 - 2.0**-53)
+        return inside
+
+    return within
+
+
+def paint(arena: Arena, chance: Chance, share: float, *, length: Period) -> Paint:
+    """Black where that place is below the share."""
+    within = level(arena, chance, length=length)
+
+    def colours(tiles: Tiles) -> np.ndarray:
+        return np.asarray(within(tiles) < share)
 
     return colours

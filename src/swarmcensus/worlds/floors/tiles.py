@@ -3,7 +3,7 @@
 import numpy as np
 
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.worlds.arena import Arena, Paint, Tiles
+from swarmcensus.worlds.arena import Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 
 
@@ -16,3 +16,8 @@ def paint(arena: Arena, chance: Chance, share: float) -> Paint:
         return black
 
     return colours
+
+
+def level(arena: Arena, chance: Chance) -> Score:
+    """That number."""
+    return chance.noise

@@ -1,0 +1,78 @@
+"""What changes while robots look: the fill ratio and the sensors of a round, and the tables that readings come from.
+
+A fill ratio's `course` is four numbers: what it is before a round, what it is from another round on, and the two rounds
+(or ticks), between which it drifts evenly. One that stays is the course of the first round.
+A `drift` (what, robot or 1) is what accuracies gain a round, and their least and greatest; without robots none drifts.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import njit
+
+from swarmcensus.engine.compiling import loop
+from swarmcensus.engine.draws import binomial_row
+from swarmcensus.engine.modes import COLUMNS, PART
+
+FROM, TO, AT, UNTIL = range(4)  # of a course
+SLOPE, LEAST, MOST = range(3)  # of a drift
+
+
+@loop()
+def fill_ratio_in(course, k):
+    """The fill ratio of round k."""
+    if k < course[AT]:
+        return course[FROM]
+    if k >= course[UNTIL]:
+        return course[TO]
+    return course[FROM] + (course[TO] - course[FROM]) * ((k - course[AT] + 1.0) / (course[UNTIL] - course[AT] + 1.0))
+
+
+@loop()
+def accuracy_in(side, drift, i, k):
+    """The true accuracy of robot i in round k: `side` (robot or 1) is that of round 1."""
+    own, j = i if side.size > 1 else 0, i if drift.shape[1] > 1 else 0
+    return min(max(side[own] + drift[SLOPE, j] * (k - 1.0), drift[LEAST, j]), drift[MOST, j])
+
+
+class Source(NamedTuple):
+    """Where a trial's readings come from."""
+
+    tables: Any  # (kind, robot or 1, column): alias rows, of `draws.binomial_row`
+    stand: Any  # (3, robot or 1): the accuracies b and w and the fill ratio that each of them stands for
+    b: Any  # (robot or 1): the true accuracies of round 1
+    w: Any
+    drift: Any
+    course: Any
+    changes: bool  # whether the tables of one round may be others than those of the round before
+
+
+@njit(nogil=True)
+def source_of(b, w, drift, course, looks):
+    """A source of so many readings a round, whose tables stand for nothing yet."""
+    kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
+    tables = np.zeros((kinds, b.size, COLUMNS), np.uint64)
+    stand = np.full((3, b.size), np.nan)
+    return Source(tables, stand, b, w, drift, course, drift.shape[1] > 0 or course[UNTIL] > 1.0)
+
+
+@njit(nogil=True)
+def renew(source, looks, k):
+    """Make the tables those of round k: kind 0 for PART observations, the last kind for what remains.
+
+    A reading says black with probability b f + (1 - w)(1 - f) (paper, Sec. III-C). Rows that stand for this already are
+    left alone.
+    """
+    f = fill_ratio_in(source.course, k)
+    for i in range(source.b.size):
+        b, w = source.b[i], source.w[i]
+        if source.drift.shape[1] > 0:
+            b, w = accuracy_in(source.b, source.drift, i, k), accuracy_in(source.w, source.drift, i, k)
+        if source.stand[0, i] == b and source.stand[1, i] == w and source.stand[2, i] == f:
+            continue
+        source.stand[0, i], source.stand[1, i], source.stand[2, i] = b, w, f
+        p = min(max(b * f + (1.0 - w) * (1.0 - f), 0.0), 1.0)
+        if looks >= PART:
+            binomial_row(np.int64(PART), p, source.tables[0, i])  # a type of its own would be compiled apart
+        if looks % PART > 0:
+            binomial_row(looks % PART, p, source.tables[source.tables.shape[0] - 1, i])

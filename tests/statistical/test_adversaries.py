@@ -1,0 +1,57 @@
+"""Adversaries that draw lots, in the engine: the laws of what they say. Error rate 0.1 % for each comparison."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.engine.modes import HEARD
+from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+
+SEED = 11
+GO = np.zeros(1, np.uint8)
+
+
+def setting(name, robots, rounds, topology="ring", **parameters):
+    """A swarm of which all but one lie."""
+    study = sc.Study(
+        trials=1, seed=SEED, swarm={"robots": robots, "accuracy": 0.7},
+        world={"topology": topology, "fill_ratio": 0.5}, schedule={"rounds": rounds, "observations_per_round": 1},
+        members=[{"robots": robots - 1, "brain": {"file": name, **parameters}, "honest": False}],
+    )  # fmt: skip
+    (found,) = study.settings()
+    return found
+
+
+def tosses(name, field, rounds=40, robots=200, **parameters):
+    """What each liar drew after each round (round, liar)."""
+    fields, *_ = record_trial(setting(name, robots, rounds, **parameters), SEED, 0)
+    drawn = fields[field][1:]
+    return drawn[:, ~np.isnan(drawn[0])]
+
+
+def test_the_coin_is_fair_and_each_toss_its_own():
+    drawn = tosses("random", "liar_said")
+    assert set(np.unique(drawn)) == {0.0, 1.0}
+    assert stats.binomtest(int(drawn.sum()), drawn.size, 0.5).pvalue > 1e-3
+    pairs = (2 * drawn[1:] + drawn[:-1]).astype(int).ravel()  # of one robot, round after round
+    assert stats.chisquare(np.bincount(pairs, minlength=4)).pvalue > 1e-3
+    beside = (2 * drawn[:, 1:] + drawn[:, :-1]).astype(int).ravel()
+    assert stats.chisquare(np.bincount(beside, minlength=4)).pvalue > 1e-3
+
+
+def test_any_number_is_as_likely():
+    assert stats.kstest(tosses("random", "liar_said", uniform=1.0).ravel(), "uniform").pvalue > 1e-3
+
+
+def test_each_name_is_as_likely():
+    drawn = tosses("forger", "liar_alias", names=20)
+    assert stats.chisquare(np.bincount(drawn.astype(int).ravel(), minlength=20)).pvalue > 1e-3
+
+
+@pytest.mark.parametrize("often", [0.2, 0.75])
+def test_noise_is_as_frequent_as_it_is_told(often):
+    """Of a pair the honest one hears the other but for the noise: a binomial number of 3,999 rounds after the first."""
+    batch = run_batch(setting("jammer", 2, 4000, "line", often=often), SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+    heard = int(batch.counts[0, HEARD, 0])
+    assert stats.binomtest(heard, 3999, 1.0 - often).pvalue > 1e-3

@@ -1,0 +1,112 @@
+"""Readings of floors that change and of sensors that drift, at the level of distributions, against theory.
+
+Each test states its error rate: the chance that a right simulator fails it, were the seed not fixed.
+"""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+import swarmcensus as sc
+from swarmcensus.simulation.rides import record_ride
+from swarmcensus.simulation.trials import record_trial
+
+SWITCH = {"from": 0.9, "to": 0.2, "at": 13}
+SLOW = {"from": 0.1, "to": 0.7, "at": 6, "until": 25}
+WEARS = {"start": 0.9, "drift": -0.02, "least": 0.6}
+WARMS = {"start": "U(0.55, 0.75)", "drift": 0.01, "most": 0.85}
+ROUNDS = 30
+WORST = 1e-3  # the error rate of a test, of all its rounds together
+
+
+def of_rounds(change, k):
+    """The fill ratio of round k, from the words of the docs."""
+    if k < change["at"]:
+        return change["from"]
+    steps = change.get("until", change["at"]) - change["at"] + 1
+    return change["from"] + (change["to"] - change["from"]) * min((k - change["at"] + 1) / steps, 1.0)
+
+
+def of_sensors(accuracy, k):
+    """The accuracies of round k over the swarm: of a spread, its quantiles."""
+    start = 0.55 + 0.2 * (np.arange(10_000) + 0.5) / 10_000 if accuracy is WARMS else np.array([accuracy["start"]])
+    least, most = accuracy.get("least", 0.0), accuracy.get("most", 1.0)
+    return np.clip(start + accuracy["drift"] * (k - 1), least, most)
+
+
+def setting_of(change, accuracy, **world):
+    schedule = {"ticks": ROUNDS} if world else {"rounds": ROUNDS, "observations_per_round": 10}
+    study = sc.Study(
+        trials=100, seed=17, swarm={"robots": 40, "accuracy": accuracy}, schedule=schedule,
+        world={"topology": "line", "fill_ratio": change} | world,
+    )  # fmt: skip
+    (setting,) = study.settings()
+    return setting
+
+
+CASES = [(SWITCH, WEARS), (SLOW, WEARS), (SWITCH, WARMS), (SLOW, WARMS)]
+
+
+@pytest.mark.parametrize(("change", "accuracy"), CASES, ids=["switch wears", "drift wears", "switch warms", "all warm"])
+def test_readings_on_networks_are_black_as_often_as_floor_and_sensors_say(change, accuracy):
+    """Each round's black readings of 4000 robots, by a two-sided normal p-value; error rate 0.1 % for all rounds.
+
+    A robot's ten readings share its accuracy: their sum varies as those of coins do, and by what accuracies differ.
+    """
+    setting = setting_of(change, accuracy)
+    blacks = sum(record_trial(setting, 17, trial)[2] for trial in range(100))
+    for k in range(1, ROUNDS + 1):
+        f, p = of_rounds(change, k), of_sensors(accuracy, k)
+        law = p * f + (1 - p) * (1 - f)
+        spread = 10 * (law * (1 - law)).mean() + 100 * law.var()
+        z = (blacks[k].sum() - 40_000 * law.mean()) / np.sqrt(4000 * spread)
+        assert 2 * stats.norm.sf(abs(z)) > WORST / ROUNDS, k
+
+
+@pytest.mark.parametrize(("change", "accuracy"), CASES[:2], ids=["switch", "drifts"])
+def test_a_count_of_a_round_is_binomial(change, accuracy):
+    """Robots' counts in single rounds, before, in and after the change: chi-square, error rate 0.1 % for all."""
+    setting = setting_of(change, accuracy)
+    counts = np.array([record_trial(setting, 17, trial)[2] for trial in range(100)])
+    rounds = (change["at"] - 1, change["at"], change["at"] + 7, ROUNDS)
+    for k in rounds:
+        f, p = of_rounds(change, k), of_sensors(accuracy, k)[0]
+        expected = 4000 * stats.binom.pmf(np.arange(11), 10, p * f + (1 - p) * (1 - f))
+        found = np.bincount(counts[:, k].astype(int).ravel(), minlength=11)
+        rare = expected < 5
+        pooled = [np.append(v[~rare], v[rare].sum()) for v in (found, expected)]
+        pooled = [v[pooled[1] > 0] for v in pooled]
+        assert stats.chisquare(*pooled).pvalue > WORST / len(rounds), k
+
+
+@pytest.mark.parametrize(("change", "accuracy"), CASES[:2], ids=["switch", "drifts"])
+def test_what_moving_robots_meet_and_read_follows_the_tick(change, accuracy):
+    """Tiles by the fill ratio and readings by the accuracy of the tick: binomial p-values, error rate 0.1 % each.
+
+    Tiles are half as wide as a robot goes in a tick, and a trial's arena has ten thousand of them: readings of a tick
+    are of different tiles but for a few, and trials have floors of their own.
+    """
+    setting = setting_of(change, accuracy, topology="moving", density=2.0, body={"tile": 0.007})
+    looks, blacks, right = np.zeros((3, ROUNDS + 1))
+    for trial in range(100):
+        ride = record_ride(setting, 17, trial)
+        looks += ride.looked.sum(axis=1)
+        blacks += ((ride.colours == 1.0) & ride.looked).sum(axis=1)
+        right += ((ride.colours == ride.readings) & ride.looked).sum(axis=1)
+    assert looks[1:].min() > 800
+    for k in range(1, ROUNDS + 1):
+        assert stats.binomtest(int(blacks[k]), int(looks[k]), of_rounds(change, k)).pvalue > WORST / ROUNDS, k
+        assert stats.binomtest(int(right[k]), int(looks[k]), of_sensors(accuracy, k)[0]).pvalue > WORST / ROUNDS, k
+
+
+def test_no_more_tiles_turn_than_need_be():
+    """From 0.3 to 0.8 half of all tiles turn, each once and from white: a binomial p-value, error rate 0.1 %."""
+    change = {"from": 0.3, "to": 0.8, "at": 5, "until": 20}
+    ground = setting_of(change, 0.9, topology="moving", density=2.0).ground(17, 0)
+    tiles, turns = ground.all_tiles().astype(bool), ground.turns()
+    turned = turns <= ROUNDS
+    assert not (tiles & turned).any()
+    assert stats.binomtest(int(turned.sum()), tiles.size, 0.5).pvalue > WORST
+    when = np.bincount(turns[turned], minlength=21)
+    assert when[:5].sum() == 0
+    assert stats.chisquare(when[5:21]).pvalue > WORST
