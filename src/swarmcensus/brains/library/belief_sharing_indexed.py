@@ -1,0 +1,144 @@
+"""Belief sharing by a single number: the neighbour says which of ten fill ratios it holds for the best, and no more.
+
+A proposal of ours, to ask what the ten numbers of `belief-sharing` are worth: no source has it. All else is as there,
+after Shan and Mostaghim's distributed Bayesian belief sharing (DBBS), whose functions stand here again because a brain
+is one file.
+
+    reading    s *= h if black else 1 - h; normalised; at least 0.001 / 10
+    each step  of one random neighbour's best i:  n_k = normalise(n_k^lambda exp(-(h_k - h_i)^2 / (2 width^2)))
+    say        the k of the largest s_k n_k
+    estimate   the mean of s n, the decision its largest
+
+Deviations from belief-sharing:
+- The Gaussian in place of the neighbour's belief, of a width of two hypotheses: who is best is known to about so much.
+- Who holds all hypotheses for level says nothing. There is no mu.
+"""
+
+import math
+
+H = 10
+OPTIONS = 10
+
+PARAMETERS = {
+    "forget": 0.8,  # lambda: what is left of what was heard before
+    "width": 0.2,  # how near the truth a neighbour's best is taken to be, as a fill ratio
+    "every": 10.0,  # rounds from step to step
+    "least": 0.001,  # the floor under s, times H
+    "debiased": 0.0,  # 1: noise-aware
+}
+MEMORY = {
+    "readings": 0.0,  # readings since the last step
+    "black": 0.0,  # of which said black
+    "clock": 0.0,  # rounds since the last step
+    "heard": 0.0,  # messages since the last step
+    "kept": 0.0,  # one of them
+    "s": (0.1,) * 10,  # what the own readings say
+    "n": (0.1,) * 10,  # what was heard
+    "x": 0.5,  # the mean of both
+    "choice": -1.0,  # the best of both
+}
+MESSAGE = ("option",)
+
+TINY = 1e-30
+
+
+def observe(me, blacks, looks):
+    """Readings are kept for the next step."""
+    me.readings += looks
+    me.black += blacks
+
+
+def broadcast(me):
+    """What is believed most, once a step."""
+    if me.choice < 0.0 or me.clock > 0.0:
+        return None
+    return (me.choice,)
+
+
+def receive(me, message):
+    """Keep the k-th message of a step with probability 1/k: each of them is then as likely to be kept."""
+    me.heard += 1.0
+    if me.luck * me.heard < 1.0:
+        me.kept = message[0]
+
+
+def fuse(me):
+    """The end of a round, and at times of a step."""
+    me.clock += 1.0
+    if me.clock < me.every:
+        return
+    if me.readings > 0.0:
+        fold_readings(me)
+    if me.heard > 0.0:
+        fold_message(me)
+    conclude(me)
+    me.clock = 0.0
+    me.readings = 0.0
+    me.black = 0.0
+    me.heard = 0.0
+    me.kept = 0.0
+
+
+def hypothesis(k):
+    """The k-th fill ratio."""
+    return (k + 0.5) / H
+
+
+def fold_readings(me):
+    """s by Bayes' rule, in logarithms while it is formed: many readings are unlikely under any hypothesis."""
+    slope = me.b + me.w - 1.0
+    if me.debiased == 1.0 and abs(slope) < 1e-12:
+        return
+    top = -1e300
+    for k in range(H):
+        black = hypothesis(k)
+        if me.debiased == 1.0:
+            black = me.b * black + (1.0 - me.w) * (1.0 - black)
+        me.s[k] = math.log(me.s[k]) + me.black * math.log(black) + (me.readings - me.black) * math.log(1.0 - black)
+        top = max(top, me.s[k])
+    total = 0.0
+    for k in range(H):
+        me.s[k] = math.exp(me.s[k] - top)
+        total += me.s[k]
+    for k in range(H):
+        me.s[k] = max(me.s[k] / total, me.least / H, TINY)
+
+
+def fold_message(me):
+    """n, by what one neighbour holds for the best."""
+    total = 0.0
+    for k in range(H):
+        off = (hypothesis(k) - hypothesis(me.kept)) / me.width
+        me.n[k] = max(me.n[k] ** me.forget * math.exp(-0.5 * off * off), TINY)
+        total += me.n[k]
+    for k in range(H):
+        me.n[k] = max(me.n[k] / total, TINY)
+
+
+def conclude(me):
+    """What to estimate and to decide, of s and n."""
+    both = 0.0
+    mean = 0.0
+    best = 0
+    least = me.s[0] * me.n[0]
+    most = least
+    for k in range(H):
+        weight = me.s[k] * me.n[k]
+        both += weight
+        mean += weight * hypothesis(k)
+        least = min(least, weight)
+        if weight > most * (1.0 + 1e-9):
+            most = weight
+            best = k
+    me.x = min(max(mean / both, 0.0), 1.0)
+    me.choice = best if most > least * (1.0 + 1e-9) else -1.0
+
+
+def estimate(me):
+    """The mean of all that is believed."""
+    return me.x
+
+
+def decide(me):
+    """The hypothesis that is believed most, as the bin of which it is the middle."""
+    return me.choice

@@ -1,0 +1,133 @@
+"""Gated mean: the mean of all votes so far, of which one that is far from it is not counted.
+
+After the smart contract of Strobel, Castello Ferrer, Dorigo, "Blockchain technology secures robot swarms", 2020. This
+form has no blockchain: every robot keeps the books by itself. A vote is the share of black readings in a phase; it is
+cast during the next one. At the end of a phase, of each vote v cast in it
+
+    |v - mean| < gate: count it;    mean = sum of the votes counted / their number
+
+As published: the gate of 0.2 about the mean of all votes counted before, and a first round of votes that is counted as
+a whole. Phases of 45 s and at most 20 distinct senders a phase, each counted once, are those of its linear consensus.
+
+Deviations:
+- There is no common ledger: a robot counts the votes that it hears, so robots may differ, and who meets a neighbour for
+  several phases counts a vote of it in each. Nobody pays for a vote.
+- Its own votes a robot counts always, the first before it hears any.
+- `debiased` = 1 turns the share into clip((share + w - 1) / (b + w - 1), 0, 1); 0, the default, is the raw share.
+- Of a sender the latest vote counts; of several in one round under one name, as forgers send them, the smallest.
+- Of more than 20 senders the 20 kept are drawn by lot: those whose names come first in an order drawn for the phase.
+- What is said counts as the nearest number in [0, 1]. Who made no reading in a phase casts no vote.
+"""
+
+SENDERS = 20  # that count in a phase
+PRIME = 67108859  # of 26 bits, so that products fit 53; one less is no multiple of 3, so that no two cubes are alike
+
+PARAMETERS = {
+    "phase": 450.0,  # rounds: 45 s of ticks
+    "gate": 0.2,  # how near to the mean a vote has to be
+    "debiased": 0.0,  # 1: the share is corrected for the sensor
+}
+MEMORY = {
+    "x": 0.5,  # the mean of the votes counted
+    "votes": 0.0,  # their number
+    "vote": -1.0,  # the own one of the last phase; -1: none
+    "k": 1.0,  # the number of the phase
+    "past": 0.0,  # rounds of it that are over
+    "t": 0.0,  # observations made in it
+    "n": 0.0,  # of which said black
+    "salt": 0.0,  # draws the order of names
+    "senders": 0.0,  # that are kept
+    "key": (0.0,) * 20,  # their names' places in that order, rising
+    "said": (0.0,) * 20,  # what they said last
+    "when": (0.0,) * 20,  # and in which round of the phase
+}
+MESSAGE = ("x", "name")
+
+
+def observe(me, blacks, looks):
+    """Count."""
+    me.t += looks
+    me.n += blacks
+
+
+def broadcast(me):
+    """The vote, from the second phase on."""
+    if me.vote < 0.0:
+        return None
+    return me.vote, me.name
+
+
+def receive(me, message):
+    """Keep it among those of the other senders, in the order of their names' places."""
+    x = min(max(message[0], 0.0), 1.0)
+    key = place(message[1], me.salt)
+    senders = int(me.senders)
+    k = 0
+    while k < senders and me.key[k] < key:
+        k += 1
+    if k < senders and me.key[k] == key:
+        if me.when[k] < me.past or x < me.said[k]:
+            me.said[k] = x
+            me.when[k] = me.past
+        return
+    if k == SENDERS:
+        return
+    for j in range(min(senders, SENDERS - 1), k, -1):
+        me.key[j] = me.key[j - 1]
+        me.said[j] = me.said[j - 1]
+        me.when[j] = me.when[j - 1]
+    me.key[k] = key
+    me.said[k] = x
+    me.when[k] = me.past
+    me.senders = min(senders + 1.0, 1.0 * SENDERS)
+
+
+def place(name, salt):
+    """Where a name stands in an order of all of them that `salt` draws: twice a shift and a cube, modulo PRIME."""
+    k = int(name % PRIME)
+    for _ in range(2):
+        k = (k + int(salt)) % PRIME
+        k = k * k % PRIME * k % PRIME
+    return 1.0 * k
+
+
+def fuse(me):
+    """At the end of a phase, the votes."""
+    me.past += 1.0
+    if me.past < me.phase:
+        return
+    total = 0.0
+    counted = 0.0
+    for k in range(int(me.senders)):
+        if me.k <= 2.0 or abs(me.said[k] - me.x) < me.gate:
+            total += me.said[k]
+            counted += 1.0
+    me.vote = -1.0
+    if me.t > 0.0:
+        me.vote = share(me)
+        total += me.vote
+        counted += 1.0
+    if counted > 0.0:
+        me.votes += counted
+        me.x += (total - counted * me.x) / me.votes
+    me.k += 1.0
+    me.past = 0.0
+    me.t = 0.0
+    me.n = 0.0
+    me.senders = 0.0
+    me.salt = 1.0 * int(me.luck * PRIME)
+
+
+def share(me):
+    """The share of black readings in the phase, corrected for the sensor where asked."""
+    if me.debiased == 0.0:
+        return me.n / me.t
+    slope = me.b + me.w - 1.0
+    if abs(slope) < 1e-12:
+        return 0.5  # a sensor that says the same of black and white
+    return min(max((me.n / me.t + me.w - 1.0) / slope, 0.0), 1.0)
+
+
+def estimate(me):
+    """The mean."""
+    return min(max(me.x, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp

@@ -1,0 +1,57 @@
+"""The arena with robots that always say 0: what its page says of few and many liars, on few trials."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.results import measures
+
+STUDY = Path(__file__).parents[1] / "studies" / "rivals" / "strobel-2020.toml"
+TRIALS = 6
+
+
+@pytest.fixture(scope="module")
+def results():
+    """Some numbers of liars: trials are as in the whole study, whatever other settings there are."""
+    study = sc.Study.load(STUDY)
+    assert len(study.settings()) == 20
+    text = STUDY.read_text(encoding="utf-8").replace("[0, 1, 2, 3, 4, 5, 6, 7, 8, 9]", "[0, 2, 5]")
+    return sc.run(sc.Study.parse(text).with_(trials=TRIALS))
+
+
+def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results):
+    error = abs(results["final_estimate"] - results["true_fill_ratio"]).mean("robot")
+    of = {
+        (brain, liars): error.isel(setting=k).values
+        for k, (brain, liars) in enumerate(zip(results["brain"].values, results["liars"].values, strict=True))
+    }
+    for brain in ("linear-consensus", "w-msr"):
+        assert of[brain, 0].mean() < 0.02
+        assert of[brain, 5].mean() > 0.05
+    assert of["w-msr", 2].mean() < 0.02
+    assert (of["linear-consensus", 2] > 2 * of["w-msr", 2]).sum() >= TRIALS - 1
+    assert (of["linear-consensus", 5] > of["w-msr", 5]).sum() >= TRIALS - 1
+
+
+def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(results):
+    figure = sc.plot.lines(results, y="final_error", x="liars", color="brain", panels=["topology"], statistic="mean")
+    (ax,) = figure.axes
+    error = abs(results["final_estimate"] - results["true_fill_ratio"]).mean(["trial", "robot"]).values
+    drawn = {line.get_label(): line.get_ydata() for line in ax.lines}
+    for brain in ("linear-consensus", "w-msr"):
+        dots = np.concatenate([np.ravel(y) for label, y in drawn.items() if label == brain])
+        np.testing.assert_allclose(dots, error[results["brain"].values == brain], rtol=1e-12)
+
+
+def test_measures_of_robots_are_those_that_trials_are_summed_up_by(results):
+    found = measures.with_measure(results, "final_error")
+    with np.errstate(all="ignore"):
+        median = found["final_error"].median("robot").transpose("setting", "trial").values
+    np.testing.assert_allclose(median, measures.numbers(results, "final_error"), rtol=1e-12)
+    assert found["final_error"].attrs["units"] == "1"
+    sent = measures.with_measure(results, "bytes_sent")["bytes_sent"].mean("robot").transpose("setting", "trial").values
+    np.testing.assert_allclose(sent, measures.numbers(results, "bytes_sent"), rtol=1e-12)
+    for name in ("final_estimate", "decided", "nothing"):  # is there, lacks variables, is none
+        assert measures.with_measure(results, name) is results
