@@ -12,12 +12,15 @@ import xarray as xr
 from rich.console import Console
 
 import swarmcensus as sc
+from swarmcensus.basics import shipped
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.decisions import decisions_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper import reproducing as paper
+from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
 from swarmcensus.paper.strips import strip
 from swarmcensus.results import store as results
@@ -78,7 +81,7 @@ def test_datasets_are_what_the_study_files_say(done):
 
 def test_the_studies_hold_all_runs_of_the_paper():
     """4 networks of 10 and 100 robots, and 2 densities, by 11 accuracies, 2 fill ratios and 30 trials: 6,600."""
-    studies = [sc.Study.load(paper.studies_folder() / f"{name}.toml") for name in ("topologies", "moving")]
+    studies = [sc.Study.load(shipped_study("paper") / f"{name}.toml") for name in ("topologies", "moving")]
     assert sum(len(study.settings()) * study.trials for study in studies) == 6600
 
 
@@ -91,7 +94,7 @@ def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks
 
 @pytest.mark.parametrize("name", ["fig4", "fig5"])
 def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, name):
-    (figure,) = (f for f in paper.FIGURES if f.name == name)
+    (figure,) = (f for f in PAPER.figures if f.name == name)
     draw = scatter_grid if figure.kind == "scatter" else decisions_grid
     axes = draw([view.panel(done.datasets) for view in figure.views]).axes
     for ax, view in zip(axes, figure.views, strict=True):
@@ -133,7 +136,7 @@ def test_the_page_needs_nothing_from_outside(done):
 
 
 def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
-    for figure in paper.FIGURES:
+    for figure in PAPER.figures:
         assert "95 %" not in figure.said(done.datasets)  # of 2 trials there is none
         six = {name: data.isel(trial=[0, 1] * 3) for name, data in done.datasets.items()}
         assert "95 % interval" in figure.said(six)
@@ -150,17 +153,17 @@ def test_claims_are_all_there_and_valid_json(done):
         assert all(claim[key] for key in ("title", "sentence", "section", "statistic", "threshold", "settings"))
         assert {each["verdict"] for each in claim["settings"]} <= {YES, NO, OPEN}
     assert read["studies"]["topologies"] == {"seed": 2023, "trials": 2}
-    assert report.as_json(claims.check(done.datasets), done.datasets) == text
+    assert report.as_json(claims.check(done.datasets), done.datasets, PAPER.source) == text
 
 
 def test_every_figure_names_claims_and_studies_that_exist():
     names = {claim.id for claim in claims.CLAIMS}
     assert len(names) == len(claims.CLAIMS)
-    studies = {path.stem for path in paper.studies_folder().glob("*.toml")}
-    for figure in paper.FIGURES:
+    studies = {path.stem for path in shipped_study("paper").glob("*.toml")}
+    for figure in PAPER.figures:
         assert names.issuperset(figure.claims)
         assert studies.issuperset(view.study for view in figure.views)
-    spoken_of = {name for figure in paper.FIGURES for name in figure.claims}
+    spoken_of = {name for figure in PAPER.figures for name in figure.claims}
     assert names - spoken_of == {"minimal"}
     assert studies.issuperset(study for claim in claims.CLAIMS for study in claim.studies)
 
@@ -245,9 +248,9 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_t
 
 
 def test_missing_study_files_are_said_to_be_missing(monkeypatch):
-    monkeypatch.setattr(paper, "__file__", "/nowhere/at/all/paper.py")
+    monkeypatch.setattr(shipped, "__file__", "/nowhere/at/all/shipped.py")
     with pytest.raises(InputError, match="study files are missing"):
-        paper.studies_folder()
+        shipped_study("paper")
 
 
 def test_all_text_on_the_page_is_escaped(tmp_path):

@@ -13,8 +13,9 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.paper import claims, report
-from swarmcensus.paper import reproducing as paper
+from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail
 from swarmcensus.paper.measures import NUMBERS
 from tests.conftest import OUR_C_LIBRARY
@@ -141,13 +142,13 @@ def again():
     }
     data = {}
     for name, changes in fewer.items():
-        text = (paper.studies_folder() / f"{name}.toml").read_text(encoding="utf-8")
+        text = (shipped_study("paper") / f"{name}.toml").read_text(encoding="utf-8")
         for old, new in changes:
             assert text.count(old) == 1
             text = text.replace(old, new)
         data[name] = sc.run(sc.Study.parse(text))
     outcomes = claims.check(data, [claim for claim in claims.CLAIMS if claim.studies])
-    about = json.loads(report.as_json(outcomes, data))
+    about = json.loads(report.as_json(outcomes, data, PAPER.source))
     return data, {claim["id"]: claim for claim in about["claims"] if claim["settings"]}
 
 

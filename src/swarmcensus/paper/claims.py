@@ -12,7 +12,17 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.paper import explanations, measures, moving_claims
-from swarmcensus.paper.evidence import ABOVE_ONE, ALIKE, BELOW_ONE, BELOW_ZERO, Claim, Evidence, Outcome, outcome
+from swarmcensus.paper.evidence import (
+    ABOVE_ONE,
+    ALIKE,
+    BELOW_ONE,
+    BELOW_ZERO,
+    Claim,
+    Evidence,
+    Outcome,
+    common_trials,
+    outcome,
+)
 
 TOPOLOGY, FREQUENCY, CONSENSUS = (
     f"IV-B, {name}" for name in ("Topology effects", "Communication frequency effects", "Consensus speed")
@@ -22,10 +32,13 @@ TOPOLOGY, FREQUENCY, CONSENSUS = (
 def check(datasets: Mapping[str, xr.Dataset], claims: Iterable[Claim] | None = None) -> list[Outcome]:
     """Check all claims, or some, on datasets by the name of their study.
 
-    A claim about settings that are missing, or whose trials were not all run, comes back as "not measured".
+    A claim about settings that are missing, or whose trials were not all run, comes back as "not measured". Its studies
+    count with the trials that all of them have.
     """
-    evidence = Evidence(datasets)
-    return [outcome(claim, evidence) for claim in (CLAIMS if claims is None else claims)]
+    asked = CLAIMS if claims is None else tuple(claims)
+    sizes = [common_trials(datasets, claim.studies) for claim in asked]
+    evidence = {trials: Evidence(datasets, trials=trials) for trials in set(sizes)}
+    return [outcome(claim, evidence[trials]) for claim, trials in zip(asked, sizes, strict=True)]
 
 
 CLAIMS: tuple[Claim, ...] = (

@@ -4,9 +4,11 @@ import contextlib
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from swarmcensus.basics import statistics
 from swarmcensus.basics.statistics import Floats
@@ -77,29 +79,42 @@ class Outcome:
 class Evidence:
     """Datasets by the name of their study, and one bootstrap of their trials for all that is asked of them."""
 
-    def __init__(self, datasets: Mapping[str, xr.Dataset], resamples: int = statistics.RESAMPLES) -> None:
-        """Take the trials that all datasets have: those of one number meet the same graphs and readings."""
+    def __init__(
+        self, datasets: Mapping[str, xr.Dataset], resamples: int = statistics.RESAMPLES, trials: int | None = None
+    ) -> None:
+        """Take the trials that all datasets have, or the first so many: those of one number meet the same readings."""
         self.datasets = datasets
-        self.trials = min((d.sizes["trial"] for d in datasets.values()), default=0)
+        self.trials = common_trials(datasets, datasets) if trials is None else trials
         self.counts = statistics.resample(max(self.trials, 1), resamples)
         self._medians: dict[object, Floats] = {}
 
-    def values(self, study: str, variable: str, **where: object) -> Floats:
-        """A variable of one setting, (trial, robot) or (trial, checkpoint).
+    def setting(self, study: str, **where: object) -> xr.Dataset:
+        """The one setting with these coordinates, of the trials that count. Raises Missing where it is not there."""
+        data, place = self._found(study, where)
+        return data.isel(setting=place, trial=slice(self.trials))
 
-        Raises Missing where it is not there or a trial of it is not.
-        """
-        data = self.datasets.get(study)
-        if data is None or variable not in data:
+    def column(self, study: str, variable: str, **where: object) -> Floats:
+        """A variable of one setting as it is recorded, (trial,), (trial, robot) or (trial, checkpoint)."""
+        data, place = self._found(study, where)
+        if variable not in data:
             raise Missing(f"{study}: {variable}")
+        column = data[variable].variable.isel(setting=place, trial=slice(self.trials))
+        values = np.asarray(column.transpose("trial", ...).values, float)
+        return values[:, : int(robots_in(data).values[place])] if "robot" in column.dims else values
+
+    def _found(self, study: str, where: Mapping[str, object]) -> tuple[xr.Dataset, int]:
+        data = self.datasets.get(study)
+        if data is None or not all(name in data for name in where):
+            raise Missing(f"{study}: {where}")
         masks = [data[name].values == value for name, value in where.items()]
         found = np.flatnonzero(np.logical_and.reduce(masks))
         if found.size != 1:
             raise Missing(f"{study}: {found.size} settings with {where}")
-        column = data[variable].variable.isel(setting=found[0], trial=slice(self.trials))
-        values = np.asarray(column.transpose("trial", ...).values, float)
-        if "robot" in column.dims:
-            values = values[:, : int(robots_in(data).values[found[0]])]
+        return data, int(found[0])
+
+    def values(self, study: str, variable: str, **where: object) -> Floats:
+        """The same of what is never negative. Raises Missing where it is not there or a trial of it is not."""
+        values = self.column(study, variable, **where)
         if not (values >= 0).all():  # -1 and NaN stand for trials that were never run
             raise Missing(f"{study}: trials with {where}")
         return values
@@ -115,6 +130,13 @@ class Evidence:
         """The mean over trials of (trial,): the sample's, then every resample's."""
         return statistics.means(by_trial, self.counts)
 
+    def share(self, hits: NDArray[Any], tries: NDArray[Any]) -> Floats:
+        """All hits over all tries, both (trial,): the sample's, then every resample's; NaN where nothing was tried."""
+        had, all_ = self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float)
+        found = np.full(all_.shape, np.nan)
+        np.divide(had, all_, out=found, where=all_ > 0)
+        return found
+
     def judge(self, setting: str, statistic: Floats, right: Range) -> Detail:
         """Say yes where the interval lies in `right`, no where it lies wholly outside on one side."""
         value, low, high = statistics.interval(statistic)
@@ -125,6 +147,11 @@ class Evidence:
             elif high < right[0] or low > right[1]:
                 verdict = NO
         return Detail(setting, value, (low, high), verdict)
+
+
+def common_trials(datasets: Mapping[str, xr.Dataset], studies: Iterable[str]) -> int:
+    """How many trials all of these studies have that are there."""
+    return min((datasets[name].sizes["trial"] for name in studies if name in datasets), default=0)
 
 
 def outcome(claim: Claim, evidence: Evidence) -> Outcome:

@@ -12,20 +12,13 @@ from urllib.parse import quote
 import xarray as xr
 
 from swarmcensus.basics import statistics
+from swarmcensus.basics.files import data_path
 from swarmcensus.basics.version import __version__
+from swarmcensus.paper.evaluations import PAPER, Evaluation
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Outcome
 from swarmcensus.paper.figures import PaperFigure
-from swarmcensus.paper.report import PAPER, SIGNS, WORDS, kind, measured, tally
+from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
 from swarmcensus.paper.strips import strip
-
-TITLE = "The paper, run again"
-SYMBOLS = (
-    "N robots estimate f, the share of the floor that is black; b and w are how often their sensors are right about "
-    "black and about white. On a fixed network they live C communication rounds, with R observations in each; robots "
-    "that move observe and talk once a tick, ten times a second, and their density is D = N π r² / L² in a square of "
-    "side L, with radios that reach r. An estimate has converged at K (round or tick) when it stays within 0.01 of "
-    "what it was there; its error is |x(K) - f|."
-)
 
 
 @dataclass(frozen=True)
@@ -41,6 +34,7 @@ class Reproduction:
     figures: Sequence[tuple[PaperFigure, Sequence[Path]]]
     claims: Sequence[Outcome]
     seconds: Mapping[str, float]
+    of: Evaluation = PAPER
 
     @property
     def page(self) -> Path:
@@ -53,11 +47,6 @@ class Reproduction:
         data = [data_path(self.out, name) for name in self.datasets]
         drawn = [path for _, paths in self.figures for path in paths]
         return [*data, *drawn, *([self.out / "claims.json"] if self.claims else [])]
-
-
-def data_path(out: Path, study: str) -> Path:
-    """Where the dataset of a study goes."""
-    return out / "data" / f"{study}.nc"
 
 
 def html(done: Reproduction) -> str:
@@ -76,12 +65,10 @@ def html(done: Reproduction) -> str:
     return (
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
         '<meta name="viewport" content="width=device-width, initial-scale=1">'
-        f"<title>{TITLE}</title><style>{style}</style></head><body>"
-        "<header><h1>The paper, run again</h1><p class=lead>What a paper says about swarms of robots with lying "
-        "sensors, simulated afresh, drawn, and checked sentence by sentence.</p>"
-        f"<p>{escape(PAPER)}: its evaluation on fixed communication networks (Sec. IV-B) and with robots that "
-        "move (Sec. IV-C), by swarmcensus "
-        f"{escape(__version__)}.</p><p class=quiet>{escape(SYMBOLS)}</p>{_scores(done)}</header>"
+        f"<title>{done.of.title}</title><style>{style}</style></head><body>"
+        f"<header><h1>{done.of.title}</h1><p class=lead>{escape(done.of.lead)}</p>"
+        f"<p>{escape(done.of.source)}: {escape(done.of.about)}, by swarmcensus "
+        f"{escape(__version__)}.</p><p class=quiet>{escape(done.of.symbols)}</p>{_scores(done)}</header>"
         f"<nav>{links}</nav><main>{bodies}</main></body></html>\n"
     )
 
@@ -155,8 +142,8 @@ def _claims(done: Reproduction) -> str:
     if not done.claims:
         return ""
     return (
-        "<p>A claim is checked in every setting that it speaks of: 100 robots on a fixed network, or 25 that move, "
-        "unless it says otherwise. The value is that of the setting that bears it out least, with a "
+        f"<p>A claim is checked in every setting that it speaks of: {escape(done.of.spoken_of)}. "
+        "The value is that of the setting that bears it out least, with a "
         f"{statistics.LEVEL:.0%} interval: percentiles of {statistics.RESAMPLES:,} bootstrap resamples of whole "
         "trials, for the robots of a trial are not independent. A claim <b>holds</b> where the intervals of all "
         "settings lie on the right side, <b>does not hold</b> where at least one lies wholly on the wrong side, and "
@@ -167,11 +154,11 @@ def _claims(done: Reproduction) -> str:
         "value and interval, and shaded where they would bear the claim out. Quoted formulas are set as plain "
         "text.</p>"
         "<table class=claims><thead><tr><th>Verdict<th>The paper says<th>Measured<th>Value</tr></thead>"
-        f"<tbody>{''.join(map(_row, done.claims))}</tbody></table>"
+        f"<tbody>{''.join(_row(done.of, outcome) for outcome in done.claims)}</tbody></table>"
     )
 
 
-def _row(outcome: Outcome) -> str:
+def _row(of: Evaluation, outcome: Outcome) -> str:
     claim, value, more = outcome.claim, "", ""
     if outcome.worst:
         number, interval = measured(outcome.worst)
@@ -189,10 +176,11 @@ def _row(outcome: Outcome) -> str:
             f"{tally(outcome)}</summary>{strip(outcome)}<ul class=settings>{items}</ul></details></tr>"
         )
     note = f"<p>{escape(outcome.note)}</p>" if outcome.note else ""
+    sentence = f"“{escape(claim.sentence)}”" if of.quoted else escape(claim.sentence)
     return (
         f'<tr id="{claim.id}"><td>{_badge(kind(outcome), outcome.verdict)}'
-        f"<td><b>{escape(claim.title)}</b><blockquote>“{escape(claim.sentence)}”</blockquote>"
-        f"<span class=quiet>Sec. {escape(claim.section)}</span>"
+        f"<td><b>{escape(claim.title)}</b><blockquote>{sentence}</blockquote>"
+        f"<span class=quiet>{of.section}{escape(claim.section)}</span>"
         f"<td>{escape(claim.statistic)}.<br>Needed: <b>{escape(claim.threshold)}</b>{note}<td>{value}</tr>{more}"
     )
 

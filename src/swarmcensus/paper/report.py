@@ -17,7 +17,6 @@ from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, 
 if TYPE_CHECKING:
     from rich.console import Console
 
-PAPER = "Chin, Khaluf and Pinciroli, “Minimalistic Collective Perception with Imperfect Sensors”"
 WORDS = {HOLDS: "holds", FAILS: "does not hold", OPEN: "not decided", UNMEASURED: "not measured"}
 SIGNS = {HOLDS: "✓", FAILS: "✗", OPEN: "?", UNMEASURED: "–"}
 COLOURS = {HOLDS: "bold blue", FAILS: "bold red", OPEN: "bold yellow", UNMEASURED: "dim"}
@@ -43,8 +42,8 @@ def tally(outcome: Outcome) -> str:
     return ", ".join(f"{outcome.count(said)} {said}" for said in (YES, NO, OPEN) if outcome.count(said))
 
 
-def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset]) -> str:
-    """claims.json: every claim with its statistic, threshold, value, interval, verdict and settings.
+def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:
+    """claims.json: the claims of a `source`, each with its statistic, threshold, value, interval, verdict and settings.
 
     `right` is the range that bears a claim out, null for no bound; `interval` is null where a value is exact.
     The value and interval of a claim are those of its worst setting. Equal datasets give equal bytes.
@@ -52,7 +51,7 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset]) -> st
     texts = ("id", "title", "sentence", "section", "statistic", "threshold")
     about = {
         "format": "swarmcensus claims 1",
-        "paper": PAPER,
+        "paper": source,
         "version": __version__,
         "studies": {
             name: {"seed": int(data.attrs["seed"]), "trials": data.sizes["trial"]} for name, data in datasets.items()

@@ -1,49 +1,40 @@
-"""The paper's evaluation from one call: its studies run, its figures drawn, its claims checked, a page of it all.
+"""A published evaluation from one call: its studies run, its figures drawn, its claims checked, a page of it all.
 
-Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect Sensors", Sec. IV. To add a part of
-the evaluation, add study files to studies/paper, figures to `paper_figures.FIGURES` and claims to `claims.CLAIMS`.
+To add a part of the paper's evaluation, add study files to studies/paper, figures to `figures.FIGURES` and claims to
+`claims.CLAIMS`; what is known of the rivals is in `rival_claims.CLAIMS`, and its studies in studies/rivals/claims.
 """
 
 import contextlib
 import shlex
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from pathlib import Path
 
 import xarray as xr
 
 from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.files import check_own, check_writable, data_path, whole
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.paper import claims, page, report
-from swarmcensus.paper.figures import FIGURES, PaperFigure
-from swarmcensus.paper.page import Reproduction, data_path
+from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
+from swarmcensus.paper.figures import PaperFigure
+from swarmcensus.paper.page import Reproduction
 from swarmcensus.runs.pools import compile_for
 from swarmcensus.runs.running import run, work_of
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.working import Progress, Reporting
 from swarmcensus.studies.study import Study
 
-Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]
-
-
+FOLDERS = {"paper": "reproduction"}  # where each goes
+STUDIES = {"rivals": "rivals/claims"}  # where its studies are, if not in a folder of its name
 TAKEN_OVER = 0.05  # seconds: from there on it shows that simulations are not all of this call
-PARTS = (*(figure.name for figure in FIGURES), "claims")
-
-
-def studies_folder() -> Path:
-    """Where the paper's study files are, installed or in a source checkout. Raises InputError."""
-    here = Path(__file__).parents[1]
-    for folder in (here / "paper_studies", here.parents[1] / "studies" / "paper"):
-        if folder.is_dir():
-            return folder
-    raise InputError(f"the paper's study files are missing: this installation has no folder {here / 'paper_studies'}")
 
 
 def reproduce(
-    out: str | Path = "reproduction",
+    out: str | Path | None = None,
     *,
+    of: str = "paper",
     trials: int | None = None,
     seed: int | None = None,
     jobs: int | None = None,
@@ -52,24 +43,26 @@ def reproduce(
     reporting: Reporting | None = None,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
-    """Run what the paper ran, and write datasets, figures, claims.json and index.html to the folder `out`.
+    """Run what was published, and write datasets, figures, claims.json and index.html to the folder `out`.
 
-    `trials` and `seed` replace those of the study files. `only` names parts (PARTS) and runs nothing that they do
-    not need. `reporting(label)` is a context that gives the callback for `run`'s progress, here of all studies
-    together; `say` gets a line a stage.
+    `of` is "paper", or "rivals" for what is known of other algorithms; by default `out` is "reproduction", or
+    "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, as "fig2" or
+    "claims", and runs nothing that they do not need. `reporting(label)` is a context that gives the callback for
+    `run`'s progress, here of all studies together; `say` gets a line a stage.
 
-    Raises InputError for an unknown part and, before anything is run, for a folder that cannot be written. Ctrl-C
+    Raises InputError for what is not known and, before anything is run, for a folder that cannot be written. Ctrl-C
     raises Interrupted; what was done is then in `out`, and the same call goes on from there, unless `fresh`.
     """
-    parts, out = _parts(only), Path(out)
-    figures = [figure for figure in FIGURES if figure.name in parts]
-    checks = claims.CLAIMS if "claims" in parts else ()
+    this = evaluation(of)
+    parts, out = _parts(this, only), Path(out or FOLDERS.get(of, f"reproduction-{of}"))
+    figures = [figure for figure in this.figures if figure.name in parts]
+    checks = this.claims if "claims" in parts else ()
     needed = {view.study for figure in figures for view in figure.views}
     needed |= {study for claim in checks for study in claim.studies}
-    files = [path for path in sorted(studies_folder().glob("*.toml")) if path.stem in needed]
+    files = [path for path in sorted(shipped_study(STUDIES.get(of, of)).glob("*.toml")) if path.stem in needed]
     studies = {path.stem: Study.load(path).with_(trials=trials, seed=seed) for path in files}
     stems = [out / "figures" / figure.name for figure in figures]
-    _check_own(out / "index.html")
+    check_own(out / "index.html", lambda text: f"<title>{this.title}</title>" in text, "reproduce")
     check_writable(out / "claims.json")
     for path in [data_path(out, name) for name in studies] + [stem.with_suffix(".png") for stem in stems]:
         check_writable(path)
@@ -96,35 +89,27 @@ def reproduce(
     if checks:
         with stage("claims"):
             outcomes = claims.check(datasets, checks)
-            _write(out / "claims.json", report.as_json(outcomes, datasets))
-    done = Reproduction(out, _command(out, trials, seed, parts), datasets, drawn, outcomes, seconds)
+            _write(out / "claims.json", report.as_json(outcomes, datasets, this.source))
+    done = Reproduction(out, _command(this, out, trials, seed, parts), datasets, drawn, outcomes, seconds, this)
     with stage("page"):
         _write(done.page, page.html(done))
     return done
 
 
-def _parts(only: str | Iterable[str] | None) -> list[str]:
-    asked = [only] if isinstance(only, str) else list(only or PARTS)
+def _parts(this: Evaluation, only: str | Iterable[str] | None) -> list[str]:
+    asked = [only] if isinstance(only, str) else list(only or this.parts)
     for part in asked:
-        if part not in PARTS:
-            raise InputError(
-                f"there is no part {part!r} of the paper: {did_you_mean(part, PARTS)}known are {', '.join(PARTS)}"
-            )
-    return [part for part in PARTS if part in asked]
+        if part not in this.parts:
+            hint, known = did_you_mean(part, this.parts), ", ".join(this.parts)
+            raise InputError(f"there is no part {part!r} of the {this.name}: {hint}known are {known}")
+    return [part for part in this.parts if part in asked]
 
 
-def _check_own(path: Path) -> None:
-    """Raise InputError where a page cannot be written, or is somebody else's."""
-    check_writable(path)
-    if path.exists() and f"<title>{page.TITLE}</title>" not in path.read_text(encoding="utf-8", errors="replace"):
-        raise InputError(f"{path} is there, and no page of reproduce: write to another folder with --out")
-
-
-def _command(out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:
-    words = ["swarmcensus", "reproduce", "--out", str(out)]
+def _command(this: Evaluation, out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:
+    words = ["swarmcensus", "reproduce", *([this.name] if this is not PAPER else []), "--out", str(out)]
     for option, value in (("--trials", trials), ("--seed", seed)):
         words += [option, str(value)] if value is not None else []
-    return shlex.join(words + (["--only", *parts] if len(parts) < len(PARTS) else []))
+    return shlex.join(words + (["--only", *parts] if len(parts) < len(this.parts) else []))
 
 
 def _simulate(
