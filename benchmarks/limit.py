@@ -6,15 +6,18 @@ No records, no brain file, no metrics, constants hoisted out of loops: what the 
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.draws import black_tables, pick
+from swarmcensus.engine.changes import renew, source_of
+from swarmcensus.engine.draws import pick
 from swarmcensus.engine.random import words
 
 
 @njit(nogil=True)
 def limit(robots, rounds, looks, b, w, fill_ratio, key, trials):
     """Run trials of a homogeneous ring; returns the last robot's estimate so that nothing is optimised away."""
-    tables = black_tables(np.full(1, b), np.full(1, w), fill_ratio, looks)
-    row = tables[0, 0]
+    steady = np.array([fill_ratio, fill_ratio, 1.0, 1.0])
+    source = source_of(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks)
+    renew(source, looks, 1)
+    row = source.tables[0, 0]
     bits = np.zeros(robots, np.uint64)
     n, x_hat, alpha, x = np.zeros(robots), np.zeros(robots), np.zeros(robots), np.zeros(robots)
     slope = b + w - 1.0

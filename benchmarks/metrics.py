@@ -29,11 +29,11 @@ from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import load
 known = load("largest-jump" if sys.argv[1] == "mean-error" else "mean-error")  # compiles what Numba itself needs
 blank = blank_record(known, rounds=1.0)
-compile_metric(known).follow(blank, blank.repeat(2), np.zeros((1, 2)), 1, 0.5, np.zeros(2))
+compile_metric(known).follow(blank, blank.repeat(2), np.zeros((1, 2)), 1, np.full((1, 3), 0.5), np.zeros(2))
 begun = time.perf_counter()
 metric = load(sys.argv[1])
 blank = blank_record(metric, rounds=1.0)
-compile_metric(metric).follow(blank, blank.repeat(2), np.zeros((1, 2)), 1, 0.5, np.zeros(2))
+compile_metric(metric).follow(blank, blank.repeat(2), np.zeros((1, 2)), 1, np.full((1, 3), 0.5), np.zeros(2))
 print(time.perf_counter() - begun)
 """
 

@@ -14,8 +14,8 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
+from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.engine.addresses import address
-from swarmcensus.paper.reproducing import studies_folder
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import Rider, run_ride
@@ -114,7 +114,7 @@ def main():
     large = walk_cost(100_000, 1, 1000, 1)
     console.print(f"100,000 robots at D = 1, 1,000 ticks: {large:.0f} ns, {large / small:.2f} times as much per robot")
     begun = time.perf_counter()
-    results = run(Study.load(studies_folder() / "moving.toml"), jobs=2)
+    results = run(Study.load(shipped_study("paper/moving.toml")), jobs=2)
     trials = results.attrs["trials_done"]
     console.print(
         f"the paper's {trials:,} moving trials, all metrics, two threads: {time.perf_counter() - begun:.1f} s"

@@ -11,7 +11,7 @@ import tempfile
 import time
 
 from swarmcensus import Study, run
-from swarmcensus.paper.reproducing import studies_folder
+from swarmcensus.basics.shipped import shipped_study
 
 COMMAND = [sys.executable, "-m", "swarmcensus", "reproduce"]
 
@@ -31,7 +31,7 @@ def main():
             )  # fmt: skip
             print(f"{label}: {time.monotonic() - begun:.1f} s from the shell to the page")
             print("\n".join("  " + line for line in done.stdout.splitlines() if line.endswith((" s", " s in all"))))
-    for path in sorted(studies_folder().glob("*.toml")):
+    for path in sorted(shipped_study("paper").glob("*.toml")):
         study = Study.load(path)
         results = run(study, jobs=2)
         trials, seconds = results.attrs["trials_done"], results.attrs["wall_seconds"]

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.paper.reproducing import studies_folder
+from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.runs.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
 from swarmcensus.runs.tasks import bundled, plan
@@ -84,7 +84,7 @@ def overheads(pool):
 def costs_here():
     """The predicted seconds of each task of the paper's studies with more trials, corrected by what they take here."""
     tasks = []
-    for path in sorted(studies_folder().glob("*.toml")):
+    for path in sorted(shipped_study("paper").glob("*.toml")):
         study = Study.load(path)
         settings, few = study.settings(), np.ones((len(study.settings()), 2), np.bool_)
         local = study.measure.local

@@ -88,14 +88,25 @@ def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
 def test_brains(here, capsys):
     assert main(["brains"]) == 0
     out = capsys.readouterr().out
-    assert "minimalistic  48 bytes  8 bytes" in out
-    assert "legacy" in out
+    assert re.search(r"minimalistic +48 +8  ", out)  # as wide as the longest name asks
+    estimates, opinions, *_ = re.split(r"^brain ", out, flags=re.MULTILINE)[1:]
+    assert "\nlegacy " in estimates
+    assert "\nvoter " in opinions  # whose estimate is 0 or 1
+    assert "forger        value 1, names 1,000,000  Forger" in out
     (here / "mine.py").write_text(brains.load("minimalistic").source)
     assert main(["brains", "--check", "mine.py"]) == 0
     assert "mine.py: conforms" in capsys.readouterr().out
     (here / "mine.py").write_text(brains.load("minimalistic").source.replace("def fuse", "def fuze"))
     assert main(["brains", "--check", "mine.py"]) == 2
     assert "the function fuse is missing" in capsys.readouterr().out
+
+
+def test_a_list_of_ours_alone_does_not_say_whose_they_are(capsys):
+    assert main(["list", "topologies"]) == 0
+    head, *rows = capsys.readouterr().out.splitlines()
+    assert head.split() == ["topologies", "keys", "what", "it", "is"]
+    assert len(rows) == 5
+    assert not any("swarmcensus" in row for row in rows)
 
 
 @pytest.mark.parametrize(

@@ -246,6 +246,8 @@ def test_a_brain_that_uses_names_is_marked():
     data = made_up()
     data["anonymous"] = data["anonymous"].where(data["brain"] != "voter", 0)
     assert "voter is not anonymous: it uses its robot's name" in sc.compare(data).cautions
+    data["anonymous"] = data["anonymous"].where(data["brain"] != "minimalistic", 0)
+    assert "minimalistic, voter are not anonymous: they use their robots' names" in sc.compare(data).cautions
 
 
 def test_what_never_comes_is_the_worst_and_never_against_never_is_even():

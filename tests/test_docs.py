@@ -247,6 +247,20 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
         assert f"| {name} |" in page.read_text(encoding="utf-8")
 
 
+def test_the_brain_page_shows_what_brains_prints_in_a_narrow_terminal(monkeypatch, capsys):
+    """Each part that it shows; dots stand for the rest."""
+    monkeypatch.setattr("swarmcensus.basics.terminal.UNFOLDED", 80)
+    assert main(["brains"]) == 0
+    printed = re.sub(" +$", "", capsys.readouterr().out, flags=re.MULTILINE)
+    [shown] = (
+        t for t in blocks(ROOT / "docs" / "brain-contract.md", "console") if t.startswith("$ swarmcensus brains\n")
+    )
+    parts = shown.removeprefix("$ swarmcensus brains\n").split("...\n")
+    assert len(parts) == 4
+    for part in parts[:3]:
+        assert part in printed
+
+
 @pytest.mark.parametrize("script", sorted((ROOT / "benchmarks").glob("*.py")), ids=lambda script: script.stem)
 def test_benchmarks_find_what_they_measure(script, monkeypatch):
     monkeypatch.syspath_prepend(script.parent)

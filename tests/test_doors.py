@@ -22,6 +22,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import brains, metrics
 from swarmcensus.basics import doors
+from swarmcensus.brains import adversary
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
 from swarmcensus.worlds import patterns, spreading, wiring
@@ -36,7 +37,7 @@ EXAMPLES = {
     "beta": "A sensor spread",
     "violins": "A figure",
 }  # files, and their sections
-DOORS = [brains.DOOR, metrics.DOOR, wiring.DOOR, patterns.DOOR, spreading.DOOR, kinds.DOOR]
+DOORS = [brains.DOOR, adversary.DOOR, metrics.DOOR, wiring.DOOR, patterns.DOOR, spreading.DOOR, kinds.DOOR]
 
 # ---- the package
 
@@ -138,6 +139,7 @@ def package(tmp_path_factory):
     files = (
         MORE
         | {"stubborn": brains.load("legacy").source + "# under another name\n"}
+        | {"grey": '"""Grey: one half."""\n\n\ndef lie(me, x):\n    return 0.5\n'}
         | {name: re.search(r"```python\n(.*?)```", section(title), re.DOTALL)[1] for name, title in EXAMPLES.items()}
     )
     [shown] = re.findall(r"```text\n(.*?)```", section("In a package of your own"), re.DOTALL)
@@ -580,6 +582,29 @@ def test_a_name_that_is_misspelled_is_told(before, after, said, installed, capsy
     assert said in capsys.readouterr().err
 
 
+# ---- adversaries
+
+
+def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_path):
+    study = sc.Study(
+        trials=2, swarm={"robots": 6, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.55},
+        schedule={"rounds": 5}, members=[{"robots": 2, "brain": "grey", "honest": False}],
+    )  # fmt: skip
+    data = sc.run(study, jobs=1, out=tmp_path / "a.nc")
+    assert data["adversary"].values.tolist() == ["grey"]
+    assert json.loads(data.attrs["additions"])["adversary grey"]["package"] == "meadow"
+    assert sc.verify(data, 1.0).differences == []
+    path = installed / "meadow" / "grey.py"
+    before = path.read_text()
+    try:
+        path.write_text(before.replace("0.5", "0.6"))
+        adversary.DOOR.loaded.clear()
+        with pytest.raises(sc.InputError, match="adversary 'grey': its source has changed since"):
+            sc.replay(data, 0, 0)
+    finally:
+        path.write_text(before)
+
+
 # ---- every door
 
 
@@ -589,13 +614,15 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(package), *sys.path]), "COLUMNS": "200"},
         capture_output=True, text=True, check=True,
     )  # fmt: skip
-    rows = [line.split() for line in done.stdout.splitlines()]
+    rows = [line.split() for line in done.stdout.splitlines() if line]
     assert [row[0] for row in rows if row[1:3] == ["keys", "what"]] == [
-        "brains", "metrics", "topologies", "floors", "spreads", "figures",
+        "brains", "adversaries", "metrics", "topologies", "floors", "spreads", "figures",
     ]  # fmt: skip
     by = {row[0]: row for row in rows}
     assert by["lowest"][1:] == ["The", "lowest", "estimate", "that", "a", "robot", "ever", "holds.", "meadow"]
     assert by["minimalistic"][-1] == by["scale-free"][-1] == by["scatter"][-1] == "swarmcensus"
+    assert by["grey"][1:] == ["Grey:", "one", "half.", "meadow"]
+    assert by["always-black"][-1] == "swarmcensus"
     assert by["stubborn"][-1] == by["violins"][-1] == by["beta"][-1] == "meadow"
     assert by["broken"][1:4] == ["cannot", "be", "read:"]
     assert by["torus"][1:3] == ["columns", "A"]
@@ -626,4 +653,4 @@ def test_ours_come_first_and_two_packages_with_one_name_are_told_apart(tmp_path,
 
 
 def test_the_examples_are_short():
-    assert sum(text.count("\n") for text in re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL)) < 60
+    assert sum(text.count("\n") for text in re.findall(r"```(?:python|text)\n(.*?)```", PAGE, re.DOTALL)) <= 60

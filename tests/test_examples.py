@@ -12,7 +12,7 @@ from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.conformance.promises import PROMISES
 
 EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
-BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar"]
+BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
 
 
 @pytest.fixture(scope="module")
@@ -81,3 +81,24 @@ def test_the_more_liars_the_more_wrong(results):
             some = data.sel(setting=((data["brain"] == brain) & (data["topology"] == topology)).values)
             off = np.nanmedian(abs(some["final_estimate"] - 0.75).values, axis=(1, 2))
             assert (np.diff(off) > 0).all()
+
+
+def test_who_forgets_notices_that_the_floor_is_another():
+    """Of rounds from the change on: the sooner it forgets the sooner, and who remembers all does not in this time."""
+    study = sc.Study.load(EXAMPLE / "changing.toml").with_(trials=4)
+    assert [study.trials, *(len(grid.world.fill_ratio) for grid in study.grids)] == [4, 2, 1]
+    data = sc.run(study, jobs=2)
+    way, half = data["fill_ratio_change"].values, data["half"].values
+    rounds = np.median(data["recovery_time"], axis=(1, 2))
+    for change in ("0.85 to 0.25 at 300", "0.85 to 0.25 at 300 until 700"):
+        never, soon, late = (
+            rounds[(way == change) & chosen][0] for chosen in (np.isnan(half), half == 30, half == 100)
+        )
+        assert never == np.inf
+        assert soon < 150
+        assert soon < 0.5 * late < 200
+    before = data["correct"].sel(checkpoint=[100, 299]).values[way != ""]
+    assert (before == 1).mean() > 0.9
+    # nobody notices that the sensors wear: as 0.9 is believed and 0.65 is true, 0.25 is taken for more
+    worn = np.median(data["final_estimate"].values[way == ""], axis=(1, 2))
+    assert (worn > 0.3).all()

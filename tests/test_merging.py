@@ -247,3 +247,19 @@ def test_totals_of_what_is_merged():
     merged = sc.merge([one, two])
     assert merged.attrs["trials_total"] == merged.attrs["trials_done"] == one.attrs["trials_done"] + 6
     assert not sc.verify(merged, 1.0).labels
+
+
+def test_studies_with_members_and_without_go_together():
+    """What one of them does not speak of is empty there, and all of its robots are honest."""
+    swarm = {"robots": 6, "accuracy": 0.8}
+    told = {"trials": 2, "swarm": swarm, "world": {"topology": "ring", "fill_ratio": 0.3}, "schedule": {"rounds": 10}}
+    plain = sc.run(sc.Study(**told))
+    mixed = sc.run(sc.Study(**told, members=[{"robots": 2, "accuracy": 0.6, "honest": False}]))
+    for parts in ([plain, mixed], [mixed, plain]):
+        both = sc.merge(parts)
+        assert sorted(zip(both["members"].values, both["honest"].values, strict=True)) == [
+            ("", 6), ("2 accuracy 0.6, not honest", 4)
+        ]  # fmt: skip
+        for k, one in enumerate(parts):
+            found = both["final_estimate"].values[k, :, : one.sizes["robot"]]
+            assert (found == one["final_estimate"].values[0]).all()

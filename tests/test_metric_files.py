@@ -75,7 +75,7 @@ def study(text=STUDY, names=LIBRARY):
 def by_hand(curves, truth, bins=10):
     """The shipped metrics by their definitions, of estimates (round, robot) from round 1 on."""
     low, high = right_bin(truth, bins)
-    right = (curves >= low) & (curves < high)
+    right, near = (curves >= low) & (curves < high), np.abs(curves - truth) < 0.05
     rounds = len(curves)
     good = [next((k + 1 for k in range(rounds) if column[k:].all()), math.inf) for column in right.T]
     nearly = np.flatnonzero(right.sum(axis=1) >= 0.95 * curves.shape[1])
@@ -85,6 +85,7 @@ def by_hand(curves, truth, bins=10):
         "mean_error": np.abs(curves - truth).mean(axis=0),
         "largest_jump": np.abs(np.diff(curves, axis=0)).max(axis=0, initial=0.0),
         "swarm_right": nearly[0] + 1.0 if nearly.size else math.inf,
+        "recovery_time": np.array([next((k for k in range(rounds) if c[k:].all()), math.inf) for c in near.T]),
     }
 
 
@@ -123,7 +124,7 @@ def test_cpython_finds_what_machine_code_finds(name):
     out = np.empty(fast.size)
     for first in (0, 13, 50):  # piece by piece, as long runs are seen
         rows = np.ascontiguousarray(curves[first : {0: 13, 13: 50, 50: 60}[first]])
-        compile_metric(metric).follow(blank, fast, rows, first + 1, 0.55, out)
+        compile_metric(metric).follow(blank, fast, rows, first + 1, np.array([[0.55, low, high]]), out)
     slow = [metric.record(**given) for _ in range(fast.size)]
     for my in slow:
         metric.functions.begin(my)
@@ -284,7 +285,7 @@ def test_other_bins_leave_out_what_looked_at_the_old_ones():
     asked = study().measure.model_dump(exclude={"metrics"}, exclude_none=True) | {"metrics": list(LIBRARY)}
     results = sc.run(study().with_(measure=asked | {"estimates": True}))
     other = sc.remeasure(results, bins=5)
-    assert {"largest_jump", "mean_error"} == {*json.loads(other.attrs["metrics"])}
+    assert {"largest_jump", "mean_error", "recovery_time"} == {*json.loads(other.attrs["metrics"])}
     assert "first_right" not in other
     assert {*json.loads(sc.remeasure(results, delta=0.1).attrs["metrics"])} == {*json.loads(results.attrs["metrics"])}
 

@@ -51,6 +51,12 @@ def test_ranges_are_read_and_every_place_has_a_value(brain):
     assert log.share(0.0) == 0
 
 
+def test_a_range_of_a_vector_is_one_of_each_of_its_items(brain):
+    found = ranges_of(["a=0:2", "pair=0.1:10:log"], brain)
+    assert list(map(str, found)) == ["a=0:2", "pair[0]=0.1:10:log", "pair[1]=0.1:10:log"]
+    assert with_values(brain, found, (1.0, 2.0, 3.0)).parameters["pair"] == (2.0, 3.0)
+
+
 def test_a_value_is_written_in_few_digits(brain):
     [wide, narrow, log] = (ranges_of([text], brain)[0] for text in ("a=0:1", "a=1000:1001", "a=1:1e9:log"))
     assert wide.value(1 / 3) == 0.3333

@@ -81,7 +81,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         (["--parameters", "a=0:inf"], "inf is no number to search up to"),
         (["--parameters", "a=0:1:lg"], "did you mean 'log'?"),
         (["--parameters", "a=0:1", "a=0:2"], "a is given twice"),
-        (["--parameters", "pair=0:1"], "pair is a vector of 2: its items are given one by one"),
+        (["--parameters", "pair=0:1", "pair[1]=0:2"], "pair[1] is given twice"),
         (["--parameters", "pair[2]=0:1"], "its items are pair[0] to pair[1]"),
         (["--parameters", "a[0]=0:1"], "a is a number, and has no items"),
         (["--brain", "minimalistic"], "--brain minimalistic: it has no PARAMETERS"),

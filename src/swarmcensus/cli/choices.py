@@ -15,15 +15,20 @@ def choices(options: argparse.Namespace) -> int:
     """List what there is, kind by kind."""
     from swarmcensus.basics.terminal import console, table
 
-    for kind in [options.kind] if options.kind else DOORS:
-        heads = [(kind, False), ("keys", False), ("what it is", False), ("from", False)]
-        console().print(table(heads, list(_rows(kind))))
+    for k, kind in enumerate([options.kind] if options.kind else DOORS):
+        rows = list(_rows(kind))
+        ours = {row[-1] for row in rows} == {"swarmcensus"}  # then every line would end in the same word
+        heads = [(kind, False), ("keys", False), ("what it is", False), *[("from", False)] * (not ours)]
+        if k:
+            print()
+        console().print(table(heads, [row[: len(heads)] for row in rows]))
     return 0
 
 
 def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
     """Each one's name, its keys or parameters, the first line of its file, which is not run, and whose it is."""
     from swarmcensus import brains
+    from swarmcensus.brains import adversary
 
     door = importlib.import_module(f"swarmcensus.{DOORS[kind]}").DOOR
     for name in door.names:
@@ -36,6 +41,8 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
             if kind == "brains":
                 brain = brains.unread(name, source)
                 keys, text = ", ".join(brain.parameters), text + " Not anonymous." * brain.uses.name
+            if kind == "adversaries":
+                keys = ", ".join(adversary.unread(source, name, door.path(name)).parameters)
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
         yield name, keys, text, door.giver(name)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.boards import leaderboard
 from swarmcensus.cli.choices import choices
 from swarmcensus.cli.comparing import compare
 from swarmcensus.cli.making import brains, reproduce, run, status
@@ -74,7 +75,7 @@ def _complain(what: object) -> None:
     print("swarmcensus:", " ".join(str(what).split("\n")), file=sys.stderr)
 
 
-COMMANDS = {
-    run.__name__: run
-    for run in (run, reproduce, show, compare, tune, merge, status, verify, plot, export, replay, infer, brains)
-} | {"list": choices}
+RUNS = (
+    run, reproduce, show, compare, leaderboard, tune, merge, status, verify, plot, export, replay, infer, brains,
+)  # fmt: skip
+COMMANDS = {one.__name__: one for one in RUNS} | {"list": choices}

@@ -10,11 +10,13 @@ from swarmcensus.basics.errors import InputError, Interrupted
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run, draw and check the paper."""
+    from swarmcensus.basics.statistics import FEWEST
     from swarmcensus.paper import report, reproducing
     from swarmcensus.runs.progress import reporting
 
     done = reproducing.reproduce(
         options.out,
+        of=options.of,
         trials=options.trials,
         seed=options.seed,
         jobs=options.jobs,
@@ -24,6 +26,8 @@ def reproduce(options: argparse.Namespace) -> int:
     )
     if done.claims:
         report.show(done.claims)
+        if options.trials is not None and options.trials < FEWEST:
+            print(f"{options.trials} trials decide next to nothing: with fewer than {FEWEST}, intervals do not hold")
     print(done.page)
     return 0
 
@@ -84,16 +88,25 @@ def _cluster(options: argparse.Namespace) -> str | None:
 
 
 def brains(options: argparse.Namespace) -> int:
-    """List or check brains."""
-    from swarmcensus.cli.tables import checks, shipped
+    """List, show or check brains and adversaries."""
+    from swarmcensus.cli.shelves import checks, shipped, shipped_adversaries
 
-    if options.check is None:
+    if options.check is None and options.show is None:
+        if options.wearing:
+            raise InputError(f"--wearing {options.wearing}: it goes with --check or --show, and an adversary")
         shipped()
+        shipped_adversaries()
         return 0
-    from swarmcensus.conformance.suite import check
+    from swarmcensus.brains import find
+    from swarmcensus.conformance.suite import check, subject
 
+    if options.wearing:
+        find(options.wearing)  # what is misspelt there is no fault of the adversary's
+    if options.show is not None:
+        sys.stdout.write(subject(options.show, options.wearing).source)
+        return 0
     print(f"checking {options.check}: compiled too, which takes up to a minute", file=sys.stderr, flush=True)
-    return 0 if checks(options.check, check(options.check)) else 2
+    return 0 if checks(options.check, check(options.check, wearing=options.wearing)) else 2
 
 
 def status(options: argparse.Namespace) -> int:

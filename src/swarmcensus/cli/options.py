@@ -10,8 +10,9 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
 
 DOORS = {
-    "brains": "brains.brain", "metrics": "metrics.metric", "topologies": "worlds.wiring", "floors": "worlds.patterns",
-    "spreads": "worlds.spreading", "figures": "figures.kinds",
+    "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
+    "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
+    "figures": "figures.kinds",
 }  # fmt: skip  # what is added by files, and where its door is
 DIGITS = 18  # of a number, so that it fits into 64 bits
 MOST_ROWS = 40  # of a summary, unless one asks for more
@@ -54,7 +55,14 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
         return sub
 
     sub = command("reproduce", "Run the paper's evaluation; draw its figures; check its claims.")
-    sub.add_argument("--out", type=Path, default=Path("reproduction"), help="folder to write (default: %(default)s)")
+    sub.add_argument(
+        "of",
+        nargs="?",
+        default="paper",
+        metavar="WHAT",
+        help="paper (default), or rivals: what is known of them",
+    )
+    sub.add_argument("--out", type=Path, help="folder to write (default: reproduction, or reproduction-rivals)")
     sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4, fig5 or claims")
     _add_run_options(sub)
 
@@ -99,6 +107,11 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, a row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
+
+    sub = command("leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.")
+    sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
+    sub.add_argument("--out", type=Path, default=Path("leaderboard"), help="folder to write (default: %(default)s)")
+    _add_run_options(sub)
 
     sub = command("tune", "Search for good values of a brain's parameters, and evaluate them where the search was not.")
     sub.add_argument("study", type=Path, metavar="STUDY.toml")
@@ -214,8 +227,11 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub = command("list", "List what there is to choose from, ours and what other installed packages add.")
     sub.add_argument("kind", nargs="?", metavar="KIND", choices=DOORS, help=f"one of {', '.join(DOORS)}")
 
-    sub = command("brains", "List the shipped brains, or check a brain file.")
-    sub.add_argument("--check", metavar="FILE", help="run a brain file through the conformance suite")
+    sub = command("brains", "List the shipped brains and adversaries, show one, or check a file.")
+    one = sub.add_mutually_exclusive_group()
+    one.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
+    one.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
+    sub.add_argument("--wearing", metavar="BRAIN", default="", help="what an adversary wears (default: minimalistic)")
     return top
 
 

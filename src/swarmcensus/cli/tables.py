@@ -12,13 +12,11 @@ from rich.table import Table
 from rich.text import Text
 
 from swarmcensus.basics.digits import places, rounded
-from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
-from swarmcensus.conformance.suite import Check
 from swarmcensus.results.replaying import honest_in
-from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, summary, told
+from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
@@ -96,7 +94,8 @@ def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
         del columns["assumed_accuracy"]
     if (data["link_success"] == 1.0).all():
         del columns["link_success"]
-    columns.pop(told(data), None)
+    for name in restated(data):
+        columns.pop(name, None)
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in parameters_in(data):
         columns[name] = _parameter(data[name].values)
@@ -238,32 +237,3 @@ def rounds(trace: xr.Dataset) -> None:
     console().print(f"{trace.attrs['title']}: {whose} estimates")
     heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
     console().print(table(heads, [(str(k), *(f"{value:.4f}" for value in values)) for k, *values in ends]))
-
-
-def shipped() -> None:
-    """The brains that come with swarmcensus and other packages, with their sizes on a robot."""
-    from swarmcensus import brains
-
-    rows = []
-    for name in brains.DOOR.names:
-        try:
-            brain = brains.load(name)
-        except InputError as error:
-            rows.append((name, "-", "-", str(error)))
-            continue
-        what = (brain.functions.__doc__ or "").strip().splitlines()[0] + " Not anonymous." * brain.uses.name
-        rows.append((name, f"{brain.memory_bytes} bytes", f"{brain.message_bytes} bytes", what))
-    heads = [("brain", False), ("memory", True), ("message", True), ("what it does", False)]
-    console().print(table(heads, rows))
-
-
-def checks(path: Any, found: list[Check]) -> bool:
-    """What the conformance suite found; whether the brain passed."""
-    out = console()
-    for one in found:
-        out.print(Text("pass", "green") if one.fault is None else Text("FAIL", "red bold"), f" {one.name}")
-        if one.fault is not None:
-            out.print(f"      {one.fault}", soft_wrap=True)
-    good = all(one.fault is None for one in found)
-    out.print(f"{path}: {'conforms' if good else 'does not conform'}", soft_wrap=True)
-    return good

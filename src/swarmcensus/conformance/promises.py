@@ -45,7 +45,7 @@ def _finite(brain: Brain) -> None:
 
 def _decides(brain: Brain) -> None:
     """An option or none, and whether it is done, of whatever mind."""
-    for where, me in lives(brain) if brain.decides or brain.ends else ():
+    for where, me in lives(brain) if brain.decides or brain.ends or brain.jams else ():
         if brain.decides:
             choice = call(brain, where, "decide", me)
             if not isinstance(choice, int | float) or choice not in range(-1, brain.options):
@@ -54,8 +54,9 @@ def _decides(brain: Brain) -> None:
                     f"{at(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to {most} "
                     f"({where})"
                 )
-        if brain.ends and not isinstance(ends := call(brain, where, "done", me), bool | int | float):
-            raise Fault(f"{at(brain, 'done')} gives {ends!r}, neither True nor False ({where})")
+        for name in {"done", "jam"} & brain.says.functions:
+            if not isinstance(said := call(brain, where, name, me), bool | int | float):
+                raise Fault(f"{at(brain, name)} gives {said!r}, neither True nor False ({where})")
 
 
 def _steers(brain: Brain) -> None:
@@ -88,7 +89,11 @@ def _reads_only(brain: Brain) -> None:
 
 def asked_of(brain: Brain) -> tuple[str, ...]:
     """The functions that only tell something."""
-    return ("broadcast", "estimate", *(name for name in ("steer", "decide", "done") if name in brain.says.functions))
+    return (
+        "broadcast",
+        "estimate",
+        *(name for name in ("steer", "decide", "done", "jam") if name in brain.says.functions),
+    )
 
 
 def _same_again(brain: Brain) -> None:

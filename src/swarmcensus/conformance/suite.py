@@ -13,6 +13,7 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import adversary
 from swarmcensus.studies.checks import taken_in_results
 
 PATIENCE = 30.0  # seconds for a check: some hundred times what it takes
@@ -22,7 +23,8 @@ ROOM = 2 << 30  # bytes that a check may take, beyond what the process has
 COMPILE_ROOM = 4 << 30
 DEATHS = {"SIGSEGV": ": too deep a recursion", "SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
-CHILD = "import sys; from swarmcensus.conformance import suite; suite.{}(sys.argv[1], float(sys.argv[2]))"
+CHILD = "import sys; from swarmcensus.conformance import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
+USUAL = "minimalistic"  # the brain that an adversary wears where none is named
 
 Test = Callable[[brains.Brain], None]
 
@@ -56,28 +58,47 @@ def checks() -> dict[str, Test]:
     return PROMISES | {COMPILES: compiles, AGREES: agrees}
 
 
-def check(path: str | Path, patience: float = PATIENCE) -> list[Check]:
-    """Run a brain file through the suite; never raises for the brain's faults.
+class Mismatch(InputError):
+    """An adversary and a brain that do not go together: of neither file it is a fault."""
 
-    Where a check does not end within `patience` seconds, or ends its process, it is the last.
+
+def subject(path: str | Path, wearing: str = "") -> brains.Brain:
+    """The brain of a name or file, or that of an adversary which is `wearing` one. Raises InputError."""
+    if str(path) in brains.DOOR or not adversary.is_meant(str(path), None):
+        if wearing:
+            raise InputError(f"--wearing {wearing}: {path} is a brain, and it is adversaries that wear one")
+        return brains.load(path)
+    lies, brain = adversary.load(path), brains.load(wearing or USUAL)
+    try:
+        return brains.worn(lies, brain)
+    except ValueError as error:
+        raise Mismatch(str(error)) from None
+
+
+def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
+    """Run a brain file through the suite, or an adversary `wearing` one; never raises for the brain's faults.
+
+    Where a check does not end within `patience` seconds, or ends its process, it is the last. Raises Mismatch.
     """
     try:
-        brain = brains.load(path)
+        brain = subject(path, wearing)
+    except Mismatch:
+        raise
     except InputError as error:
         return [Check(KEEPS, str(error))]
     if name := taken_in_results(brain):
         return [Check(KEEPS, f"PARAMETERS key {name!r} is a name that is taken in the results: call it otherwise")]
     patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY)
-    done = _child("report", path, patience)
+    done = _child("report", path, patience, wearing)
     told = [json.loads(line) for line in done.stdout.splitlines()]
     results = [Check(*one) for one in told if len(one) == 2]
     if done.returncode or len(told[-1]) == 1:
         begun = told[-1][0] if told else KEEPS
-        results.append(Check(begun, _why_it_ended(done, path, begun, patience)))
+        results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
     return results
 
 
-def examine(path: str | Path, tests: dict[str, Test]) -> Iterator[Check]:
+def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
     """Run some of the checks here; a fault that is known is not told again, and what does not compile not run."""
     import numpy as np
 
@@ -85,7 +106,7 @@ def examine(path: str | Path, tests: dict[str, Test]) -> Iterator[Check]:
         return fault.rpartition(" (")[0] or fault  # without the life in which it was found
 
     try:
-        brain = brains.load(path)
+        brain = subject(path, wearing)
     except InputError as error:
         yield Check(KEEPS, str(error))
         return
@@ -114,7 +135,7 @@ def fault_of(test: Test, brain: brains.Brain) -> str | None:
     return None
 
 
-def report(path: str, patience: float) -> None:
+def report(path: str, patience: float, wearing: str = "") -> None:
     """The child: before each check print its name, after it the name and the fault, as lines of JSON."""
 
     def timed(name: str, test: Test) -> Test:
@@ -129,23 +150,23 @@ def report(path: str, patience: float) -> None:
 
         return run
 
-    for found in examine(path, {name: timed(name, test) for name, test in checks().items()}):
+    for found in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
         print(json.dumps([found.name, found.fault]), flush=True)
 
 
-def call_by_call(path: str, patience: float) -> None:
+def call_by_call(path: str, patience: float, wearing: str = "") -> None:
     """The child that finds out which compiled function does not return."""
     from swarmcensus.conformance.machine_code import step_by_step
 
-    run = step_by_step(brains.load(path))
+    run = step_by_step(subject(path, wearing))
     faulthandler.dump_traceback_later(patience, exit=True)
     run()
 
 
-def _child(what: str, path: str | Path, patience: float) -> subprocess.CompletedProcess[str]:
+def _child(what: str, path: str | Path, patience: float, wearing: str) -> subprocess.CompletedProcess[str]:
     folders = os.pathsep.join(folder or str(Path.cwd()) for folder in sys.path)
     return subprocess.run(
-        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience)],
+        [sys.executable, "-P", "-c", CHILD.format(what), str(path), str(patience), wearing],
         env=os.environ | {"PYTHONPATH": folders, "PYTHONUTF8": "1"},
         capture_output=True,
         encoding="utf-8",
@@ -154,14 +175,17 @@ def _child(what: str, path: str | Path, patience: float) -> subprocess.Completed
     )
 
 
-def _why_it_ended(done: subprocess.CompletedProcess[str], path: str | Path, name: str, patience: float) -> str:
+def _why_it_ended(
+    done: subprocess.CompletedProcess[str], brain: brains.Brain, name: str, asked: tuple[str | Path, float, str]
+) -> str:
+    patience = asked[1]
     if done.returncode < 0:
         name = signal.Signals(-done.returncode).name
         return f"it ends its process by {name}{DEATHS.get(name, '')}"
     if "Timeout (" not in done.stderr:
         return f"it ends its process: {(done.stderr.strip().splitlines() or ['no more is said'])[-1]}"
     frames = re.findall(r'File "(.*)", line (\d+) in (\w+)', done.stderr[done.stderr.rindex("Timeout (") :])
-    file = str(brains.load(path).path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
+    file = str(brain.path).encode("ascii", "backslashreplace").decode()  # as faulthandler writes it
     own = [(line, function) for where, line, function in frames if where == file]
     if own:
         called = next(function for _, function in reversed(own))
@@ -169,9 +193,9 @@ def _why_it_ended(done: subprocess.CompletedProcess[str], path: str | Path, name
         return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
     if name == COMPILES:
         return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
-    again = _child("call_by_call", path, patience) if name == AGREES else None
+    again = _child("call_by_call", *asked) if name == AGREES else None
     hangs = again is not None and again.returncode and again.stdout
-    if again is None or not (hangs or brains.load(path).steers):
+    if again is None or not (hangs or brain.steers):
         return f"the check itself took longer than {patience:g} s: the brain is slow, or this machine busy"
     last = again.stdout.splitlines()[-1] if hangs else "steer"
     return f"compiled, {last} did not return within {patience:g} s, though in CPython it does"

@@ -30,8 +30,8 @@ STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all of 
 LINES = 2  # of the title
 
 
-def draw_colours(figure: Figure, true_fill_ratio: float) -> ScalarMappable:
-    """Draw the bar of colours right of the arena; returns what gives estimates these colours."""
+def draw_colours(figure: Figure, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
+    """Draw the bar of colours right of the arena; returns what gives estimates these colours, and the bar."""
     far = max(true_fill_ratio, 1.0 - true_fill_ratio)
     most = np.arcsinh(far / LINEAR)
     # Odd about the truth, with the scale's middle there: equal errors are equally far from its colour.
@@ -61,7 +61,7 @@ def draw_colours(figure: Figure, true_fill_ratio: float) -> ScalarMappable:
         fontsize=SMALL, fontweight="bold", annotation_clip=False,
     )  # fmt: skip
     axes.set_title("estimated\nfill ratio", loc="left", fontsize=SMALL)
-    return colours
+    return colours, axes
 
 
 def write_titles(figure: Figure, title: str, robots: int) -> tuple[Text, Text]:

@@ -31,9 +31,9 @@ from swarmcensus.figures.arena_margins import (
     draw_scale,
     write_titles,
 )
-from swarmcensus.figures.clouds import truth_of
+from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
-from swarmcensus.figures.scenes import check_robot, scene_of
+from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 from swarmcensus.simulation.metrics import right_bin
@@ -45,15 +45,14 @@ LEAST = 0.004  # of the arena's side: smaller robots are drawn with this radius
 FINE = 1500  # tiles from wall to wall of which each is drawn; of more, means of several are
 
 
-def snapshot(
-    trace: xr.Dataset, tick: int, floor: NDArray[np.uint8] | None = None, *, robot: int = 0, title: str | None = None
-) -> Figure:
+def snapshot(trace: xr.Dataset, tick: int, floor: Tiles = None, *, robot: int = 0, title: str | None = None) -> Figure:
     """Draw the arena at the end of a tick: the paper's Fig. 1, with robots coloured by their estimate.
 
     `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `Ground.all_tiles` does:
     squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred upon the arena. Without it the
-    floor is the even grey of the fill ratio. Dotted is the radio range of `robot`. Without a `title` it is
-    `trace.attrs["title"]`. Robots that by then have failed have a stroke for each thing that they stopped to do.
+    floor is the even grey of the fill ratio. Of one that changes, floor and truth are those of the tick. Dotted is
+    the radio range of `robot`. Without a `title` it is `trace.attrs["title"]`. Robots that by then have failed have a
+    stroke for each thing that they stopped to do.
 
     Raises InputError if the trace lacks what is drawn, or has no such tick or robot, or the floor is too small.
     """
@@ -71,7 +70,7 @@ class Arena:
     def __init__(
         self,
         trace: xr.Dataset,
-        floor: NDArray[np.uint8] | None,
+        floor: Tiles,
         *,
         robot: int = 0,
         title: str | None = None,
@@ -86,9 +85,10 @@ class Arena:
         self.axes = self.figure.add_axes(place, xlim=(-self.half, self.half), ylim=(-self.half, self.half))
         self.axes.set(xticks=[], yticks=[], aspect="equal")
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
-        self._draw_floor(floor)
+        self.floor = floor
+        self._draw_floor()
         self._draw_robots()
-        self.colours = draw_colours(self.figure, self.truth)
+        self.colours, self.bar = draw_colours(self.figure, self.truth)
         draw_scale(self.axes, self.half, note)
         to_scale = self.drawn_radius == self.radius
         draw_key(
@@ -130,7 +130,8 @@ class Arena:
         self.half = float(trace.attrs["side"]) / 2.0
         self.radius = float(trace.attrs["radius"])
         self.reach, self.tile = float(trace.attrs["radio_range"]), float(trace.attrs["tile_side"])
-        self.truth = truth_of(trace)
+        self.truths = truths_of(trace)
+        self.truth = truth_of(trace) if self.truths is None else float(self.truths[0])
         self.bins = int(trace.attrs.get("bins", 10))
         self.seconds: float | None = trace.attrs.get("tick_seconds")
 
@@ -141,9 +142,23 @@ class Arena:
             raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]} to {self.ticks[-1]}")
         return int(found[0])
 
+    def paint(self, tick: int) -> bool:
+        """Show the floor and the truth of a tick, where they change; whether they are others than those shown."""
+        if self.truths is None or self.truths[self.index(tick)] == self.truth:
+            return False
+        self.truth = float(self.truths[self.index(tick)])
+        self.bar.remove()
+        self.colours, self.bar = draw_colours(self.figure, self.truth)
+        if isinstance(self.floor, ChangingFloor):
+            self.image.set_data(self._greys(self.floor.at(tick)))
+        elif self.floor is None:
+            self._draw_floor()
+        return True
+
     def show(self, tick: int) -> None:
         """Put the robots to where they are at the end of a tick. Raises InputError if the trace lacks it."""
         k = self.index(tick)
+        self.paint(tick)
         xy, heading, estimate = self.position[k], self.heading[k], self.estimate[k]
         first, last = np.searchsorted(self.link[:, 0], [tick, tick + 1])
         self.links.set_segments(list(xy[self.link[first:last, 1:]]))
@@ -173,25 +188,31 @@ class Arena:
                 lines += list(np.stack([places + reach * away for reach in STROKE], axis=1))
         return lines
 
-    def _draw_floor(self, floor: NDArray[np.uint8] | None) -> None:
-        if floor is None:
+    def _draw_floor(self) -> None:
+        if self.floor is None:
             self.axes.set_facecolor(str(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * self.truth))
             return
+        floor = self.floor.tiles if isinstance(self.floor, ChangingFloor) else self.floor
         across = np.array(floor.shape[::-1]) * self.tile
         if floor.ndim != 2 or (across < 2.0 * self.half - 1e-6).any():
             raise InputError(
                 f"a floor of shape {floor.shape}, in tiles of {self.tile:g} m, does not cover an arena of "
                 f"{2.0 * self.half:.2f} m: should be (row, column)"
             )
+        greys, step = self._greys(floor), -(-max(floor.shape) // FINE)
+        left, bottom = -across / 2.0
+        wide, high = (size * step * self.tile for size in greys.shape[::-1])
+        self.image = self.axes.imshow(
+            greys, cmap="gray", vmin=0.0, vmax=1.0, origin="lower", extent=(left, left + wide, bottom, bottom + high)
+        )
+
+    def _greys(self, floor: NDArray[np.uint8]) -> NDArray[np.float32]:
+        """How tiles are drawn, or the means of several."""
         step = -(-max(floor.shape) // FINE)
         rows, columns = (np.arange(0, size, step) for size in floor.shape)
         black = np.add.reduceat(np.add.reduceat(floor, rows, axis=0, dtype=np.float32), columns, axis=1)
         black /= np.outer(np.diff([*rows, floor.shape[0]]), np.diff([*columns, floor.shape[1]]))
-        left, bottom = -across / 2.0
-        self.axes.imshow(
-            WHITE_TILE + (BLACK_TILE - WHITE_TILE) * black, cmap="gray", vmin=0.0, vmax=1.0, origin="lower",
-            extent=(left, left + columns.size * step * self.tile, bottom, bottom + rows.size * step * self.tile),
-        )  # fmt: skip
+        return np.asarray(WHITE_TILE + (BLACK_TILE - WHITE_TILE) * black)
 
     def _draw_robots(self) -> None:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)

@@ -26,6 +26,7 @@ KNOWN = {
     "local_convergence_step": "local convergence $K$",
     "local_convergence_error": r"local error $|\hat{x}^K - f\,|$",
     "final_estimate": "final estimate $x$",
+    "final_error": r"final error $|x - f\,|$",
     "correct": "share of right robots",
 }
 

@@ -51,6 +51,14 @@ def truth_of(trace: xr.Dataset) -> float:
     return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
 
 
+def truths_of(trace: xr.Dataset) -> NDArray[np.float64] | None:
+    """The same by round, of a fill ratio that changes; None of one that stays."""
+    on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
+    wanted = "true_fill_ratio" if on_floor else "fill_ratio"
+    of_rounds = (one for one in trace.data_vars.values() if one.dims == ("round",))
+    return next((np.asarray(one.values) for one in of_rounds if str(one.name).rstrip("_") == wanted), None)
+
+
 def unit_of(results: xr.Dataset, local: bool = False) -> str:
     """What convergence and checkpoints count: ticks where robots move, else communication rounds.
 

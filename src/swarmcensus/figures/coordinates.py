@@ -15,6 +15,7 @@ from swarmcensus.results.contenders import parameters_in
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import told
 
+LIARS = {"liars", "adversary"}  # how many lie, and who: together they tell what members do
 NONE = "none"  # the density of a fixed network, the floor of one
 
 CAPTIONS = {  # how a caption names the coordinates that vary, in this order
@@ -24,6 +25,7 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "density": "D = {}",
     "side": "L = {} m",
     "fill_ratio": "f = {}",
+    "fill_ratio_change": "f {}",
     "floor": "floor {}",
     "rounds": "C = {:,.0f}",
     "observations_per_round": "R = {:,.0f}",
@@ -32,8 +34,14 @@ CAPTIONS = {  # how a caption names the coordinates that vary, in this order
     "accuracy": "accuracy {}",
     "checkpoint": "after {:,.0f}",
     "members": "{}",
+    "adversary": "{}",
+    "liars": "{:,.0f} liars",
 }
-IDLE = {"members": "robots alike"}  # what a caption says of a value that says nothing, and would be missed
+IDLE = {  # what a caption says of a value that says nothing, and would be missed
+    "members": "robots alike",
+    "adversary": "nobody lies",
+    "fill_ratio_change": "f stays",
+}
 TITLES = {  # how an axis or a key names them, where that is not their name
     "accuracy": "sensor accuracy",
     "density": "density $D$",
@@ -84,12 +92,15 @@ def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
 def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:
     """Return every setting's value of each coordinate that has several; None is a value that says nothing.
 
-    Of an arena's density and side one tells the other, a single floor of all arenas tells no more than their topology
-    does, a parameter with a single value no more than its brain: only `twice` names these too.
+    Of an arena's density and side one tells the other, members say who lies and how many, a single floor of all arenas
+    tells no more than their topology does, a parameter with a single value no more than its brain, and nothing does
+    that follows from `apart_from`, if these are the two axes of a figure or more: only `twice` names these too.
     """
     left_out = {*apart_from}
     if not twice:
-        left_out |= {"density", "side"} if left_out & {"density", "side"} else {told(results)}
+        given = {*apart_from}
+        left_out |= {"density", "side"} if given & {"density", "side"} else {told(results)}
+        left_out |= _told_otherwise(results) if given & LIARS else LIARS
     restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
     varying = {}
     for name in coordinates_of(results):
@@ -99,10 +110,39 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         if name == "assumed_accuracy" and len(set(values)) > 1:
             # Robots that know their sensors assume the true accuracy: that tells no settings apart.
             pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
-            values = [None if assumed == true else assumed for assumed, true in pairs]
+            # Nor where they drift, and robots believe in those of the first round.
+            values = [None if assumed == true.split(" drift=")[0] else assumed for assumed, true in pairs]
         # NaN and "", the density and floor of a fixed network
         values = [None if value != value or value == "" else value for value in values]
         distinct = set(values)
         if len(distinct - {None} if name in restating else distinct) > 1:
             varying[name] = values
-    return varying
+    return varying if twice or len({*apart_from}) < 2 else _not_told_by(results, {*apart_from}, varying)
+
+
+def _not_told_by(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:
+    """Those coordinates that differ where all axes are the same."""
+    at = list(zip(*(texts_of(results, name).tolist() for name in sorted(axes)), strict=True))
+    return {name: values for name, values in varying.items() if len({*zip(at, values, strict=True)}) > len({*at})}
+
+
+def from_nobody(results: xr.Dataset) -> xr.Dataset:
+    """Settings in which nobody lies, once for each adversary that there is in their world: its lines begin there."""
+    who = results["adversary"].values.tolist()
+    others = [name for name in coordinates_of(results) if name not in {"members", *LIARS}]
+    worlds = list(zip(*(texts_of(results, name).tolist() for name in others), strict=True))
+    met: dict[tuple[str, ...], dict[str, None]] = {}
+    for world, one in zip(worlds, who, strict=True):
+        if one:
+            met.setdefault(world, {})[one] = None
+    rows = [(k, name) for k, one in enumerate(who) for name in ([one] if one else met.get(worlds[k], [""]))]
+    names = np.array([name for _, name in rows], dtype=object)
+    return results.isel(setting=[k for k, _ in rows]).assign_coords(adversary=("setting", names))
+
+
+def _told_otherwise(results: xr.Dataset) -> set[str]:
+    """Members, where who lies, how many and in what swarm says all of them."""
+    if not {"members", *LIARS} <= results.coords.keys():
+        return set()
+    rows = set(zip(*(results[name].values.tolist() for name in ("robots", *sorted(LIARS), "members")), strict=True))
+    return {"members"} if len({row[:-1] for row in rows}) == len(rows) else set()

@@ -22,7 +22,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.arena_pictures import Arena
-from swarmcensus.figures.scenes import check_tick
+from swarmcensus.figures.scenes import Tiles, check_tick
 
 MP4_DPI, GIF_DPI = 128, 80
 LENGTH = 600  # ticks of a film unless more or fewer are asked for
@@ -34,7 +34,7 @@ Frame = NDArray[np.uint8]  # (row, column, RGBA); overwritten by the next one
 
 def film(
     trace: xr.Dataset,
-    floor: NDArray[np.uint8] | None,
+    floor: Tiles,
     path: str | Path,
     *,
     first: int = 1,
@@ -139,6 +139,9 @@ def _drawn(
     still = canvas.copy_from_bbox(arena.figure.bbox)
     renderer = canvas.get_renderer()
     for done, tick in enumerate(ticks, start=1):
+        if arena.paint(tick):  # what stands still is another
+            canvas.draw()
+            still = canvas.copy_from_bbox(arena.figure.bbox)
         arena.show(tick)
         canvas.restore_region(still)
         for artist in arena.moving:

@@ -72,7 +72,8 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
             looks[text] = Look(names[text], shortened(names[text], WIDEST, SMALLEST), NAMED[i % len(NAMED)], shape)
             continue
         name = re.sub(r",\s*", ", ", names[text].replace("black=", "b = ").replace(" white=", ", w = "))
-        short = "b≠w" if "w = " in name else name.split("(")[0]
+        short = "b≠w" if "w = " in name else "drifts" if " drift=" in name else name.split("(")[0]
+        name = re.sub(r" drift=(\S+) (least|most)=", r", \1 a round to ", name)
         looks[text] = Look(name, short, SPREAD[i % 3], shape, spread=True)
     return looks
 

@@ -41,7 +41,19 @@ class Clock(NamedTuple):
             raise InputError(str(error)) from None
 
 
-Scene = tuple[xr.Dataset, NDArray[np.uint8] | None]  # a trace with links, and its floor
+class ChangingFloor(NamedTuple):
+    """A floor whose fill ratio changes; see `worlds.changing_ground`."""
+
+    tiles: NDArray[np.uint8]  # (row, column), 1 black: in tick 1
+    turns: NDArray[np.int32]  # (row, column): from which tick on a tile has the other colour
+
+    def at(self, tick: int) -> NDArray[np.uint8]:
+        """The tiles of a tick."""
+        return self.tiles ^ (tick >= self.turns)
+
+
+Tiles = NDArray[np.uint8] | ChangingFloor | None
+Scene = tuple[xr.Dataset, Tiles]  # a trace with links, and its floor
 
 
 def is_trace(data: xr.Dataset) -> bool:
@@ -72,7 +84,11 @@ def scene_of(
     trace = replaying.replay(data, setting, trial, brain, links=True)
     trace.attrs["tick_seconds"] = found.body.tick
     drawn = tiles_across(trace.attrs["side"], found.body.tile) <= MOST_TILES
-    return trace, found.ground(trace.attrs["seed"], trial).all_tiles() if drawn else None
+    if not drawn:
+        return trace, None
+    ground = found.ground(trace.attrs["seed"], trial)
+    tiles = ground.all_tiles()
+    return trace, ChangingFloor(tiles, ground.turns()) if found.change else tiles
 
 
 def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> Scene:

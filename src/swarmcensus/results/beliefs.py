@@ -90,7 +90,10 @@ def _cost(one: xr.Dataset) -> Cost:
 
 def accuracy_of(text: str) -> Accuracy | Misjudgement:
     """An accuracy or belief from its canonical text, which is what a dataset holds."""
-    sides = dict(re.findall(r"(black|white|error)=(\S+)", text))
+    sides = dict(re.findall(r"(black|white|error|drift|least|most)=(\S+)", text))
+    if "drift" in sides:
+        numbers = {key: float(value) for key, value in sides.items()}
+        return parse_accuracy({"start": text.split()[0], **numbers})
     return parse_assumed(sides or text) if "error" in sides else parse_accuracy(sides or text)
 
 
@@ -99,7 +102,8 @@ def _sides(accuracy: Accuracy) -> tuple[float, float]:
 
 
 def _fixed(accuracy: Accuracy) -> bool:
-    return accuracy.black.is_number and (accuracy.white or accuracy.black).is_number
+    """Whether it is one for all robots and rounds."""
+    return accuracy.drift is None and accuracy.black.is_number and (accuracy.white or accuracy.black).is_number
 
 
 def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, belief: str) -> float | None:

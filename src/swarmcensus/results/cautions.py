@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.worlds.changes import read_change
+
 LEAST = 0.05  # of a setting's robots: fewer are chance
 MOST_NAMED = 8  # settings
 
@@ -47,7 +49,8 @@ def warn_of_edges(data: xr.Dataset) -> None:
     if data.attrs["truth"] != "nominal":  # each trial has a truth of its own
         return
     bins = int(data.attrs["bins"])
-    values = np.unique(data["fill_ratio"].values)
+    changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()
+    values = np.unique([*data["fill_ratio"].values, *(one.first for one in changes if one)])
     found = [f"{value:g}" for value in values[np.isin(values, np.arange(1, bins) / bins)]]
     if not found:
         return

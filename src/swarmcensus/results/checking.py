@@ -88,9 +88,14 @@ def wrong(data: xr.Dataset) -> str | None:
     if data.attrs.get("format") not in FORMATS or lacking:
         return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
     try:
-        return _metrics(data) or _shape(data) or _attributes(data) or _missing(data) or (made_from(data) and None)
+        return _metrics(data) or _shape(data) or _attributes(data) or _missing(data) or (_made(data) and None)
     except InputError as error:
         return str(error)
+
+
+def _made(data: xr.Dataset) -> Any:
+    """What a dataset says of how it was made. Raises InputError where that is not legible."""
+    return made_from(data), adversaries_in(data)
 
 
 def _metrics(data: xr.Dataset) -> str | None:
@@ -238,18 +243,30 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
 
 def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
     """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
+    sources = _sources(data, "brains", "brain")
     try:
-        sources = {
-            str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])}
-            for n, s in json.loads(data.attrs["brains"]).items()
-        }
-        changed = [n for n, s in sources.items() if brains.digest(s["source"]) != s["sha256"]]
         texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
-        texts = texts or [str(data.attrs["study"])]
+        return sources, texts or [str(data.attrs["study"])]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise InputError(
-            f"these results do not say how they were made (attributes study and brains): {error!r}"
-        ) from None
+        raise _untold("brains", error) from None
+
+
+def adversaries_in(data: xr.Dataset) -> dict[str, dict[str, str]]:
+    """The adversaries of a dataset, by name: `sha256` and `source`. Raises InputError."""
+    return _sources(data, "adversaries", "adversary") if "adversaries" in data.attrs else {}
+
+
+def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]:
+    try:
+        said = json.loads(data.attrs[key]).items()
+        sources = {str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])} for n, s in said}
+        changed = [n for n, s in sources.items() if brains.digest(s["source"]) != s["sha256"]]
+    except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
+        raise _untold(key, error) from None
     if changed:
-        raise InputError(f"the source of the brain {changed[0]!r} is not the one that the hash beside it is of")
-    return sources, texts
+        raise InputError(f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of")
+    return sources
+
+
+def _untold(key: str, error: Exception) -> InputError:
+    return InputError(f"these results do not say how they were made (attributes study and {key}): {error!r}")

@@ -163,11 +163,11 @@ def _cautions(
         cautions.append(f"these results do not say what brains cost: they have no {', no '.join(lacks)}")
     if "anonymous" in data:
         seen = field.spread(data["anonymous"].values.astype(np.float64))
-        cautions += [
-            f"{name} is not anonymous: it uses its robot's name"
-            for k, name in enumerate(field.contenders)
-            if (seen[:, k] == 0).any()
-        ]
+        named = [name for k, name in enumerate(field.contenders) if (seen[:, k] == 0).any()]
+        if len(named) == 1:
+            cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
+        elif named:
+            cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
     if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
         cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
     return cautions

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results.summaries import told
+from swarmcensus.results.summaries import restated
 
 NONE = -1
 
@@ -64,7 +64,7 @@ def field_of(data: xr.Dataset, whole: xr.Dataset) -> tuple[Field, list[str]]:
             "of a brain's parameter"
         )
     left_out = {"setting", "brain", *(name for several in parameters.values() for name in several)}
-    left_out.add(told(data))
+    left_out |= restated(data)
     coordinates = [str(k) for k, c in data.coords.items() if c.dims == ("setting",) and k not in left_out]
     columns = {name: data[name].values.tolist() for name in coordinates}
     keys = list(zip(*(map(repr, values) for values in columns.values()), strict=True)) or [()] * len(names)

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, before_3, failures, finished, is_old
-from swarmcensus.results.store import dataset, widths_of_rule
-from swarmcensus.results.values import MISSING, Values, edited, metrics_in
+from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
+from swarmcensus.results.values import IN_TIME, MISSING, Values, edited, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -67,14 +67,27 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
             shape = [sizes[str(d)] for d in one.dims]
             variables[name] = (one.dims, np.zeros(shape, one.dtype), one.attrs, one.encoding)
         elif one.dims == ("setting",):
-            column = np.concatenate([part[name].values for part in parts])[kept]
-            (coordinates if name in parts[0].coords else variables)[name] = ("setting", column, one.attrs)
+            column = column_of(filled([value for part in parts for value in _values_of(part, str(name))], str(name)))
+            ours = next(part for part in parts if name in part.variables)
+            (coordinates if name in ours.coords else variables)[name] = ("setting", column[kept], one.attrs)
         elif name in variables and not one.equals(variables[name]):  # type: ignore[no-untyped-call]
             raise InputError(f"two of the studies have two different {name}")
         else:
             variables[name] = one
-    sources = {key: text for key in ("brains", "metrics", "additions") if (text := _sources(parts, key)) is not None}
+    keys = ("brains", "adversaries", "metrics", "additions")
+    sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
+    parameters = [json.loads(part.attrs.get("parameters", "{}")) for part in parts]
+    if any(parameters):
+        sources["parameters"] = json.dumps({k: v for one in parameters for k, v in one.items()}, sort_keys=True)
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
+
+
+def _values_of(part: xr.Dataset, name: str) -> list[Any]:
+    """What settings of a part have of what others may have alone: where nobody lies, all are honest."""
+    if name not in part.variables:
+        return part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
+    found: list[Any] = part[name].values.tolist()
+    return found
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
@@ -83,7 +96,7 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
     for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
         if known.setdefault(name, source)["sha256"] != source["sha256"]:
             raise InputError(f"two of the studies name two different {key} {name!r}")
-    return json.dumps(known, sort_keys=key == "brains") if known else None
+    return json.dumps(known, sort_keys=key in ("brains", "adversaries")) if known else None
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
@@ -103,7 +116,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for name in sorted(mine - due):
         yield f"{name} is in the file, and no run of its study writes it"
     for name in sorted(due - mine):
-        if before_3(data, name):
+        if before_3(data, name) or name in IN_TIME:
             continue
         if not is_old(data) or name in IN_FORMAT_1 or name not in want.coords:
             yield f"{name} is not in the file"
@@ -148,7 +161,7 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
                 yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
     for key in sorted({*want.attrs} - {*MAKERS, "format", "additions"}):
         mine_said, due_said = data.attrs.get(key), want.attrs[key]
-        if key in ("brains", "metrics", "merged") and key in data.attrs:
+        if key in ("brains", "adversaries", "metrics", "merged") and key in data.attrs:
             mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
         if mine_said != due_said and not (is_old(data) and key == "title" and "merged" in data.attrs):
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"

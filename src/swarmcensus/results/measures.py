@@ -46,6 +46,7 @@ OURS = {
         Measure("convergence_error", "error at K", "1", "|x - f| at K"),
         Measure("convergence_round", "K", "rounds", "round of convergence"),
         Measure("correct", "right", "1", "robots in the correct bin at the last checkpoint", False, "mean", True),
+        Measure("right_side", "right side", "1", "last estimates on f's side of one half", False, "mean", True),
         Measure("consensus_right", "exit", "1", "trials whose consensus is on the right option", False, "mean", True),
         Measure("consensus_round", "consensus", "rounds", "round of a consensus on the right option"),
         Measure("decided", "decided", "1", "robots that decided", False, "mean", True),
@@ -62,14 +63,16 @@ OURS = {
     )
 }
 MADE_OF = {  # of measures that are no variable: the variables that they need
-    "final_error": ("final_estimate",), "decided": ("decision",),
+    "final_error": ("final_estimate",), "right_side": ("final_estimate",), "decided": ("decision",),
     "decided_right": ("decision", "right_option"), "done_error": ("done_estimate",),
     "bytes_sent": ("messages_sent", "message_bytes"),
 }  # fmt: skip
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {"memory_bytes": "memory", "message_bytes": "message"}  # bytes, of a setting
-LOWER = {"first_right": True, "mean_error": True, "largest_jump": True, "swarm_right": True, "time_right": False}
+LOWER = dict.fromkeys(("first_right", "mean_error", "largest_jump", "swarm_right", "recovery_time"), True) | {
+    "time_right": False
+}
 WAYS = {"low": True, "high": False}
 
 
@@ -148,23 +151,50 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
     statistic = OURS[name].statistic if name in OURS else "median"
     values = array.transpose("setting", "trial", "robot").values
     robots = robots_in(data).values
-    right = data["right_option"].transpose("setting", "trial").values if name == "decided_right" else None
-    truth = _truth(data) if name in ("final_error", "done_error") else None
     out = np.empty(values.shape[:2])
     step = max(1, BLOCK // max(1, values[0].size))
     for first in range(0, len(values), step):
         rows = slice(first, first + step)
-        some = _known(values[rows])
-        if name == "decided":  # of -1, which is no option, it is known that there is none
-            some = np.where(np.isnan(values[rows]), np.nan, values[rows] >= 0)
-        if right is not None:
-            known_right = np.where(np.isnan(right[rows]), np.nan, 1.0)[:, :, np.newaxis]
-            some = np.where(np.isnan(some), np.nan, some == right[rows, :, np.newaxis]) * known_right
-        if truth is not None:
-            some = np.abs(some - truth[rows, :, np.newaxis])
+        some = _made(data, name, rows)
         mine = np.arange(some.shape[2]) < robots[rows, np.newaxis, np.newaxis]
         out[rows] = centres(np.where(mine, some, np.nan), statistic)
     return out
+
+
+def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
+    """The same results with a measure of ours that is no variable as one more, of each robot; as they are otherwise."""
+    if name in data or name not in MADE_OF or lacks(data, name):
+        return data
+    robots = robots_in(data).values[:, np.newaxis, np.newaxis]
+    found = _made(data, name, slice(None))
+    if name == "bytes_sent":
+        found = found * data["message_bytes"].values[:, np.newaxis, np.newaxis]
+    found = np.where(np.arange(found.shape[2]) < robots, found, np.nan)
+    about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
+    return data.assign({name: (("setting", "trial", "robot"), found, about)})
+
+
+def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
+    """The number of each robot that a measure's trials have theirs of, (setting, trial, robot), of some settings."""
+    values = data[MADE_OF.get(name, (name,))[0]].transpose("setting", "trial", "robot").values[rows]
+    some = _known(values)
+    if name == "decided":  # of -1, which is no option, it is known that there is none
+        return np.where(np.isnan(values), np.nan, values >= 0)
+    if name == "decided_right":
+        right = data["right_option"].isel(setting=rows).transpose("setting", "trial").values[:, :, np.newaxis]
+        known_right = np.where(np.isnan(right), np.nan, 1.0)
+        return np.where(np.isnan(some), np.nan, some == right) * known_right
+    if name in ("final_error", "done_error", "right_side"):
+        held = _truth(data.isel(setting=rows))[:, :, np.newaxis]
+        return _side(some, held) if name == "right_side" else np.abs(some - held)
+    return some
+
+
+def _side(estimates: Floats, truth: Floats) -> Floats:
+    """Whether estimates and truth lie on the same side of one half, where an estimate on it is wrong; NaN for a truth
+    on it."""
+    same = (estimates - 0.5) * (truth - 0.5) > 0
+    return np.where(np.isnan(estimates) | (truth == 0.5), np.nan, same)
 
 
 def _known(values: NDArray[Any]) -> Floats:

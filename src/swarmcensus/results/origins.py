@@ -15,7 +15,8 @@ import xarray as xr
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import Time, in_ticks
-from swarmcensus.results.checking import made_from
+from swarmcensus.brains import adversary
+from swarmcensus.results.checking import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -36,7 +37,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
         for setting in order:
             if setting.fingerprint(study.seed) == mark:
-                must_be_read(setting.brain)
+                must_be_read(setting)
                 return study, setting
     why = next(filter(None, (edited(data, study) for study in studies_of(data, brain))), "")
     raise InputError(f"setting {number}: it is not of the study that these results name{': ' * bool(why)}{why}")
@@ -49,32 +50,44 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     have the sources that the results were made with, and are not run before that is known. Others of the studies'
     brains stay unread (see `must_be_read`), with run=False all of them. Raises InputError.
     """
-    sources, texts = made_from(data)
+    (sources, texts), lying = made_from(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
+    liars: dict[str, brains.Adversary] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
-        place = brains.find(path)
+        place = adversary.find(path) if adversary.is_meant(str(path), None) else brains.find(path)
         given = brains.read_source("brain", place)
-        names = [n for n, s in sources.items() if s["sha256"] == brains.digest(given)]
+        names, theirs = (
+            [n for n, s in some.items() if s["sha256"] == brains.digest(given)] for some in (sources, lying)
+        )
         if any(one["sha256"] == brains.digest(given) for one in metrics_in(data).values()):
             continue
-        if not names:
-            raise InputError(f"brain {path}: not the source that these results were made with ({', '.join(sources)})")
+        if not names and not theirs:
+            made_with = ", ".join([*sources, *lying])
+            raise InputError(f"brain {path}: not the source that these results were made with ({made_with})")
         known |= {n: brains.parse(given, n, place) for n in names}
+        liars |= {n: adversary.parse(given, n, place) for n in theirs}
     for name, source in sources.items():
         if name not in known and not (run and name in brains.DOOR):
             known[name] = (run and _found(name, source["source"])) or brains.unread(name, source["source"])
+    for name, source in lying.items():
+        if name not in liars and not (run and name in adversary.DOOR):
+            here = run and _lies_here("adversary", name, source["source"])
+            liars[name] = (adversary.parse if here else adversary.unread)(source["source"], name, Path(name))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
     watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
     named = {metric.name: metric for metric in watched}  # read, and not run
-    context = {"base": None, "edges": edges, "brains": known, "images": images, "metrics": named, "kept": True}
+    context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
+               "kept": True}  # fmt: skip
     try:
         studies = [Study.parse(text, where="the study in these results", context=context) for text in texts]
     except InputError as error:
         raise InputError(f"{error}{_lacking(data)}") from None
-    for used in (brain for study in studies for brain in study.brains):
-        if used.sha256 != sources.get(used.name, {}).get("sha256"):
-            raise InputError(f"brain {used.name!r}: its source has changed since these results were made")
+    for study in studies:
+        for before, now in ((sources, study.brains), (lying, study.adversaries)):
+            for used in now:
+                if used.sha256 != before.get(used.name, {}).get("sha256"):
+                    raise InputError(f"{used.what} {used.name!r}: its source has changed since these results were made")
     return studies
 
 
@@ -103,11 +116,12 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
         raise InputError(str(error)) from None
 
 
-def must_be_read(brain: brains.Brain) -> None:
-    """Raise InputError for a brain file that results name, and that was neither given nor found."""
-    if not brain.is_read:
+def must_be_read(setting: Setting) -> None:
+    """Raise InputError for a brain's or adversary's file that results name, and that was neither given nor found."""
+    theirs = (member.brain for member in setting.members if member.brain)
+    for one in (one for one in (setting.brain, *theirs) if not one.is_read):
         raise InputError(
-            f"the brain {brain.name!r} is a file, and a file named in results is not run unasked, but where it lies "
+            f"the {one.what} {one.name!r} is a file, and a file named in results is not run unasked, but where it lies "
             "below the current folder, unchanged: give it yourself as it was (--brain FILE, or brain=...)"
         )
 

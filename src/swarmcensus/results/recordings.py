@@ -113,6 +113,8 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
         for name, values in trace.data_vars.items():
             if values.dims == ("robot",):  # who is who
                 flat[name] = values.expand_dims(round=trace.sizes["round"])
+            if values.dims == ("round",):  # a truth that changes
+                flat[name] = values.expand_dims(robot=trace.sizes["robot"]).transpose("round", "robot")
             if values.dims[:2] == ("round", "robot") and values.ndim == 3 and str(values.dims[2]).startswith("item_"):
                 for k in range(values.shape[2]):
                     flat[f"{name}[{k}]"] = values[:, :, k]

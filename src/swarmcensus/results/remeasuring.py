@@ -11,6 +11,7 @@ from swarmcensus.metrics import parse
 from swarmcensus.results.values import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.tables import Measure
+from swarmcensus.worlds.changes import along, read_change
 
 DERIVED = ("half_width", *LOCAL)  # of the old bins or delta, and not to be had from the estimates
 
@@ -51,7 +52,7 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     )
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
-    truth = _truth(results)
+    truth, then = _truth(results), _then(results, bins)
     for name in ("correct", "convergence_round", "convergence_error"):
         new[name] = results[name].copy()
     for k in range(results.sizes["setting"]):
@@ -60,6 +61,9 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
         if bins is not None:
             for trial in np.flatnonzero(done):
                 right = metrics.correct(curves[:, trial], float(truth[k, trial]), bins)
+                if k in then:
+                    every = zip(curves[:, trial], then[k][reached[k]], strict=True)
+                    right = np.array([metrics.correct(row, float(f), bins) for row, f in every])
                 new["correct"].values[k, reached[k], trial] = right
         if delta is not None and len(curves):
             _converge(new, k, curves[:, done], np.flatnonzero(done), results["checkpoint"].values[reached[k]], truth[k])
@@ -86,6 +90,22 @@ def _check(asked: dict[str, float]) -> None:
         first = error.errors()[0]
         key = str(first["loc"][0])
         raise InputError(f"{key} = {asked[key]!r}: {first['msg'].replace('Input should', 'should')}") from None
+
+
+def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
+    """The fill ratios at checkpoints of settings where they change, by the settings' places.
+
+    Raises InputError where `bins` are asked of floors, whose shares of then nobody knows.
+    """
+    if "fill_ratio_change" not in results:
+        return {}
+    if bins is not None and results.attrs["truth"] == "floor":
+        raise InputError(
+            f"bins = {bins}: decisions are held against the floor as it is at each checkpoint, and of floors that "
+            "change these results know the last round's alone: set bins under [measure] and run again"
+        )
+    changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
+    return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}
 
 
 def _truth(results: xr.Dataset) -> np.ndarray:

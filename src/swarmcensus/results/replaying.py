@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.modes import NEVER
+from swarmcensus.engine.modes import LISTED, NEVER
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
@@ -41,6 +41,9 @@ def replay(
         fields, estimates, blacks = record_trial(found, study.seed, trial)
         trace = trace_of(fields, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    if found.change:
+        says = {"long_name": "black share of the floor, as it changes"}
+        trace[free("fill_ratio", trace)] = ("round", found.fill_ratios(trace["round"].values), says)
     honest = _name_members(trace, found, study.seed, trial) if found.members else np.ones(found.robots, np.bool_)
     _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace, honest)
     trace.attrs |= {
@@ -106,6 +109,9 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
     if links:
         trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
+    if found.change:
+        says = {"long_name": "black share of the floor that robots can reach, as it changes"}
+        trace[free("true_fill_ratio", trace)] = ("round", ride.true_fill_ratio, says)
     if found.faults:
         stops = found.stops(seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
@@ -115,7 +121,7 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace = trace.assign_coords(axis=["x", "y"])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
-        "true_fill_ratio": ride.true_fill_ratio,
+        "true_fill_ratio": float(ride.true_fill_ratio[-1]),
         "side": arena.side(found.robots, found.density, found.body),
         "radio_range": found.body.radio_range,
         "radius": found.body.radius,
@@ -136,6 +142,8 @@ def recording(
     study, found = _find(results, setting, trial, brain)
     if len(found.crew) > 1:
         raise InputError("a recording is for one brain, and robots of this setting have several")
+    if found.brain.is_oracle and found.body is not None:
+        raise InputError("a recording of robots that move tells whom they met, and an oracle hears all")
     if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
         raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
     if found.body is not None:
@@ -144,7 +152,7 @@ def recording(
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
     links = found.links(study.seed, trial, 1)
-    if links.senders.size or found.robots == 1 or found.topology.name != "full":
+    if links.mode == LISTED or found.robots == 1:
         pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
             steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1

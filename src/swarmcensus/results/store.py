@@ -33,8 +33,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     coordinates: dict[str, Any] = {k: np.arange(n) for k, n in sizes.items()} | {"checkpoint": checkpoints}
     columns = [s.coordinates for s in settings]
     for key in dict.fromkeys(key for column in columns for key in column):
-        column = _filled([c.get(key) for c in columns])
-        coordinates[key] = ("setting", np.array(column, dtype=object if isinstance(column[0], str) else None))
+        coordinates[key] = ("setting", column_of(filled([c.get(key) for c in columns], key)))
     variables: dict[str, Any] = {}
     for name, array in values.arrays.items():
         dims, _, units, meaning = values.kinds[name]
@@ -65,11 +64,18 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
     return data
 
 
-def _filled(column: list[Any]) -> list[Any]:
+def filled(column: list[Any], key: str) -> list[Any]:
     """A coordinate of all settings: a parameter is missing where the brain has none of its name."""
+    if key == "liars":
+        return [value or 0 for value in column]
     if any(isinstance(value, str) for value in column):
         return ["" if value is None else str(value) for value in column]
     return [np.nan if value is None else value for value in column]
+
+
+def column_of(values: list[Any]) -> NDArray[Any]:
+    """One value a setting, as a dataset holds them."""
+    return np.array(values, dtype=object if isinstance(values[0], str) else None)
 
 
 def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
@@ -110,6 +116,7 @@ def provenance(study: Study) -> dict[str, Any]:
         "brains": json.dumps({b.name: {"sha256": b.sha256, "source": b.source} for b in study.brains}, sort_keys=True),
         "swarmcensus_version": __version__,
         "python_version": platform.python_version(),
+        **({"adversaries": json.dumps(_adversaries(study), sort_keys=True)} if study.adversaries else {}),
         **({"metrics": json.dumps(sources_of(study.measure.metrics))} if study.measure.metrics else {}),
         **({"parameters": json.dumps(_parameters(study), sort_keys=True)} if _parameters(study) else {}),
         **({"additions": json.dumps(study.additions, sort_keys=True)} if study.additions else {}),
@@ -117,6 +124,10 @@ def provenance(study: Study) -> dict[str, Any]:
         "processor": _processor(),
         "library_versions": _libraries(),
     }
+
+
+def _adversaries(study: Study) -> dict[str, dict[str, str]]:
+    return {one.name: {"sha256": one.sha256, "source": one.source} for one in study.adversaries}
 
 
 def _parameters(study: Study) -> dict[str, list[str]]:

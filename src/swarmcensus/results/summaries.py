@@ -233,6 +233,11 @@ def is_idle(value: object) -> bool:
     return str(value) in ("", "nan")
 
 
+def restated(results: xr.Dataset) -> set[str]:
+    """Coordinates that say no more than others do: of density and side one, and who and how many of members lie."""
+    return {told(results)} | ({"liars", "adversary"} if "members" in results.coords else set())
+
+
 def told(results: xr.Dataset) -> str:
     """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
     if not {"density", "side"} <= results.coords.keys():

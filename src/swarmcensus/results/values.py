@@ -65,6 +65,7 @@ EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but fo
 ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
 SPARSE = ("done_estimate", "consensus_right", "right_option")  # not of each trial that is done
 SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
+IN_TIME = ("liars", "adversary")  # coordinates that files of this format may lack
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 MISSING = -1  # for whole numbers; NaN for the others
 

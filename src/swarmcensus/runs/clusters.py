@@ -25,6 +25,7 @@ import numpy as np
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
+from swarmcensus.brains import adversary
 from swarmcensus.runs.queues import NO_PAGE, Jobs, ended_politely, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
@@ -114,8 +115,10 @@ def payload_of(study: Study) -> dict[str, Any]:
     """All that a worker must know of a study: plain text and numbers."""
     context = study.context
     sources = {name: (brain.source, str(brain.path)) for name, brain in context["brains"].items()}
+    lying = {name: (one.source, str(one.path)) for name, one in context["adversaries"].items()}
     watched = {name: (metric.source, str(metric.path)) for name, metric in context["metrics"].items()}
-    return {"versions": versions(), "text": study.text, **context, "brains": sources, "metrics": watched}
+    return {"versions": versions(), "text": study.text, **context, "brains": sources, "adversaries": lying,
+            "metrics": watched}  # fmt: skip
 
 
 def run_remotely(key: str, bundle: Bundle) -> Outcome:
@@ -140,10 +143,12 @@ def read(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
     if differ:
         raise InputError(f"a worker would not give the same bits: {'; '.join(differ)}")
     known = {name: brains.parse(source, name, Path(path)) for name, (source, path) in payload["brains"].items()}
+    lying = {name: adversary.parse(source, name, Path(path)) for name, (source, path) in payload["adversaries"].items()}
     watched = {name: metrics.parse(source, name, Path(path)) for name, (source, path) in payload["metrics"].items()}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # whoever sent it was warned
-        context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "metrics": watched}
+        context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "adversaries": lying,
+                   "metrics": watched}  # fmt: skip
         study = Study.parse(payload["text"], where="the study as sent", context=context)
     return study, study.settings()
 

@@ -114,7 +114,7 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     if done < total:
         failed = len(checking.failures(data))
         yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
-    own = {*provenance(studies[0]), *COUNTED}
+    own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - own):
         yield f"the attribute {name} is not of a run"
 
@@ -183,7 +183,7 @@ def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDAr
     marks = {mark: k for k, mark in enumerate(data["fingerprint"].values.tolist()) if left[k]}
     found = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
     for setting in found.values():
-        must_be_read(setting.brain)
+        must_be_read(setting)
     return np.array(sorted(found), np.intp), [found[k] for k in sorted(found)]
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -26,6 +27,9 @@ class Progress:
     work_done: float
     work_total: float
     note: str = ""  # what is going on where it is not trials
+
+
+Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # a bar of a label
 
 
 @dataclass

@@ -3,7 +3,7 @@
 import math
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from swarmcensus.basics.errors import InputError
@@ -69,13 +69,14 @@ def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
     found: list[Range] = []
     for text in [texts] if isinstance(texts, str) else texts:
         try:
-            one = _parsed(str(text))
-            _check(one, brain)
-            if one.place in [other.place for other in found]:
-                raise ValueError(f"{one.place} is given twice")
+            given = _parsed(str(text))
+            _check(given, brain)
+            for one in _items(given, brain):
+                if one.place in [other.place for other in found]:
+                    raise ValueError(f"{one.place} is given twice")
+                found.append(one)
         except ValueError as error:
             raise InputError(f"--parameters {text}: {error}") from None
-        found.append(one)
     if not found:
         raise InputError(f"--parameters: none is given; the brain {brain.name!r} has {_known(brain)}")
     return found
@@ -129,6 +130,12 @@ def _number(text: str) -> float:
     return found
 
 
+def _items(given: Range, brain: Brain) -> list[Range]:
+    """A range of a vector as a whole is one of each of its items."""
+    long = length(brain.parameters[given.name])
+    return [replace(given, item=k) for k in range(long)] if long and given.item is None else [given]
+
+
 def _known(brain: Brain) -> str:
     names = (
         name if not (long := length(value)) else f"{name}[0] to {name}[{long - 1}]"
@@ -142,8 +149,6 @@ def _check(one: Range, brain: Brain) -> None:
         hint = did_you_mean(one.name, brain.parameters)
         raise ValueError(f"the brain {brain.name!r} has no parameter {one.name!r}: {hint}it has {_known(brain)}")
     long = length(brain.parameters[one.name])
-    if long and one.item is None:
-        raise ValueError(f"{one.name} is a vector of {long}: its items are given one by one, as {one.name}[0]=0:1")
     if not long and one.item is not None:
         raise ValueError(f"{one.name} is a number, and has no items")
     if one.item is not None and one.item >= long:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -14,13 +15,13 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.figures.clouds import truth_of
+from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
-from swarmcensus.simulation.metrics import right_bin
+from swarmcensus.simulation.metrics import right_bin, right_bins
 
 MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands
 
@@ -41,10 +42,10 @@ def curves(
     `trial` are replayed, with the file `brain` where the brain is one of your own.
 
     x is the round or tick (0: before any observation), y the estimated fill ratio; bold is the median over robots,
-    dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known), shaded the right one of 10 (or
-    `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and bands hold the middle
-    50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round by round what
-    the paper's Sec. III describes. In axes of your own, `ax`, leave room for the key on their right.
+    dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known, or `trace["fill_ratio"]` where it changes),
+    shaded the right one of 10 (or `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and
+    bands hold the middle 50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round
+    by round what the paper's Sec. III describes. In axes of your own, `ax`, leave room for the key on their right.
 
     Raises InputError if a trace lacks the estimates or has none, and as `sc.replay` does.
     """
@@ -86,10 +87,8 @@ def curves(
     whose = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
     entries[whose] = middle
     if "fill_ratio" in trace.attrs:
-        truth, bins = truth_of(trace), int(trace.attrs.get("bins", 10))
-        bottom, top = np.clip(right_bin(truth, bins), 0, 1)
-        right = ax.axhspan(bottom, top, fc="0.92", ec="0.5", lw=0.6, ls=":", zorder=0, label="bin")
-        dashed = ax.axhline(truth, color="#d55e00", ls=(0, (4, 2)), lw=1.2, zorder=3, label="truth")
+        bins = int(trace.attrs.get("bins", 10))
+        right, dashed = _draw_truth(ax, trace, bins)
         entries |= {"true fill ratio": dashed, f"right bin of {bins}": right}
     count_axis(ax, rounds[0], rounds[-1], scale)
     ax.set_ylim(0, 1)
@@ -98,3 +97,17 @@ def curves(
     name_axes(ax, f"{unit}{note}", "estimated fill ratio $x$")
     add_key([ax], "", entries)
     return ax.figure.canvas.figure
+
+
+def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:
+    """The right bin, shaded, and the true fill ratio, dashed; where that changes, both as they change."""
+    truths = truths_of(trace)
+    shade: dict[str, Any] = {"fc": "0.92", "ec": "0.5", "lw": 0.6, "ls": ":", "zorder": 0, "label": "bin"}
+    dash: dict[str, Any] = {"color": "#d55e00", "ls": (0, (4, 2)), "lw": 1.2, "zorder": 3, "label": "truth"}
+    if truths is None:
+        truth = truth_of(trace)
+        bottom, top = np.clip(right_bin(truth, bins), 0, 1)
+        return ax.axhspan(bottom, top, **shade), ax.axhline(truth, **dash)
+    rounds, ends = trace["round"].values, np.clip(right_bins(truths, bins), 0, 1)
+    (dashed,) = ax.plot(rounds, truths, drawstyle="steps-pre", **dash)  # a round's floor is there from its begin
+    return ax.fill_between(rounds, ends[:, 0], ends[:, 1], step="pre", **shade), dashed

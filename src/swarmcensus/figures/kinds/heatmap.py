@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import names_of, places_of
+from swarmcensus.figures.cells import write_numbers
 from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
 from swarmcensus.figures.lettering import shortened, width_of
@@ -95,15 +96,8 @@ def _draw_cells(axes: Axes, values: NDArray[np.float64], linear: float, style: s
     norm = AsinhNorm(linear_width=linear, vmin=np.nanmin(values), vmax=np.nanmax(values))
     image = axes.imshow(values, cmap=colours, norm=norm, aspect="auto", origin="lower")
     _draw_scale(axes, norm, colours, style)
-    if not numbered:
-        return
-    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
-    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
-    for row, column in np.argwhere(np.isfinite(values)):
-        axes.text(
-            column, row, _number(values[row, column], style), ha="center", va="center",
-            fontsize=SMALL - 1, color="black" if bright[row, column] else "white",
-        )  # fmt: skip
+    if numbered:
+        write_numbers(axes, image, values, lambda value: _number(value, style), SMALL - 1)
 
 
 def _number(value: float, style: str) -> str:

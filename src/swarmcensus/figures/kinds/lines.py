@@ -16,11 +16,12 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
+from swarmcensus.figures.coordinates import check_coordinates, from_nobody, texts_of, title_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.series import Point, Statistic, measured, points_of
 from swarmcensus.figures.sheets import LEFT, NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
+from swarmcensus.results.measures import with_measure
 
 SIZE = 5.0  # points: a dot
 ENDLESS = r"$\infty$"
@@ -44,22 +45,26 @@ def lines(
 ) -> Figure:
     """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
 
-    `y` is any variable that is measured in every trial; its `statistic`, "median" or "mean" (by default of `correct`),
-    is over robots and trials. `x` and `color` are coordinates, by default the number with the most values, and what
-    else varies, the accuracy first; for a variable of checkpoints `checkpoint` is one too, and otherwise the last that
-    a setting reaches is meant. There is a panel for each combination of the coordinates `panels`, by default of all
-    others that vary; settings that differ in nothing else are pooled. A thin upright line is the 95 % interval over
-    trials, where there are 6 or more. A sign of infinity at the top says that the statistic is infinite, as where half
-    of the robots never do what is measured. Lines join numbers, not names, and break where nothing has been run. Axes
-    of your own, `ax`, hold one panel: leave room for the key on their right.
+    `y` is any variable that is measured in every trial, or a measure of `compare` as "final_error"; its `statistic`,
+    "median" or "mean" (by default of `correct`), is over robots and trials. `x` and `color` are coordinates, by default
+    the number with the most values, and what else varies, the accuracy first; against `liars` it is the `adversary`,
+    and each one's line begins where nobody lies. For a variable of checkpoints `checkpoint` is one too, and otherwise
+    the last that a setting reaches is meant. There is a panel for each combination of the coordinates `panels`, by
+    default of all others that vary; settings that differ in nothing else are pooled. A thin upright line is the 95 %
+    interval over trials, where there are 6 or more. A sign of infinity at the top says that the statistic is infinite,
+    as where half of the robots never do what is measured. Lines join numbers, not names, and break where nothing has
+    been run. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
 
     Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
     24 panels.
     """
+    results = with_measure(results, y)
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
     panels = [panels] if isinstance(panels, str) else panels
     data = measured(results, y, "checkpoint" in (x, color, *(panels or ())))
     check_coordinates(data, x=x, color=color, panels=panels)
+    if x == "liars":
+        data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
     statistic = statistic or ("mean" if y == "correct" else "median")
     if statistic not in get_args(Statistic):
@@ -103,13 +108,14 @@ def lines(
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:
-    varying = varies(data, panels)
+    varying = varies(data, [*panels, *(name for name in (x, color) if name)])
     if x is None:
         free = [name for name in varying if name != color]
         counts = {name: len(set(varying[name])) for name in free if places_of(texts_of(data, name).tolist())[1]}
         x = max(counts, key=lambda name: counts[name]) if counts else free[0] if free else "accuracy"
     if color is None:
-        color = next((name for name in ("accuracy", *varying) if name in varying and name != x), None)
+        first = ("adversary", "accuracy") if x == "liars" else ("accuracy",)
+        color = next((name for name in (*first, *varying) if name in varying and name != x), None)
     return x, color
 
 

@@ -1,0 +1,92 @@
+"""Figures against the number of liars, and of coordinates that follow from the axes."""
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.figures.coordinates import from_nobody, varies
+from swarmcensus.figures.panels import panels_of
+
+CHANGES = [{"from": 0.9, "to": 0.55, "at": 5}, {"from": 0.6, "to": 0.15, "at": 5}]
+
+
+def liars(**tables):
+    members = [{"robots": [0, 1, 2], "brain": ["always-black", "opposite"], "honest": False}]
+    given = {
+        "trials": 7, "swarm": {"robots": 8, "accuracy": 0.8, "brain": ["minimalistic", "legacy"]},
+        "world": {"topology": "ring", "fill_ratio": 0.3}, "schedule": {"rounds": 10}, "members": members,
+    }  # fmt: skip
+    return sc.run(sc.Study(**given | tables), jobs=1)
+
+
+@pytest.fixture(scope="module")
+def data():
+    return liars()
+
+
+def lines_in(axes):
+    return {line.get_label().removeprefix("line "): line for line in axes.lines if line.get_label().startswith("line ")}
+
+
+def shown(figure):
+    return [axes for axes in figure.axes if lines_in(axes)]
+
+
+def test_lines_against_liars_have_a_line_for_each_adversary_that_begins_where_nobody_lies(data):
+    figure = sc.plot.lines(data, x="liars", y="final_estimate")
+    panels = shown(figure)
+    assert [axes.get_title(loc="left") for axes in panels] == ["(a) minimalistic", "(b) legacy"]
+    for axes, brain in zip(panels, ("minimalistic", "legacy"), strict=True):
+        found = lines_in(axes)
+        assert [*found] == ["always-black", "opposite"]
+        for name, line in found.items():
+            assert line.get_xdata().tolist() == [0.0, 1.0, 2.0]
+            for many, y in zip((0, 1, 2), line.get_ydata(), strict=True):
+                rows = (data["brain"] == brain) & (data["liars"] == many) & data["adversary"].isin(["", name])
+                assert y == np.nanmedian(data["final_estimate"].values[rows.values])
+
+
+def test_a_panel_of_an_adversary_begins_where_nobody_lies_too(data):
+    panels = shown(sc.plot.lines(data, x="liars", color="brain"))
+    assert [axes.get_title(loc="left") for axes in panels] == ["(a) always-black", "(b) opposite"]
+    assert all(line.get_xdata().tolist() == [0, 1, 2] for axes in panels for line in lines_in(axes).values())
+
+
+def test_those_of_a_world_without_liars_stay_as_they_are(data):
+    some = data.isel(setting=((data["brain"] == "legacy") | (data["liars"] == 0)).values)
+    joined = from_nobody(some)
+    of = list(zip(joined["brain"].values, joined["liars"].values, joined["adversary"].values, strict=True))
+    assert of == [
+        ("minimalistic", 0, ""), ("legacy", 0, "always-black"), ("legacy", 0, "opposite"),
+        ("legacy", 1, "always-black"), ("legacy", 1, "opposite"), ("legacy", 2, "always-black"),
+        ("legacy", 2, "opposite"),
+    ]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def grid():
+    return liars(
+        swarm={"robots": 8, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": CHANGES},
+        members=[{"robots": [0, 2], "brain": "opposite", "honest": False}],
+    )
+
+
+def test_what_follows_from_the_axes_does_not_vary_too(grid):
+    assert list(varies(grid, {"adversary"})) == ["fill_ratio", "fill_ratio_change", "liars"]
+    assert varies(grid, {"adversary", "fill_ratio_change"}) == {}
+    assert len(panels_of(grid, ("adversary", "fill_ratio_change"))) == 1
+    error, rounds = sc.plot.heatmap(grid, x="adversary", y="fill_ratio_change").axes
+    cells = np.asarray(error.images[0].get_array())
+    assert cells.shape == np.asarray(rounds.images[0].get_array()).shape == (2, 2)
+    medians = [np.nanmedian(grid["convergence_error"].values[k]) for k in range(4)]
+    assert sorted(cells.ravel()) == pytest.approx(sorted(medians))
+
+
+def test_what_does_not_follow_from_the_axes_still_varies(data, grid):
+    assert list(varies(data, {"adversary", "brain"})) == ["liars"]  # one of them, or two
+    with pytest.raises(InputError, match=r"a heatmap shows brain and adversary, but liars \(0, 1, 2\) varies too"):
+        sc.plot.heatmap(data, x="adversary", y="brain")
+    with pytest.raises(InputError, match="fill_ratio_change"):
+        sc.plot.heatmap(grid, x="adversary", y="liars")

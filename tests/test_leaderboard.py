@@ -1,0 +1,256 @@
+"""The leaderboard: fixed worlds for all; scores by hand; what it keeps, and what it refuses."""
+
+import numpy as np
+import pytest
+from scipy.stats import rankdata
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.leaderboard import entries
+from swarmcensus.leaderboard.board import leaderboard
+from swarmcensus.leaderboard.scores import COLUMNS, scores_of
+
+SMALL = """
+name = "leaderboard"
+seed = 4
+trials = 6
+[swarm]
+brain = ["minimalistic", "legacy"]
+robots = 20
+accuracy = [0.55, 0.9]
+[world]
+topology = ["ring", "moving"]
+side = 2.0
+fill_ratio = [0.47, 0.9]
+[schedule]
+rounds = 30
+observations_per_round = 1
+ticks = 40
+[measure]
+bins = 2
+[[members]]
+robots = [0, 0.1, 0.3]
+brain = "always-black"
+honest = false
+[[case]]
+accuracy = 0.9
+link_success = 0.5
+"""
+OPINION = '''"""An opinion: whichever colour was seen more often."""
+
+OPINION = True
+MEMORY = {"more": 0.0, "x": 0.5}
+MESSAGE = ("x",)
+
+
+def observe(me, blacks, looks):
+    me.more += 2.0 * blacks - looks
+
+
+def broadcast(me):
+    return (me.x,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    me.x = 0.5 if me.more == 0.0 else 1.0 if me.more > 0.0 else 0.0
+
+
+def estimate(me):
+    return me.x
+'''
+
+
+@pytest.fixture
+def small(tmp_path, monkeypatch):
+    (tmp_path / "leaderboard.toml").write_text(SMALL)
+    monkeypatch.setattr(entries, "shipped_study", lambda name: tmp_path / name)
+    monkeypatch.chdir(tmp_path)
+    mine = brains.load("minimalistic").source
+    (tmp_path / "mine.py").write_text(mine + "\n# a copy\n")
+    (tmp_path / "votes.py").write_text(OPINION)
+    return tmp_path
+
+
+def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
+    study = entries.official()
+    assert {brain.name for brain in study.brains} >= set(brains.shipped())
+    settings = study.settings()
+    worlds = [
+        {**one.coordinates, "liars": one.robots - one.honest} for one in settings if one.brain == settings[0].brain
+    ]
+    for column in COLUMNS:
+        assert sum(column.holds(world) for world in worlds) >= 2, column.name
+    assert len({one.accuracy for one in settings}) == 4
+    assert {one.body is None for one in settings} == {True, False}
+    assert {(one.robots - one.honest) / one.robots for one in settings} == {0.0, 0.1, 0.3}
+
+
+def test_scores_are_what_they_say(small):
+    board = leaderboard(["mine.py", "votes.py"], "out")
+    data, scores = board.data, board.scores
+    assert scores.contenders == ["minimalistic", "legacy", "mine.py", "votes.py"]
+    honest = data["honest"].values
+    final, truth = data["final_estimate"].values, data["fill_ratio"].values
+    medians, sides = np.empty(final.shape[:2]), np.empty(final.shape[:2])
+    for s, t in np.ndindex(final.shape[:2]):
+        some = final[s, t, : honest[s]]
+        medians[s, t] = np.median(np.abs(some - truth[s]))
+        sides[s, t] = np.mean([(x > 0.5) == (truth[s] > 0.5) and x != 0.5 for x in some])
+    of = data["brain"].values
+    still = data["topology"].values == "ring"
+    plain = (data["link_success"].values == 1.0) & (data["liars"].values == 0)
+    thirty = (data["link_success"].values == 1.0) & (data["liars"].values == 6)
+    for k, name in enumerate(scores.contenders):
+        for column, some in ((0, plain & still), (1, plain & ~still), (9, thirty)):
+            rows = some & (of == name)
+            error = np.mean(np.median(medians[rows], axis=1))
+            wanted = np.nan if name == "votes.py" else error
+            assert scores.error.values[k, column] == pytest.approx(wanted, abs=1e-12, nan_ok=True)
+            assert scores.side.values[k, column] == pytest.approx(np.mean(sides[rows]), abs=1e-12)
+    by_brain = np.stack([sides[of == name] for name in scores.contenders])
+    assert scores.side.ranks == pytest.approx(rankdata(-by_brain, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    numbers = np.stack([medians[of == name] for name in scores.contenders[:3]])
+    assert scores.error.ranks[:3] == pytest.approx(rankdata(numbers, axis=0).mean(axis=(1, 2)), abs=1e-9)
+    assert np.isnan(scores.error.ranks[3])
+    assert scores.error.order[0] in (0, 2)
+
+
+def test_a_copy_of_a_brain_is_level_with_it_and_loses_where_it_does(small):
+    board = leaderboard(["mine.py"], "out")
+    one, other = (board.scores.contenders.index(name) for name in ("minimalistic", "mine.py"))
+    assert board.scores.error.values[one] == pytest.approx(board.scores.error.values[other], nan_ok=True)
+    (losses,) = board.losses
+    assert losses.name == "mine.py"
+    assert losses.of == 3
+    for behind in losses.columns:
+        assert behind.place == 1 + (behind.value > behind.best_value)
+    gaps = [behind.value - behind.best_value for behind in losses.columns]
+    assert gaps == sorted(gaps, reverse=True)
+    assert "minimalistic" not in [rival.name for rival in losses.rivals]
+
+
+def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsys):
+    first = leaderboard(["mine.py"], "out")
+    page = first.page.read_bytes()
+    times = {path: path.stat().st_mtime_ns for path in (small / "out" / "data").iterdir()}
+    said = []
+    again = leaderboard(["mine.py"], "out", say=said.append)
+    assert again.page.read_bytes() == page
+    assert {path: path.stat().st_mtime_ns for path in times} == times
+    assert sum("found" in line for line in said) == 2
+    (small / "mine.py").write_text(OPINION)
+    said.clear()
+    leaderboard(["mine.py"], "out", say=said.append)
+    assert any("another edition" in line for line in said)
+    changed = {path.name for path, when in times.items() if path.stat().st_mtime_ns != when}
+    assert changed == {"mine.nc"}
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "## Where mine.py loses" in text
+    assert "trials each, by `swarmcensus leaderboard mine.py`" in text
+
+
+def test_why_results_are_run_again_is_the_truth(small):
+    """By the name that is given, of which results are: the same file from another folder has another one."""
+    leaderboard(["mine.py"], "out", trials=1)
+    (small / "sub").mkdir()
+    (small / "sub" / "mine.py").write_text((small / "mine.py").read_text())
+    said = []
+    leaderboard(["sub/mine.py"], "out", trials=1, say=said.append)
+    again = [line for line in said if "run again" in line]
+    assert again == [
+        "out/data/mine.nc: these results are of mine.py, the same brain as sub/mine.py by another name, and are run "
+        "again"
+    ]
+    (small / "mine.py").write_text(OPINION)
+    said.clear()
+    leaderboard(["mine.py"], "out", trials=1, say=said.append)
+    assert "out/data/mine.nc: these results are of sub/mine.py, another brain than mine.py, and are run again" in said
+    with pytest.raises(InputError, match="seed"):
+        leaderboard(["mine.py"], "out", trials=1, seed=77)
+    assert sc.load("out/data/mine.nc").attrs["seed"] == 4
+
+
+def test_one_file_named_twice_is_one_brain_and_one_trial_is_one(small):
+    board = leaderboard(["mine.py", "./mine.py", small / "mine.py"], "out", trials=1)
+    assert board.scores.contenders == ["minimalistic", "legacy", "mine.py"]
+    text = board.page.read_text()
+    assert "1 trial each, by `swarmcensus leaderboard mine.py --trials 1`" in text
+
+
+def test_who_is_ranked_is_said(small, capsys):
+    """An oracle is a bound; a brain that talks to nobody is one that can be had."""
+    toml = small / "leaderboard.toml"
+    toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
+    assert main(["leaderboard", "--out", "out", "--trials", "2"]) == 0
+    shown = " ".join(capsys.readouterr().out.split())
+    assert "no rank among brains: oracle, which no robot could be; alone is ranked, as one could use it" in shown
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "The bounds" not in text
+    assert "`alone` talks to nobody and is ranked: one could use it." in text
+    places = {row.split(" | ")[1]: row.split(" | ")[0] for row in text.splitlines() if row.startswith("| ")}
+    assert places["oracle"].strip("| ") == ""
+    assert places["alone"].strip("| ") in ("1", "2")
+
+
+def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, capsys):
+    assert main(["leaderboard", "mine.py", "votes.py", "--out", "out", "--trials", "3"]) == 0
+    shown = capsys.readouterr().out
+    assert shown.splitlines()[-1] == "out/leaderboard.md"
+    for name in ("minimalistic", "legacy", "mine.py", "votes.py"):
+        assert name in shown
+    text = (small / "out" / "leaderboard.md").read_text()
+    assert "](leaderboard.png)" in text
+    assert (small / "out" / "leaderboard.png").stat().st_size > 10_000
+    table = text[text.index("## How near") : text.index("## Who is right")]
+    assert "votes.py" not in table
+    sides = text[text.index("## Who is right") : text.index("## What they cost")]
+    assert sides.count("votes.py") == 1
+    assert "## Where votes.py loses" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["nobody.py"], "nobody.py"),
+        (["shipped.py"], "call the file otherwise"),
+        (["mine.py", "a/mine.py"], "both would be called mine"),
+        (["bad.py"], "MESSAGE is missing"),
+        (["legacy"], "on the board anyway"),
+    ],
+)
+def test_what_is_wrong_is_said_before_anything_runs(small, capsys, arguments, said):
+    (small / "bad.py").write_text('MEMORY = {"x": 0.5}\n')
+    assert main(["leaderboard", *arguments, "--out", "out"]) == 2
+    shown = capsys.readouterr()
+    assert said in shown.err
+    assert len(shown.err.strip().splitlines()) == 1
+    assert not (small / "out").exists()
+
+
+def test_a_page_of_somebody_else_stays(small, capsys):
+    (small / "out").mkdir()
+    (small / "out" / "leaderboard.md").write_text("my notes")
+    assert main(["leaderboard", "--out", "out"]) == 2
+    assert "no page of leaderboard" in capsys.readouterr().err
+    assert (small / "out" / "leaderboard.md").read_text() == "my notes"
+
+
+def test_estimates_on_one_half_are_on_no_side():
+    with pytest.warns(UserWarning, match="no information"):
+        study = sc.Study(
+            trials=3,
+            swarm={"robots": 4, "accuracy": 0.5, "brain": ["minimalistic", "legacy"]},
+            world={"topology": "ring", "fill_ratio": [0.3, 0.5]},
+            schedule={"rounds": 5},
+        )
+    data = sc.run(study)
+    found = sc.compare(data, metric="right_side")
+    assert (found.contests[0].values[0] == 0.0).all()
+    assert np.isnan(found.contests[0].values[1:]).all()
+    assert scores_of(data, ["minimalistic", "legacy"]).side.by_world.shape[1] == 2
