@@ -285,7 +285,7 @@ def test_what_is_shown(here, capsys):
 def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
     """A robot is done where its interval is narrow; how many are then wrong by more than half of it, a trace knows."""
     half, f = 0.15, 0.8
-    schedule = {"rounds": 60, "observations_per_round": 1}
+    schedule = {"rounds": 90, "observations_per_round": 1}
     used = {"file": "wald.py", "enough": 2 * half}
     data = told(used, swarm={"brain": used, "robots": 30, "accuracy": 0.9}, schedule=schedule, measure={})
     wrong = (np.abs(data["done_estimate"] - f) > half).values[0]
