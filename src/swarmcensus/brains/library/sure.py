@@ -1,0 +1,154 @@
+"""Sure: eight commons side by side, whose spread tells each robot how sure the swarm is, and when to stop looking.
+
+Readings go into eight pairs of sums in turn, block by block of rounds, and each pair is mixed as in commons. Given who
+heard whom, their ratios are independent and alike but for chance, so they tell the error of the ratio of all:
+
+    f = sum s_k / sum v_k,    se^2 = 8/7 sum (s_k - f v_k)^2 / (sum v_k)^2,    f +- (t se + ln(1/alpha) / (n k))
+
+with t the quantile of Student's t with 7 degrees of freedom, two-sided at alpha, n the readings of a neighbourhood, and k
+the swarm's mean of b + w - 1, as v tells it. Nobody need know how many robots there are, nor the network or its losses.
+These are batch means; blocks double every eight, so that readings which resemble each other, as on a floor of clusters,
+end up in one block. The last term is there for sensors so good that all readings may be alike: of n, none differs with
+the probability (1 - ln(1/alpha)/n)^n < alpha where that much does.
+
+At the end of the j-th eight blocks the robot looks whether half of the interval at alpha_j = 4 alpha/((j + 3)(j + 4)) is
+within `within`, and if so is done: all alpha_j together are alpha. It goes on talking and listening. On a floor that
+is looked at over and over, the interval is one for the floor's own share of black.
+"""
+
+import math
+
+STREAMS = 8
+
+PARAMETERS = {
+    "within": 0.02,  # how near to f the mission wants to be
+    "alpha": 0.05,  # how often an interval may miss f, and a robot stop too far from it
+}
+MEMORY = {
+    "s": (0.0,) * 8,  # evidence for black, mixed, in each stream
+    "v": (0.0,) * 8,  # evidence, mixed
+    "heard": 0.0,  # messages since the last round
+    "heard_s": (0.0,) * 8,  # the sums in them
+    "heard_v": (0.0,) * 8,
+    "stream": 0.0,  # the one of the present block
+    "block": 1.0,  # its rounds
+    "left": 1.0,  # how many of them are to come
+    "look": 0.0,  # j
+    "looks": 0.0,  # own readings
+    "voices": 0.0,  # the own and those heard, in all rounds
+    "rounds": 0.0,
+    "sure": 0.0,  # 1: done
+}
+MESSAGE = ("s", "v")
+SUMS = ("heard", "heard_s", "heard_v")
+
+
+def observe(me, blacks, looks):
+    """Unbiased evidence for the present stream, by how much the sensor tells."""
+    slope = me.b + me.w - 1.0
+    k = int(me.stream)
+    me.s[k] += slope * (blacks - looks * (1.0 - me.w))
+    me.v[k] += slope * slope * looks
+    me.looks += looks
+
+
+def broadcast(me):
+    """All sums."""
+    return me.s, me.v
+
+
+def receive(me, message):
+    """A neighbour's sums."""
+    s, v = message
+    me.heard += 1.0
+    for k in range(STREAMS):
+        me.heard_s[k] += s[k]
+        me.heard_v[k] += v[k]
+
+
+def fuse(me):
+    """The mean of all voices; at the end of eight blocks, a look."""
+    voices = 1.0 + me.heard
+    for k in range(STREAMS):
+        me.s[k] = (me.s[k] + me.heard_s[k]) / voices
+        me.v[k] = (me.v[k] + me.heard_v[k]) / voices
+        me.heard_s[k] = 0.0
+        me.heard_v[k] = 0.0
+    me.heard = 0.0
+    me.voices += voices
+    me.rounds += 1.0
+    me.left -= 1.0
+    if me.left == 0.0:
+        me.stream += 1.0
+        if me.stream == STREAMS:
+            me.stream = 0.0
+            me.block *= 2.0
+            me.look += 1.0
+            if half(me, 4.0 * me.alpha / ((me.look + 3.0) * (me.look + 4.0))) <= me.within:
+                me.sure = 1.0
+        me.left = me.block
+
+
+def half(me, alpha):
+    """Half of the interval that misses f with probability alpha; 1 as long as a stream has no evidence."""
+    s = 0.0
+    v = 0.0
+    for k in range(STREAMS):
+        if me.v[k] <= 0.0:
+            return 1.0
+        s += me.s[k]
+        v += me.v[k]
+    if me.looks == 0.0:
+        return 1.0
+    off = 0.0
+    for k in range(STREAMS):
+        off += (me.s[k] - s / v * me.v[k]) ** 2
+    se = math.sqrt(off * STREAMS / (STREAMS - 1.0)) / v
+    slope = math.sqrt(min(v / me.looks, 1.0))
+    return quantile(alpha) * se + math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
+
+
+def quantile(alpha):
+    """Beyond which on either side Student's t with 7 degrees of freedom lies with probability alpha, by bisection."""
+    low = 0.0
+    high = 0.5 * math.pi
+    for _ in range(60):  # the angle atan(t / sqrt(7)): Abramowitz and Stegun, 26.7.3
+        angle = 0.5 * (low + high)
+        c = math.cos(angle)
+        inside = 2.0 / math.pi * (angle + math.sin(angle) * c * (1.0 + c * c * (2.0 / 3.0 + c * c * 8.0 / 15.0)))
+        if inside < 1.0 - alpha:
+            low = angle
+        else:
+            high = angle
+    return math.sqrt(7.0) * math.tan(0.5 * (low + high))
+
+
+def estimate(me):
+    """The ratio of all sums, with the prior of commons, in [0, 1]."""
+    s = 0.0
+    v = 0.0
+    for k in range(STREAMS):
+        s += me.s[k]
+        v += me.v[k]
+    if v <= 0.0:
+        return 0.5
+    prior = min(0.25, 0.0625 / v)
+    return min(max((s + 0.5 * prior) / (v + prior), 0.0), 1.0)
+
+
+def interval(me):
+    """What f lies in but for alpha, cut to [0, 1]; all of that as long as a stream has no evidence."""
+    s = 0.0
+    v = 0.0
+    for k in range(STREAMS):
+        s += me.s[k]
+        v += me.v[k]
+    near = half(me, me.alpha)
+    if v <= 0.0 or near >= 1.0:
+        return 0.0, 1.0
+    return min(max(s / v - near, 0.0), 1.0), min(max(s / v + near, 0.0), 1.0)
+
+
+def done(me):
+    """Whether the interval was narrow enough at a look."""
+    return me.sure > 0.0
