@@ -3,17 +3,18 @@
 Readings go into eight pairs of sums in turn, block by block of rounds, and each pair is mixed as in commons. Given who
 heard whom, their ratios are independent and alike but for chance, so they tell the error of the ratio of all:
 
-    f = sum s_k / sum v_k,    se^2 = 8/7 sum (s_k - f v_k)^2 / (sum v_k)^2,    f +- (t se + ln(1/alpha) / (n k))
+    f = sum s_k / V,  V = sum v_k,  se^2 = sum (s_k - f v_k)^2 / (V^2 - sum v_k^2),  f +- max(t se, ln(1/alpha) / (n k))
 
-with t the quantile of Student's t with 7 degrees of freedom, two-sided at alpha, n the readings of a neighbourhood, and k
-the swarm's mean of b + w - 1, as v tells it. Nobody need know how many robots there are, nor the network or its losses.
-These are batch means; blocks double every eight, so that readings which resemble each other, as on a floor of clusters,
-end up in one block. The last term is there for sensors so good that all readings may be alike: of n, none differs with
-the probability (1 - ln(1/alpha)/n)^n < alpha where that much does.
+with t the quantile of Student's t with 7 degrees of freedom, two-sided at alpha, n the readings of a neighbourhood, and
+k the swarm's mean of b + w - 1, as v tells it. Nobody need know how many robots there are, the network, or its losses.
+These are batch means; blocks double every eight, so that readings which resemble each other end up in one block. The
+last term is there for sensors so good that all readings may be alike: where a share ln(1/alpha)/n of the floor differs,
+n readings miss it with a probability below alpha.
 
-At the end of the j-th eight blocks the robot looks whether half of the interval at alpha_j = 4 alpha/((j + 3)(j + 4)) is
-within `within`, and if so is done: all alpha_j together are alpha. It goes on talking and listening. On a floor that
-is looked at over and over, the interval is one for the floor's own share of black.
+At the end of the j-th eight blocks the robot looks whether half of its interval, at alpha_j = 4 alpha/((j + 3)(j + 4)),
+is within `within`, and if so is done: all alpha_j together are alpha. It goes on talking. The interval is one for the
+ground that robots see: on a floor that is looked at over and over, for its own share of black, and on one whose
+black lies in clusters wider than what they have walked over, it is too narrow.
 """
 
 import math
@@ -101,11 +102,15 @@ def half(me, alpha):
     if me.looks == 0.0:
         return 1.0
     off = 0.0
+    weights = v * v
     for k in range(STREAMS):
         off += (me.s[k] - s / v * me.v[k]) ** 2
-    se = math.sqrt(off * STREAMS / (STREAMS - 1.0)) / v
+        weights -= me.v[k] * me.v[k]
     slope = math.sqrt(min(v / me.looks, 1.0))
-    return quantile(alpha) * se + math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
+    if weights <= 0.0:  # but for rounding, one stream has all evidence
+        return 1.0
+    least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
+    return max(quantile(alpha) * math.sqrt(off / weights), least)
 
 
 def quantile(alpha):
