@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from swarmcensus import theory
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
     from swarmcensus.results.comparing import compare
@@ -42,6 +43,7 @@ _HOME = {
     "run": "runs.running",
     "save": "results.store",
     "summary": "results.summaries",
+    "theory": "theory",
     "tune": "tuning.tuning",
     "verify": "runs.verifying",
 }
@@ -60,6 +62,7 @@ __all__ = [
     "run",
     "save",
     "summary",
+    "theory",
     "tune",
     "verify",
 ]

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from swarmcensus.basics.bins import right_bin, right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
@@ -21,7 +22,6 @@ from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
-from swarmcensus.simulation.metrics import right_bin, right_bins
 
 MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands
 
