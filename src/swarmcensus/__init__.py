@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
     from swarmcensus.results.comparing import compare
+    from swarmcensus.results.explaining import explain
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -33,6 +34,7 @@ _HOME = {
     "Interrupted": "basics.errors",
     "Study": "studies.study",
     "compare": "results.comparing",
+    "explain": "results.explaining",
     "frame": "results.store",
     "infer": "simulation.inferring",
     "load": "results.store",
@@ -52,6 +54,7 @@ __all__ = [
     "Interrupted",
     "Study",
     "compare",
+    "explain",
     "frame",
     "infer",
     "load",

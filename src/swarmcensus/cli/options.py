@@ -108,6 +108,10 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
 
+    sub = command("explain", "Set what a setting measured beside theory, and say what limits it.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--setting", type=_from_zero, required=True, metavar="N", help="as 'show' numbers them")
+
     sub = command("leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.")
     sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
     sub.add_argument("--out", type=Path, default=Path("leaderboard"), help="folder to write (default: %(default)s)")

@@ -13,8 +13,9 @@ from swarmcensus.theory.bounds import (
     robot_bound,
     swarm_bound,
 )
-from swarmcensus.theory.decisions import bin_shares, normal_right_share, right_share
+from swarmcensus.theory.decisions import bin_shares, normal_median_error, normal_right_share, right_share
 from swarmcensus.theory.floor import (
+    Truth,
     cluster_covariance,
     concentration,
     covariance_variance,
@@ -43,6 +44,7 @@ from swarmcensus.theory.spectra import (
 
 __all__ = [
     "Law",
+    "Truth",
     "alike_factors",
     "bin_shares",
     "cluster_covariance",
@@ -62,6 +64,7 @@ __all__ = [
     "mixing_time_bound",
     "mixing_variance",
     "neighbourhood_bound",
+    "normal_median_error",
     "normal_right_share",
     "reading_variance",
     "relaxation_of",

@@ -15,6 +15,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import Floats, count, numbers, shares
 from swarmcensus.theory.local import Law
 
+HALVINGS = 48  # of the unit interval: to rounding
+
 _erf = np.vectorize(math.erf, otypes=[np.float64])
 
 
@@ -50,3 +52,24 @@ def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, b
     scale = np.sqrt(2.0) * np.where(known, sd, 1.0)
     below = [0.5 * (1.0 + _erf((end - centre) / scale)) for end in (low, high)]
     return np.where(known, below[1] - below[0], (low <= centre) & (centre < high))
+
+
+def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
+    """The median of |x - f| over robots whose estimates are normal about f, each with a variance of its own.
+
+    Estimates are cut to [0, 1]. `variances` is (..., robot), the medians (...). By bisection: the share of robots
+    within e of f grows with e. Raises InputError.
+    """
+    f, spread = float(shares("fill_ratio", fill_ratio)), numbers("variances", variances)
+    if spread.ndim == 0 or not spread.size or (spread < 0.0).any():
+        raise InputError("variances: should be numbers from 0 on, one a robot")
+    known = spread > 0.0
+    scale = np.sqrt(2.0 * np.where(known, spread, 1.0))
+    low, high = np.zeros(spread.shape[:-1]), np.full(spread.shape[:-1], max(f, 1.0 - f))
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2.0
+        within = np.where(known, _erf(middle[..., np.newaxis] / scale), 1.0)
+        sides = [np.where(middle[..., np.newaxis] >= room, 1.0, within) for room in (f, 1.0 - f)]
+        enough = ((sides[0] + sides[1]) / 2.0).mean(axis=-1) >= 0.5
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    return np.asarray(high)
