@@ -188,6 +188,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     )
     _add_measure_options(sub)
     sub.add_argument("--local", action="store_true", default=None, help="the local estimate instead (scatter)")
+    sub.add_argument(
+        "--theory", action="store_true", default=None, help="lay theory's curves over it (scatter, decisions, curves)"
+    )
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
