@@ -84,15 +84,16 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
 def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25) -> int:
     """Rounds that are enough for `mixing_time`, where W is reversible.
 
-    relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), for networks of any size whose stationary `law` and relaxation
-    time are known: the square of the total variation is at most (1/pi_i - 1) l^(2m) / 4. Raises InputError.
+    relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), and 1 at least unless all are near from the first, for networks
+    of any size whose stationary `law` and relaxation time are known: the square of the total variation is at most
+    (1/pi_i - 1) l^(2m) / 4. Raises InputError.
     """
     least = float(_law(law).min())
     wanted = float(shares("distance", distance))
     if not 0.0 < wanted < 1.0:
         raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
     need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * wanted), 1.0))
-    return max(math.ceil(_time(relaxation) * need), 0)
+    return max(math.ceil(_time(relaxation) * need), int(need > 0.0))
 
 
 def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Floats, Floats]:

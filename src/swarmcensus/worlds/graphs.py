@@ -6,9 +6,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.modes import LISTED
 from swarmcensus.worlds import generators
 from swarmcensus.worlds.networks import Topology, parse_topology
+from swarmcensus.worlds.wiring import DOOR
 
 
 class Network(NamedTuple):
@@ -53,6 +55,10 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
         graph = {"name": "graph", "edges": pairs, "directed": directed}
     elif not isinstance(graph, Topology | str | Mapping):
         graph = {"name": "graph", "edges": graph, "directed": directed}
+    if isinstance(graph, str) and graph not in DOOR:
+        raise ValueError(
+            f"graph = {graph!r}: {did_you_mean(graph, DOOR.names)}topologies with a name are {', '.join(DOOR.names)}"
+        )
     topology = parse_topology(graph, None, {})
     if robots is None and topology.edges is not None:
         robots = 1 + max((max(pair) for pair in topology.edges), default=0)
