@@ -24,7 +24,7 @@ from swarmcensus.worlds.patterns import Floor
 Floats = NDArray[np.float64]
 ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of a network whose mixing is computed
-WORK = 2e9  # of decompositions: the cube of the robots, times graphs
+WORK = 1e9  # of decompositions: the cube of the robots, times graphs
 SOME = 100  # sensors, or variances, that stand for all of a study's
 
 
@@ -56,18 +56,18 @@ class Expectation(NamedTuple):
 def expect(data: xr.Dataset, number: int, times: Sequence[int], names: Sequence[str] = ()) -> Expectation:
     """What theory says of a setting after these rounds, or ticks; of some lines only, or of all. Raises InputError."""
     study, found = setting_of(data, number, run=False)
-    trials = np.flatnonzero(done(data.sel(setting=[number]))[0]) + int(data["trial"].values[0])
-    absent = reasons(found)
-    wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
-    out = Expectation(
-        list(times), {}, absent, found, np.nan, np.nan, 0, float(floor_variance(data, found, np.array(np.inf)))
-    )
+    trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
     if not trials.size:
         raise InputError(f"setting {number}: none of its trials has been run")
+    first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
+    drawn = [one[trials - first] for one in found.accuracies(study.seed, first, count)]
+    absent = reasons(found, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
+    floor = float(floor_variance(data, found, np.array(np.inf)))
+    out = Expectation(list(times), {}, absent, found, np.nan, np.nan, 0, floor)
     if not wanted:
         return out
-    true = found.accuracies(study.seed, int(trials[0]), int(trials[-1] - trials[0] + 1))[:2]
-    b, w = (np.broadcast_to(one[trials - trials[0]], (trials.size, found.robots)) for one in true)
+    b, w = (np.broadcast_to(one, (trials.size, found.robots)) for one in drawn[:2])
     f, bins = found.fill_ratio, int(data.attrs["bins"])
     readings = np.array(times, np.float64) * found.observations_per_round
     if ALONE in wanted:
@@ -88,8 +88,8 @@ def expect(data: xr.Dataset, number: int, times: Sequence[int], names: Sequence[
     return out
 
 
-def reasons(found: Setting) -> dict[str, str]:
-    """Why theory says nothing of some lines of a setting, by their names."""
+def reasons(found: Setting, knows: bool) -> dict[str, str]:
+    """Why theory says nothing of some lines of a setting, by their names; whether its robots know their sensors."""
     for why, holds in (
         ("the floor changes while robots look", found.change is not None),
         ("sensors drift while robots look", found.accuracy.drift is not None or any(map(_drifts, found.members))),
@@ -101,15 +101,14 @@ def reasons(found: Setting) -> dict[str, str]:
             return dict.fromkeys((ALONE, NEAR, MIXED, SWARM), why)
     out: dict[str, str] = {}
     moves = found.body is not None
-    wrong = found.assumed_accuracy not in (None, found.accuracy) or any(m.assumed_accuracy for m in found.members)
     for name, why, holds in (
-        (ALONE, "robots are wrong about their sensors", wrong),
+        (ALONE, "robots are wrong about their sensors", not knows),
         (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
         (NEAR, "robots that move hear others all the time", moves),
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", found.link_success < 1.0 and not found.brain.is_oracle),
-        (MIXED, "robots are wrong about their sensors", wrong),
+        (MIXED, "robots are wrong about their sensors", not knows),
         (MIXED, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
     ):
         if holds:
@@ -144,10 +143,9 @@ def normal_line(variance: Floats, f: float, bins: int) -> Line:
 
 
 def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
-    pairs = np.unique(np.stack([b.ravel(), w.ravel()], axis=1), axis=0)
-    if len(pairs) > 1:  # as often as they are there
-        pairs = np.stack([b.ravel(), w.ravel()], axis=1)
-        pairs = pairs[np.lexsort(pairs.T[::-1])][_some(len(pairs))]
+    pairs = np.stack([b.ravel(), w.ravel()], axis=1)
+    alike = (pairs == pairs[0]).all()
+    pairs = pairs[:1] if alike else pairs[np.lexsort(pairs.T[::-1])][_some(len(pairs))]  # as often as they are there
     rows = []
     for t in readings.astype(int).tolist():
         law = theory.mixed_law([theory.local_law(t, f, *pair) for pair in pairs.tolist()])

@@ -54,20 +54,27 @@ class Spectrum(NamedTuple):
     root: Floats
 
 
-def spectrum_of(matrix: Floats) -> Spectrum | None:
-    """The decomposition of a W for which d_i W_ij is symmetric, with d = 1, or with d = 1 / W_ii.
+def balance(matrix: Floats) -> Floats | None:
+    """Numbers d (robot,) for which d_i W_ij is symmetric: 1, or 1 / W_ii; None where neither does.
 
-    The latter holds of equal-neighbour means on undirected graphs: W_ij = 1 / d_i for neighbours, so that
-    D^(1/2) W D^(-1/2) is symmetric. None where neither does.
+    The latter holds of equal-neighbour means on undirected graphs, where W_ij = 1 / d_i for oneself and neighbours.
     """
     own = np.diag(matrix)
     for d in (np.ones(len(matrix)), 1.0 / np.where(own > 0.0, own, np.inf)):
         flow = d[:, np.newaxis] * matrix
         if (d > 0.0).all() and np.allclose(flow, flow.T, rtol=1e-12, atol=1e-14):
-            root = np.sqrt(d)
-            values, vectors = np.linalg.eigh(root[:, np.newaxis] * matrix / root)
-            return Spectrum(values, vectors, root)
+            return d
     return None
+
+
+def spectrum_of(matrix: Floats) -> Spectrum | None:
+    """The decomposition of a W that has a `balance` d, for then D^(1/2) W D^(-1/2) is symmetric; None of another."""
+    d = balance(matrix)
+    if d is None:
+        return None
+    root = np.sqrt(d)
+    values, vectors = np.linalg.eigh(root[:, np.newaxis] * matrix / root)
+    return Spectrum(values, vectors, root)
 
 
 def geometric(x: Floats, terms: int) -> Floats:

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import Floats, count, numbers, shares, times
-from swarmcensus.theory.matrices import checked, geometric, spectrum_of
+from swarmcensus.theory.matrices import balance, checked, geometric
 
 MOST_SQUARED = 60  # doublings of a power
 
@@ -20,6 +20,9 @@ def stationary_law(matrix: ArrayLike) -> Floats:
     that falls apart, where there is no one such law.
     """
     found = _connected(checked(matrix))
+    d = balance(found)
+    if d is not None:
+        return np.asarray(d / d.sum())
     system = np.vstack([found.T - np.eye(len(found)), np.ones(len(found))])
     law = np.linalg.lstsq(system, np.append(np.zeros(len(found)), 1.0), rcond=None)[0]
     return np.asarray(np.maximum(law, 0.0) / np.maximum(law, 0.0).sum())
@@ -166,8 +169,9 @@ def _second(matrix: Floats) -> float:
     """The size of the eigenvalue that is second in size; 0 of one robot."""
     if len(matrix) == 1:
         return 0.0
-    spectrum = spectrum_of(matrix)
-    values = np.linalg.eigvals(matrix) if spectrum is None else spectrum.values
+    d = balance(matrix)
+    root = None if d is None else np.sqrt(d)
+    values = np.linalg.eigvals(matrix) if root is None else np.linalg.eigvalsh(root[:, np.newaxis] * matrix / root)
     second = float(np.sort(np.abs(values))[-2])
     return 0.0 if second < 1e-12 else second
 
