@@ -1,4 +1,4 @@
-"""Running sums of evidence, mixed and divided: what the theory of mixing is about."""
+"""Running sums of evidence, mixed and divided, as in the theory of mixing: the shipped commons without its prior."""
 
 MEMORY = {"s": 0.0, "v": 0.0, "heard": 0.0, "heard_s": 0.0, "heard_v": 0.0}
 MESSAGE = ("s", "v")

@@ -159,6 +159,7 @@ class Minds:
         self.sent, self.heard = [0] * n, [0] * n
         self.decisions: list[list[float]] = []
         self.done: list[list[bool]] = []
+        self.intervals: list[list[tuple[float, float]]] = [[self.interval(i) for i in range(n)]]
 
     def call(self, name: str, i: int, *given: object) -> object:
         """A function of robot i's brain."""
@@ -176,6 +177,11 @@ class Minds:
     def is_done(self, i: int) -> bool:
         """Whether it makes no more readings."""
         return self.brains[i].ends and bool(self.call("done", i))
+
+    def interval(self, i: int) -> tuple[float, float]:
+        """Between which numbers it believes the fill ratio to lie; NaN of a brain that does not say."""
+        found: tuple[float, float] = self.call("interval", i) if self.brains[i].has_interval else (math.nan, math.nan)
+        return found
 
     def cast(self, i: int, tick: int, part: int) -> None:
         """Give luck for a call of its own: 0 of `observe`, 1 of `fuse`, 2 of `steer`."""
@@ -208,6 +214,7 @@ class Minds:
         self.estimates.append([self.call("estimate", i) for i in range(n)])
         self.decisions.append([float(self.call("decide", i)) if self.brains[i].decides else -1.0 for i in range(n)])
         self.done.append([self.is_done(i) for i in range(n)])
+        self.intervals.append([self.interval(i) for i in range(n)])
 
 
 def fixed(

@@ -8,7 +8,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from tests.small import SEED
 
-ALL = '''"""All of it at once: parameters, vectors, luck, silence, decisions, an end, a name."""
+ALL = '''"""All of it at once: parameters, vectors, luck, silence, decisions, an end, an interval, a name."""
 
 PARAMETERS = {"weights": (0.2, 0.3, 0.5), "step": 0.08, "enough": 6.0}
 OPTIONS = 3
@@ -73,6 +73,11 @@ def done(me):
     return me.t >= 2.0 * me.enough and me.x > 0.45
 
 
+def interval(me):
+    half = me.step + 1.0 / (2.0 + me.t)
+    return max(0.0, me.x - half), min(1.0, me.x + half)
+
+
 def estimate(me):
     return me.x
 '''
@@ -116,6 +121,10 @@ def decide(me):
 
 def done(me):
     return me.t > 9.0
+
+
+def interval(me):
+    return (0, 1) if me.t < 2.0 else (0.5 * me.x, min(1.0, me.x + 0.125))
 
 
 def estimate(me):
@@ -185,6 +194,34 @@ def fuse(me):
 def estimate(me):
     return me.n / me.t if me.t > 0.0 else 0.5
 '''  # the first edition: to be changed by tests
+WALD = (
+    MEANS.replace("MEMORY", 'import math\n\nPARAMETERS = {"z": 1.96, "enough": 0.0}\nMEMORY', 1)
+    + '''
+
+def interval(me):
+    """Of its own readings, as Wald, and as Agresti and Coull for few of them; then through b and w."""
+    if me.t == 0.0:
+        return 0, 1
+    q = (me.n + 2.0) / (me.t + 4.0)
+    half = me.z * math.sqrt(q * (1.0 - q) / (me.t + 4.0))
+    low = min(max((q - half + me.w - 1.0) / (me.b + me.w - 1.0), 0.0), 1.0)
+    return low, min(max((q + half + me.w - 1.0) / (me.b + me.w - 1.0), 0.0), 1.0)
+
+
+def done(me):
+    low, high = interval(me)
+    return high - low < me.enough
+'''
+)
+SAYS = (
+    MEANS.replace("MEMORY", 'PARAMETERS = {"low": 0.0, "high": 1.0, "big": 0.0, "since": 0.0}\nMEMORY', 1)
+    + '''
+
+def interval(me):
+    """What it is told to say, from some reading on; NaN where it is told something big."""
+    return (me.low + (me.big * me.big - me.big * me.big), me.high) if me.t >= me.since else (0.0, 1.0)
+'''
+)
 
 
 def brain(source, name="brain.py"):

@@ -64,6 +64,13 @@ def check(setting, trial, minds, fields, estimates, batch, close):
     assert tuple(batch.consensus[0, :2]) == agreed(own)
     assert (fields["decided"][1:] == decisions).all()
     assert (fields["is_done"][1:] == done).all()
+    ends = np.array(minds.intervals)
+    for name, due in zip(("interval_low", "interval_high"), np.moveaxis(ends, -1, 0), strict=True):
+        assert fields[name] == pytest.approx(due, rel=close, abs=close, nan_ok=True)
+    low, high = np.moveaxis(ends[list(MEASURE.checkpoints)][:, honest], -1, 0)
+    held = (low <= setting.fill_ratio) & (setting.fill_ratio <= high)
+    assert batch.intervals[0, :, 0].tolist() == held.mean(axis=1).tolist()
+    assert batch.intervals[1, :, 0] == pytest.approx((high - low).mean(axis=1), rel=1e-12)
 
 
 @pytest.mark.parametrize("name", CASES)

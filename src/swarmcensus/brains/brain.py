@@ -87,6 +87,11 @@ class Brain(Program):
         """Whether it says when it has seen enough."""
         return "done" in self.says.functions
 
+    @property
+    def has_interval(self) -> bool:
+        """Whether it says between which two numbers it believes the fill ratio to lie."""
+        return "interval" in self.says.functions
+
     @functools.cached_property
     def lengths(self) -> dict[str, int]:
         """How long each vector of the memory is; 0 for a number."""

@@ -14,7 +14,7 @@ from swarmcensus.brains.syntax import BELIEFS
 
 FUNCTIONS = {"observe": 3, "broadcast": 1, "receive": 2, "fuse": 1, "estimate": 1}
 CONSTANTS = ("MEMORY", "MESSAGE", "PARAMETERS", "OPTIONS", "ORACLE", "ROLES", "OPINION", "SUMS")
-MAY_HAVE = {"steer": 1, "decide": 1, "done": 1, "jam": 1}
+MAY_HAVE = {"steer": 1, "decide": 1, "done": 1, "interval": 1, "jam": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
 MOST_OPTIONS = 10_000
@@ -87,6 +87,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     need("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
     need(not (sums and "jam" in functions), "SUMS goes without jam: where noise is, messages are heard one by one")
     syntax.check_decisions(tree, options)
+    syntax.check_interval(tree)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
     uses = syntax.uses(tree, (*fields, *given))
     opinion = constants.get("OPINION", False)

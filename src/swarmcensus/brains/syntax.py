@@ -9,7 +9,8 @@ from swarmcensus.basics.hints import did_you_mean
 BELIEFS = ("b", "w")  # the sensor accuracies that a robot assumes, beside its memory
 GIVEN_ON_ASKING = ("luck", "name")  # fields of `me` that are there where a brain asks for them
 LUCKY = ("observe", "receive", "fuse", "steer")  # luck is fresh at each call of these
-TELL = ("broadcast", "estimate", "decide", "done", "jam")  # these tell, and change nothing
+TELL = ("broadcast", "estimate", "decide", "done", "interval", "jam")  # these tell, and change nothing
+INTERVAL = "two numbers, 0 <= low <= high <= 1, are right, and (0.0, 1.0) where it cannot tell"
 
 
 class Uses(NamedTuple):
@@ -93,13 +94,29 @@ def check_decisions(tree: ast.Module, options: int) -> None:
     """Raise Wrong where `decide` returns a number that is no option, or it, `done` or `jam` nothing."""
     functions = functions_of(tree)
     check_returns(functions, ("decide", "done", "jam"))
-    decide = functions.get("decide")
-    for node in ast.walk(decide) if decide else ():
-        if isinstance(node, ast.Return) and node.value is not None:
-            for number in filter(None, map(_literal, _outcomes(node.value))):
-                if number not in range(-1, options):
-                    what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
-                    raise Wrong(what, node.lineno)
+    for said in _returned("decide", functions):
+        number = _literal(said)
+        if number and number not in range(-1, options):
+            what = f"decide returns {number:g}: -1 (undecided) or an option from 0 to {options - 1} is right"
+            raise Wrong(what, said.lineno)
+
+
+def check_interval(tree: ast.Module) -> None:
+    """Raise Wrong where `interval` returns nothing, or what is seen to be no interval without running it."""
+    functions = functions_of(tree)
+    check_returns(functions, ("interval",))
+    for said in _returned("interval", functions):
+        if isinstance(said, ast.Constant) or (isinstance(said, ast.Tuple) and not _may_be_interval(said)):
+            raise Wrong(f"interval returns {ast.unparse(said)}: {INTERVAL}", said.lineno)
+
+
+def _may_be_interval(said: ast.Tuple) -> bool:
+    if any(isinstance(part, ast.Starred) for part in said.elts):
+        return True
+    if len(said.elts) != 2:
+        return False
+    low, high = map(_literal, said.elts)
+    return 0.0 <= (0.0 if low is None else low) <= (1.0 if high is None else high) <= 1.0
 
 
 def check_returns(functions: dict[str, ast.FunctionDef], names: Collection[str]) -> None:
@@ -107,6 +124,13 @@ def check_returns(functions: dict[str, ast.FunctionDef], names: Collection[str])
     for name in names:
         if name in functions and _falls_off(functions[name]):
             raise Wrong(f"{name} may end without returning anything", functions[name].lineno)
+
+
+def _returned(name: str, functions: dict[str, ast.FunctionDef]) -> list[ast.expr]:
+    """All that a function may be seen to return."""
+    nodes = ast.walk(functions[name]) if name in functions else ()
+    values = [node.value for node in nodes if isinstance(node, ast.Return) and node.value is not None]
+    return [one for value in values for one in _outcomes(value)]
 
 
 def _outcomes(node: ast.expr) -> list[ast.expr]:

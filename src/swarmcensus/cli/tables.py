@@ -20,12 +20,13 @@ from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
-TIMES = {"K": 1.0, "error": 1.0, "right": 100.0}
-DECIMALS = {"K": 0, "error": 4, "right": 1}  # of a value without an interval
+SURE = {"coverage": "coverage", "interval width": "interval_width"}  # more columns, where brains have intervals
+TIMES = {"K": 1.0, "error": 1.0, "right": 100.0, "coverage": 100.0, "interval width": 1.0}
+DECIMALS = {"K": 0, "error": 4, "right": 1, "coverage": 1, "interval width": 4}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # that are named
 FOLDED = 12  # characters for what a setting is, where it is folded into one column
 MOST_DECIMALS = 6
-DIGITS = {"K": 1, "error": 2, "right": 2}  # of an interval's width
+DIGITS = {"K": 1}  # of an interval's width
 
 
 def head(data: xr.Dataset, path: Path) -> str:
@@ -114,7 +115,8 @@ def _parameter(values: np.ndarray) -> np.ndarray:
 def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, list[str]]:
     """The columns of a summary's numbers, intervals beside their values or below them."""
     trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
-    numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **watched}.items())
+    sure = {name: column for name, column in SURE.items() if column in frame}
+    numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **sure, **watched}.items())
     if "consensus_right" in frame:
         numbers["exit %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["consensus_right"]]
     if "half_width" in frame or (frame["trials"] < trials).any():
@@ -146,7 +148,7 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
-    usual = max(places(widths.median(), digits), int(name == "right"))  # a column's decimals, where they tell enough
+    usual = max(places(widths.median(), digits), int(times > 1.0))  # a column's decimals, where they tell enough
     if name not in TIMES:  # a metric's numbers may be whole, never come, or be nothing but rounding
         finite = ends[0][np.isfinite(ends[0])]
         usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
@@ -158,7 +160,7 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
         else:
             finest = min(places(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest)))
-    head = f"{name} %" if name == "right" else name
+    head = f"{name} %" if times > 1.0 else name
     if not any(interval for _, interval in texts):
         return head, [value for value, _ in texts]
     if below:
@@ -177,6 +179,11 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
         f"K: {unit} of convergence, error: |x - f| at K (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        *(
+            [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
+            if "coverage" in frame
+            else []
+        ),
         *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
         *(["robots that are not honest are not counted"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),

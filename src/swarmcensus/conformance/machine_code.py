@@ -143,9 +143,9 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
 
         return one
 
-    more = [name for name in ("decide", "done", "jam") if name in brain.says.functions]
+    more = [name for name in ("decide", "done", "interval", "jam") if name in brain.says.functions]
     functions = types.SimpleNamespace(**{name: told(name) for name in (*FUNCTIONS, *more)})
-    same = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "jams")}
+    same = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
     robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **same)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
     return lambda: oracle.follow(robots, b, w, readings, 1, EVERY, True, links, LUCK)

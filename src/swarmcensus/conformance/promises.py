@@ -5,6 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from swarmcensus.brains import Brain
+from swarmcensus.brains.syntax import INTERVAL
 from swarmcensus.conformance.hearing import any_order, sums_add
 from swarmcensus.conformance.lives import (
     Fault,
@@ -59,6 +60,20 @@ def _decides(brain: Brain) -> None:
                 raise Fault(f"{at(brain, name)} gives {said!r}, neither True nor False ({where})")
 
 
+def _bounds(brain: Brain) -> None:
+    for where, me in lives(brain) if brain.has_interval else ():
+        said = call(brain, where, "interval", me)
+        if not is_interval(said):
+            raise Fault(f"{at(brain, 'interval')} gives {said!r}: {INTERVAL} ({where})")
+
+
+def is_interval(said: object) -> bool:
+    """Whether `interval` may return this."""
+    if not isinstance(said, tuple) or len(said) != 2 or not all(isinstance(end, int | float) for end in said):
+        return False
+    return bool(0.0 <= said[0] <= said[1] <= 1.0)
+
+
 def _steers(brain: Brain) -> None:
     for where, me in lives(brain) if brain.steers else ():
         wish = call(brain, where, "steer", me)
@@ -92,7 +107,7 @@ def asked_of(brain: Brain) -> tuple[str, ...]:
     return (
         "broadcast",
         "estimate",
-        *(name for name in ("steer", "decide", "done", "jam") if name in brain.says.functions),
+        *(name for name in ("steer", "decide", "done", "interval", "jam") if name in brain.says.functions),
     )
 
 
@@ -121,6 +136,7 @@ PROMISES: dict[str, Callable[[Brain], None]] = {
     "gives finite messages and estimates in [0, 1]": _finite,
     "steers by a speed and a turn, or not at all": _steers,
     "decides for an option, or not yet": _decides,
+    "tells an interval within [0, 1], the low end first": _bounds,
     "broadcast, estimate and steer only read": _reads_only,
     "the same history gives the same mind": _same_again,
     "readings at once mean the same as one by one": looks_add_up,

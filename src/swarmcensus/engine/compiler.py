@@ -107,7 +107,8 @@ def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     in_sums = {"network": {"hear_sums", *at_once}, "moving": {"hear_sums", *(at_once if brain.is_oracle else ())}}
     sums = in_sums.get(use, set()) if brain.sums and not mixed else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
-    return {*ALWAYS, *judged, *sums, *asked}
+    bounded = {"bound"} if brain.has_interval else set()
+    return {*ALWAYS, *judged, *sums, *asked, *bounded}
 
 
 def phases_of(brain: Brain, exact: bool = False, mixed: bool = False) -> types.ModuleType:

@@ -82,6 +82,7 @@ OTHERWISE = {  # what stands for a function that a brain may leave out
     "steer": "lambda me: None",
     "decide": "lambda me: -1.0",
     "done": "lambda me: False",
+    "interval": "lambda me: (0.0, 1.0)",
 }
 
 GAUGE = '''"""Fits one metric to the engine. Made by swarmcensus; edits are lost."""

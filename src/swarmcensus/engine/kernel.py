@@ -6,11 +6,12 @@ functions (see `calling.py`), a mind is a row of numbers.
 
 import numpy as np
 
-from swarmcensus.engine.calling import call
+from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.modes import (
     BLOCK,
+    BOUND,
     DECISION,
     END_ROUND,
     FULL,
@@ -26,7 +27,20 @@ from swarmcensus.engine.modes import (
 from swarmcensus.engine.random import word_of, words
 from swarmcensus.engine.swarms import Swarm
 
-from .minds import ZERO, begin, believe_all, count_known, forget_verdicts, is_said, judge, judge_blank, put, settle
+from .minds import (
+    ZERO,
+    ask_intervals,
+    begin,
+    believe_all,
+    count_known,
+    first_from,
+    forget_verdicts,
+    is_said,
+    judge,
+    judge_blank,
+    put,
+    settle,
+)
 from .rounds import advance, advance_alone, bounds_of, most_links
 
 
@@ -36,7 +50,7 @@ def simulate(
     memory, outbox, rows, snapshots, first_trial, b, w, drift, assumed_b, assumed_w, course, local,
     looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
     delta, bins, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
-    extremes, first_step, last_step, stop,
+    truths, room, all_sure, all_wrong, extremes, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
@@ -46,7 +60,8 @@ def simulate(
     With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
     right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
-    `all_verdicts` (trial, robot or 0, what) and `agreed` (trial, 2) are of decisions.
+    `all_verdicts` (trial, robot or 0, what) and `agreed` (trial, 2) are of decisions; `truths` (checkpoint), `room` (2,
+    robot or 0), `all_sure` (trial, what, checkpoint) and `all_wrong` (trial, 4) of intervals, see `ask_intervals`.
     Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
     convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
     same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
@@ -112,12 +127,26 @@ def simulate(
                         order_key, rows, stops, stop,
                     )  # fmt: skip
                 else:
-                    advance(
-                        swarm, memory, outbox, beside, blacks, bits, luck, source, first, last, looks, number,
-                        read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
-                        all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
-                        agreed[trial], stop,
-                    )  # fmt: skip
+                    begun = first
+                    while begun < last:  # until a checkpoint where minds are asked, and on
+                        c, end = first_from(checkpoints, begun), last
+                        asked = forward and room.shape[1] > 0 and c < checkpoints.size and checkpoints[c] < last
+                        if asked:
+                            end = checkpoints[c] + 1
+                        advance(
+                            swarm, memory, outbox, beside, blacks, bits, luck, source, begun, end, looks, number,
+                            read_key, link_key, links, receivers, senders, bounds, arrivals, threshold,
+                            rows[begun - first :], stops,
+                            all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
+                            agreed[trial], stop,
+                        )  # fmt: skip
+                        if stop[0] != 0:
+                            return False
+                        if asked:
+                            ask_intervals(
+                                swarm, memory, c, checkpoints, truths, room, all_sure[trial], all_wrong[trial]
+                            )  # fmt: skip
+                        begun = end
                 if stop[0] != 0:
                     return False
                 if forward:
@@ -171,6 +200,22 @@ def decided(
         for i in range(robots):
             verdicts[k, i, 0] = told[i, DECISION]
             verdicts[k, i, 1] = told[i, IS_DONE]
+
+
+@entry
+def bounded(
+    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest, history, bounds
+):  # fmt: skip
+    """The intervals (round, end, robot) of minds (round, robot, field) of a `Swarm`, of those that have one."""
+    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
+    for run in range(swarm.runs.shape[0]):
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        if swarm.minds[group, BOUND]:
+            for k in range(history.shape[0]):
+                call(
+                    swarm.minds[group, BOUND], place(history[k], swarm.bases[group]), bounds[k], bounds.shape[2],
+                    first, last,
+                )  # fmt: skip
 
 
 @entry

@@ -6,7 +6,9 @@ from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.modes import (
     BELIEVE,
+    BOUND,
     CHANGED,
+    COVERAGE,
     DECIDED_IN,
     DECISION,
     DONE_ESTIMATE,
@@ -20,6 +22,7 @@ from swarmcensus.engine.modes import (
     SENSING,
     SENT,
     TALKING,
+    WIDTH,
     WRONG,
 )
 from swarmcensus.engine.random import word_of
@@ -200,6 +203,46 @@ def judge_blank(swarm, memory, start, verdicts):
     """Who is done before the first round, by minds that believe in `start`."""
     for block in range(np.uint64(swarm.of_block.size - 1)):
         judge(swarm, block, memory, start, ZERO, verdicts, 0)
+
+
+@loop(forceinline=True)
+def first_from(checkpoints, start):
+    """The place of the first checkpoint from a round on: they rise."""
+    low, high = 0, checkpoints.size
+    while low < high:
+        middle = (low + high) // 2
+        if checkpoints[middle] < start:
+            low = middle + 1
+        else:
+            high = middle
+    return low
+
+
+@loop()
+def ask_intervals(swarm, memory, c, checkpoints, truths, bounds, sure, wrong):
+    """What the intervals of honest robots come to at checkpoint c, in `sure` (what, checkpoint), if any has one.
+
+    `bounds` (end, robot) is room for them; `wrong` keeps the first that is none: the robot, below 0 for nobody, the
+    round, and both ends.
+    """
+    held = counted = 0
+    wide = 0.0
+    for run in range(swarm.runs.shape[0]):
+        group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        if not swarm.minds[group, BOUND]:  # of several brains perhaps only some have one
+            continue
+        call(swarm.minds[group, BOUND], place(memory, swarm.bases[group]), bounds, bounds.shape[1], first, last)
+        for i in range(np.int64(first), np.int64(last)):
+            if swarm.honest.size == 0 or swarm.honest[i]:
+                low, high = bounds[0, i], bounds[1, i]
+                if wrong[0] < 0.0 and not 0.0 <= low <= high <= 1.0:
+                    wrong[0], wrong[1], wrong[2], wrong[3] = i, checkpoints[c], low, high
+                held += low <= truths[c] <= high
+                wide += high - low
+                counted += 1
+    if counted > 0:
+        sure[COVERAGE, c] = held / counted
+        sure[WIDTH, c] = wide / counted
 
 
 @loop()

@@ -31,13 +31,17 @@ X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_
 STATE = 14
 
 # what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
-PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask")
-SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK = range(10)
+PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask",
+          "bound")  # fmt: skip
+SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND = range(11)
 
 # what is known of each robot's decision: the option, -1 for none; when it first decided and last changed its mind,
 # infinity for never; when it was done, with which estimate, and whether it is; a decision that there is not
 DECISION, DECIDED_IN, CHANGED, DONE_IN, DONE_ESTIMATE, IS_DONE, WRONG = range(7)
 VERDICTS = 7
+
+# what robots' intervals come to at a checkpoint: the share that holds the truth, and their mean width
+COVERAGE, WIDTH = range(2)
 
 # what luck is for; of a message also who said it
 LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)

@@ -12,7 +12,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, phase, seen_as
 from swarmcensus.engine.modes import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, IS_DONE, VERDICTS, WRONG
-from swarmcensus.engine.wishes import chosen
+from swarmcensus.engine.wishes import chosen, ends_of
 
 from .mind import (
     add_sums,
@@ -22,6 +22,7 @@ from .mind import (
     estimate,
     fuse,
     give_luck,
+    interval,
     keep_sums,
     observe,
     options,
@@ -208,3 +209,12 @@ def ask(memory, wishes, robots, first, last, luck):
         give_luck(minds[i], luck, i - first)
         wants, wanted[1, i], wanted[2, i] = chosen(steer(minds[i]))
         wanted[0, i] = 1.0 if wants else 0.0
+
+
+@phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
+def bound(memory, bounds, robots, first, last):
+    """Between which numbers robots first ... last - 1 believe the fill ratio to lie; `bounds` (end, robot)."""
+    minds = seen_as(memory, last, record)
+    told = seen_as(bounds, (2, robots), np.float64)
+    for i in range(first, last):
+        told[0, i], told[1, i] = ends_of(interval(minds[i]))

@@ -32,12 +32,14 @@ from .minds import (
     ZERO,
     agree,
     arrives,
+    ask_intervals,
     begin,
     believe_all,
     count_known,
     count_said,
     count_sent,
     drowned,
+    first_from,
     forget_verdicts,
     is_said,
     judge,
@@ -130,7 +132,8 @@ def room_of(robots, messages, width):
 def ride(
     minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
     memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
-    looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
+    looked, black, heard, senders, history, readings, counts, verdicts, agreed, checkpoints, truths, bounds, sure,
+    wrong, stops, stop,
 ):  # fmt: skip
     """`live_on` of a `Swarm`."""
     swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
@@ -139,15 +142,16 @@ def ride(
         most = max(most, heard[(k + 1) * n] - heard[k * n])
     live_on(
         swarm, room_of(n, most, outbox.shape[1]), memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key,
-        threshold, delay, everyone, looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops,
-        stop,
+        threshold, delay, everyone, looked, black, heard, senders, history, readings, counts, verdicts, agreed,
+        checkpoints, truths, bounds, sure, wrong, stops, stop,
     )  # fmt: skip
 
 
 @loop()
 def live_on(
     swarm, room, memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
-    looked, black, heard, senders, history, readings, counts, verdicts, agreed, stops, stop,
+    looked, black, heard, senders, history, readings, counts, verdicts, agreed, checkpoints, truths, bounds, sure,
+    wrong, stops, stop,
 ):  # fmt: skip
     """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
 
@@ -156,7 +160,7 @@ def live_on(
     ticks ago; `outbox` holds delay + 1 ticks. With `everyone` all hear all, whoever is near: their messages add up.
     `history` and `readings` (NaN where a robot made none) are filled where they have rows. `counts` (what, robot) grows
     by what is sent and heard, but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of
-    decisions.
+    decisions; from `checkpoints` to `wrong` is what `ask_intervals` takes, `bounds` without robots if none is asked.
     """
     n = memory.shape[0]
     bits, seen, luck, arrivals, message_luck, now_b, now_w, beside = room
@@ -192,7 +196,7 @@ def live_on(
             )  # fmt: skip
         if silent:
             count_sent(swarm, outbox, np.uint64(said), stops, now, counts)
-        bounds = heard[k * n : (k + 1) * n + 1]
+        links = heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and everyone:
             call(swarm.minds[0, ADD_UP], outbox, then, beside, n, n)
@@ -203,18 +207,18 @@ def live_on(
                 counts[HEARD, i] += n - 1
         elif now >= delay and in_sums:
             call(
-                swarm.minds[0, HEAR_SUMS], memory, outbox, then, bounds, senders, senders.size, rows, here, ZERO, n, n,
+                swarm.minds[0, HEAR_SUMS], memory, outbox, then, links, senders, senders.size, rows, here, ZERO, n, n,
                 place(luck, n),
             )  # fmt: skip
             if silent:
-                count_said(swarm, outbox, np.uint64(then), bounds, senders, LISTED, counts)
+                count_said(swarm, outbox, np.uint64(then), links, senders, LISTED, counts)
             else:
                 for i in range(n):
-                    counts[HEARD, i] += bounds[i + 1] - bounds[i]
+                    counts[HEARD, i] += links[i + 1] - links[i]
         else:
             if now >= delay:
                 hear_each(
-                    swarm, memory, outbox, np.uint64(then), arrivals, message_luck, bounds, senders, link_key, trial,
+                    swarm, memory, outbox, np.uint64(then), arrivals, message_luck, links, senders, link_key, trial,
                     now, delay, threshold, stops, counts,
                 )  # fmt: skip
             for run in range(swarm.runs.shape[0]):
@@ -227,6 +231,10 @@ def live_on(
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
             agree(verdicts, swarm.honest, agreed, now)
+        if bounds.shape[1] > 0:
+            c = first_from(checkpoints, now)
+            if c < checkpoints.size and checkpoints[c] == now:
+                ask_intervals(swarm, memory, c, checkpoints, truths, bounds, sure, wrong)
         if history.shape[0] > 0:
             put(history[k], memory)
 

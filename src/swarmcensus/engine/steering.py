@@ -18,12 +18,13 @@ def live(
     state, body, half, walk_key, trial, around, senders, wishes, floor, turns,
     minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
     memory, outbox, rows, b, w, drift, read_key, link_key, threshold, delay, everyone, kept, counts, verdicts, agreed,
-    stops, stop,
+    asked, stops, stop,
 ):  # fmt: skip
     """Live through as many ticks as `rows` has; a tile's colour is that of `floor` (row, column), 1 black.
 
     `turns` (row, column) is the tick from which a tile has the other colour, without rows where none ever has. `around`
-    is what `walk` takes from anchors to following, `kept` the empty room of `ride` for what is recorded.
+    is what `walk` takes from anchors to following, `kept` the empty room of `ride` for what is recorded, `asked` what
+    it takes from checkpoints to wrong.
     """
     swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     n = memory.shape[0]
@@ -47,6 +48,6 @@ def live(
                 black[0, i] = not black[0, i]
         live_on(
             swarm, room, memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
-            looked, black, heard, senders, *kept, counts, verdicts, agreed, stops, stop,
+            looked, black, heard, senders, *kept, counts, verdicts, agreed, *asked, stops, stop,
         )  # fmt: skip
         ask_all(swarm, room[0], memory, body, state[PACE], trial, tick, wishes)

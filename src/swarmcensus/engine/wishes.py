@@ -1,4 +1,5 @@
-"""What a brain's `steer` or `broadcast` returned, for Numba, which can neither index nor unpack "a pair or None"."""
+"""What a brain's `steer`, `interval` or `broadcast` returned, for Numba, which can neither index nor unpack "a pair or
+None", and says in many words what is no pair."""
 
 import numba
 from numba.extending import intrinsic, overload
@@ -25,13 +26,18 @@ def is_number(kind):
     return isinstance(kind, numba.types.Integer | numba.types.Float)
 
 
+def is_pair(kind):
+    """Whether values of this Numba type are two real numbers."""
+    return isinstance(kind, numba.types.BaseTuple) and len(kind) == 2 and all(map(is_number, kind.types))
+
+
 @overload(chosen)
 def compiled_chosen(wish):
     """The same, compiled: for None, for a pair, and for either."""
     if isinstance(wish, numba.types.NoneType):
         return lambda wish: (False, 0.0, 0.0)
     pair = wish.type if isinstance(wish, numba.types.Optional) else wish
-    if not (isinstance(pair, numba.types.BaseTuple) and len(pair) == 2 and all(map(is_number, pair.types))):
+    if not is_pair(pair):
         # no NumbaError, which would only be counted among the reasons why no implementation was found
         raise TypeError(f"steer gives {pair}, neither two numbers, a speed and a turn, nor None")
     if not isinstance(wish, numba.types.Optional):
@@ -44,6 +50,20 @@ def compiled_chosen(wish):
         return False, 0.0, 0.0
 
     return either
+
+
+def ends_of(interval):
+    """The low and the high end of what `interval` gives."""
+    low, high = interval
+    return float(low), float(high)
+
+
+@overload(ends_of)
+def compiled_ends_of(interval):
+    """The same, compiled."""
+    if not is_pair(interval):
+        raise TypeError(f"interval gives {interval}, not two numbers, low and high")
+    return lambda interval: (float(interval[0]), float(interval[1]))
 
 
 def spoken(message, blank):

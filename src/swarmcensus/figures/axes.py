@@ -28,6 +28,8 @@ KNOWN = {
     "final_estimate": "final estimate $x$",
     "final_error": r"final error $|x - f\,|$",
     "correct": "share of right robots",
+    "coverage": "share of intervals that hold $f$",
+    "interval_width": "width of the intervals",
 }
 
 

@@ -20,6 +20,7 @@ from swarmcensus.results.values import (
     ENDINGS,
     ENDLESS,
     EVERY,
+    INTERVALS,
     LOCAL,
     MESSAGES,
     MISSING,
@@ -49,7 +50,7 @@ ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
 }  # fmt: skip
-APART = LOCAL | MESSAGES | DECISIONS | ENDINGS  # measured in some of all trials
+APART = LOCAL | MESSAGES | DECISIONS | ENDINGS | INTERVALS  # measured in some of all trials
 ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
 
 

@@ -55,6 +55,7 @@ OURS = {
         Measure("decision_change", "last change", "rounds", "round of a robot's last change of its decision"),
         Measure("done_round", "done", "rounds", "round in which a robot is done"),
         Measure("done_error", "error when done", "1", "|x - f| of the estimate that a robot is done with"),
+        Measure("interval_width", "width", "1", "mean width of the robots' intervals at the last checkpoint"),
         Measure("local_convergence_error", "local error at K", "1", "|x - f| of the local estimate at its K"),
         Measure("local_convergence_step", "local K", "observations", "convergence of the local estimate"),
         Measure("messages_sent", "messages", "messages", "messages sent by a robot", statistic="mean"),
@@ -134,9 +135,9 @@ def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
 
 def numbers(data: xr.Dataset, name: str) -> Floats:
     """The one number of each trial of a measure, (setting, trial): NaN of trials that have not run or failed."""
-    if name == "correct":
+    if "checkpoint" in data[MADE_OF.get(name, (name,))[0]].dims:
         last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
-        found = data["correct"].transpose("setting", "checkpoint", "trial").values
+        found = data[name].transpose("setting", "checkpoint", "trial").values
         values = found[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
     if name == "consensus_round" and "consensus_right" in data:  # who agrees on a lie is not the faster one

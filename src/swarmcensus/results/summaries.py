@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
-from swarmcensus.results.values import bounds_in, metrics_in, robots_in
+from swarmcensus.results.values import INTERVALS, SHARES, bounds_in, metrics_in, robots_in
 
 FORMAT = "swarmcensus summary 1"
 SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
@@ -36,9 +37,10 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed, of the
     rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the
     mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches) the value and
-    its interval, `_low` and `_high`: NaN for fewer than 6 trials. `where` picks settings, as in `swarmcensus show`.
-    What pandas shows of a wide table comes first and last: the coordinates that vary, and the values. Raises
-    InputError.
+    its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an interval there are `coverage`
+    (the mean over trials) and `interval_width` (the median) after that round too. `where` picks settings, as in
+    `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that vary, and the
+    values. Raises InputError.
     """
     import pandas as pd
 
@@ -48,7 +50,7 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
         k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
     ]
     first = dict.fromkeys(["setting", *map(str, varied)])
-    last = [name for name in (*medians_in(data), "correct") if name in columns]
+    last = [name for name in (*medians_in(data), "correct", *INTERVALS) if name in columns]
     between = [name for name in columns if name not in first and name not in last]
     return pd.DataFrame({name: columns[name] for name in (*first, *between, *last)})
 
@@ -60,7 +62,7 @@ def medians_in(data: xr.Dataset) -> list[str]:
 
 def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns: Columns = {}
-    looked = {*medians_in(data), "correct"}
+    looked = {*medians_in(data), "correct", *INTERVALS}
     for name, values in points(data, checkpoint).items():
         columns[name] = values
         if name in looked:
@@ -83,6 +85,10 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     columns["checkpoint"] = np.where(place < 0, -1, data["checkpoint"].values[place])
     correct = np.where(ran, data["correct"].values[np.arange(len(ran)), place], 0.0)
     columns["correct"] = np.where(columns["trials"] > 0, correct.sum(axis=1) / np.maximum(columns["trials"], 1), np.nan)
+    for name in (name for name in INTERVALS if name in data):
+        seen = [values[~np.isnan(values)] for values in _looked_at(data, name, ran, place)]
+        centre = np.mean if name in SHARES else np.median
+        columns[name] = np.array([centre(values) if values.size else np.nan for values in seen])
     for name in MEANS:
         if not measures.lacks(data, name):
             columns[name] = _means(data, name, ran)
@@ -143,7 +149,7 @@ def _nested(row: dict[str, Any]) -> dict[str, Any]:
     for name, value in row.items():
         if f"{name}_low" in row:
             ends = [_plain(row[f"{name}_low"]), _plain(row[f"{name}_high"])]
-            what = "mean" if name == "correct" else "median"
+            what = "mean" if name in SHARES else "median"
             out[name] = {what: _plain(value), "interval": None if None in ends else ends}
         elif name == "checkpoint":
             out[name] = None if value < 0 else value
@@ -178,6 +184,13 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
     return np.where(rounds >= checkpoint, np.searchsorted(known, checkpoint), -1)
 
 
+def _looked_at(
+    data: xr.Dataset, name: str, ran: NDArray[np.bool_], place: NDArray[np.intp]
+) -> Iterator[NDArray[np.float64]]:
+    """What trials that are done have of a variable of checkpoints at these, setting by setting."""
+    return (data[name].values[k, place[k], trials] for k, trials in enumerate(ran))
+
+
 def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
     """The median over the trials that are done and their robots, a setting; NaN where there is none."""
     array, robots = _by_robot(data, name), robots_in(data).values
@@ -200,13 +213,16 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
 
     No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
     """
-    array, robots = data[name].values if name == "correct" else _by_robot(data, name), robots_in(data).values.tolist()
-    ran, place = done(data), _reached(data, checkpoint)
+    ran = done(data)
     ends = np.full((len(ran), 2), np.nan)
-    for row, trials in enumerate(ran):
-        if name == "correct":
-            _, *ends[row] = interval_of(array[row, place[row], trials, np.newaxis], "mean", share=True)
-        else:
+    if "checkpoint" in data[name].dims:
+        statistic = "mean" if name in SHARES else "median"
+        for row, seen in enumerate(_looked_at(data, name, ran, _reached(data, checkpoint))):
+            kept = seen[~np.isnan(seen)] if name in INTERVALS else seen
+            _, *ends[row] = interval_of(kept[:, np.newaxis], statistic, share=name in SHARES)
+    else:
+        array, robots = _by_robot(data, name), robots_in(data).values.tolist()
+        for row, trials in enumerate(ran):
             kept = array[row, trials, : robots[row]].astype(np.float64)
             _, *ends[row] = interval_of(kept[~np.isnan(kept[:, 0])], "median")
     least, most = bounds_in(data, name)

@@ -10,18 +10,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.engine.modes import (
-    CHANGED,
-    DECIDED_IN,
-    DECISION,
-    DONE_ESTIMATE,
-    DONE_IN,
-    HEARD,
-    SENT,
-    VERDICTS,
-)
 from swarmcensus.metrics import Metric, parse
-from swarmcensus.simulation.trials import Batch, Metrics
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -52,6 +41,11 @@ ENDINGS: dict[str, Kind] = {
     "done_round": (PER_ROBOT, np.float64, "rounds", "the first after which the robot was done; infinite: never"),
     "done_estimate": (PER_ROBOT, np.float64, "1", "the estimate then"),
 }
+AT_CHECKPOINTS = ("setting", "checkpoint", "trial")
+INTERVALS: dict[str, Kind] = {
+    "coverage": (AT_CHECKPOINTS, np.float64, "1", "fraction of robots whose interval holds the fill ratio"),
+    "interval_width": (AT_CHECKPOINTS, np.float64, "1", "mean width of the robots' intervals"),
+}
 LOCAL: dict[str, Kind] = {
     "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
     "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
@@ -61,8 +55,9 @@ ESTIMATES: dict[str, Kind] = {
         ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
     ),
 }  # fmt: skip
-EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | LOCAL | ESTIMATES  # but for metrics of files
+EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
 ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
+SHARES = ("correct", "coverage")  # of robots, of which the mean over trials tells
 SPARSE = ("done_estimate", "consensus_right", "right_option")  # not of each trial that is done
 SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
 IN_TIME = ("liars", "adversary")  # coordinates that files of this format may lack
@@ -121,6 +116,8 @@ def bounds_in(data: Any, name: str) -> tuple[float, float]:
     source = metrics_in(data).get(name)
     if name in ("decision", "consensus", "right_option"):
         return -1.0, float(np.nanmax(data[name].values, initial=0.0))
+    if name in INTERVALS:
+        return 0.0, 1.0
     if source is None:
         return (-np.inf if "estimate" in name else 0.0), np.inf
     return parse(source["source"], source["name"], Path(source["name"])).bounds
@@ -170,51 +167,6 @@ class Piece:
         return trials, robots
 
 
-def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
-    """What came of some trials, by the variables' names; without the dimension `setting`.
-
-    Variables of decisions are there if any brain of the study decides, NaN of one that does not.
-    """
-    if local:
-        return {
-            "local_convergence_step": batch.convergence.astype(np.int32),
-            "local_convergence_error": batch.error,
-        }
-    filled = batch.true_fill_ratio
-    kept = {} if batch.kept is None else {"estimates": batch.kept}
-    return (
-        batch.watched
-        | kept
-        | _decided(batch, metrics)
-        | {
-            "convergence_round": batch.convergence.astype(np.int32),
-            "convergence_error": batch.error,
-            "final_estimate": batch.final,
-            "correct": batch.correct,
-            "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
-            "messages_sent": batch.counts[:, SENT].astype(np.float64),
-            "messages_heard": batch.counts[:, HEARD].astype(np.float64),
-        }
-    )
-
-
-def _decided(batch: Batch, metrics: Metrics) -> Columns:
-    """What robots decided, and when they were done."""
-    verdicts = batch.verdicts
-    if not verdicts.size and (metrics.decides or metrics.ends):
-        verdicts = np.full((*batch.final.shape, VERDICTS), np.nan)
-    found: Columns = {}
-    if metrics.decides:
-        places = {"decision": DECISION, "decision_round": DECIDED_IN, "decision_change": CHANGED}
-        no_one = np.isnan(batch.consensus[:, :1])  # decides, and somebody may yet be done
-        found |= {name: np.where(no_one, np.nan, verdicts[..., place]) for name, place in places.items()}
-        names = ("consensus", "consensus_round", "consensus_right", "right_option")
-        found |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
-    if metrics.ends:
-        found |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}
-    return found
-
-
 def shapes(
     trials: int, robots: int, checkpoints: int, local: bool, names: Iterable[str], of_swarm: Collection[str]
 ) -> dict[str, tuple[int, ...]]:
@@ -243,6 +195,7 @@ class Values:
         asked = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
         asked |= DECISIONS if any(brain.decides for brain in study.brains) else {}
         asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
+        asked |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
         self.kinds = VARIABLES | MESSAGES | asked | kinds_of(study.measure.metrics)
         self.arrays: Columns = {}
         for name, (dims, kind, *_) in self.kinds.items():

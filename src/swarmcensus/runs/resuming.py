@@ -18,6 +18,7 @@ from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.values import (
     ESTIMATES,
+    INTERVALS,
     LOCAL,
     MISSING,
     Columns,
@@ -147,7 +148,8 @@ class Holding:
         for name, (dims, *_) in kinds_in(old).items():
             taken = old[name].values
             if "checkpoint" in dims:
-                taken = self._at_our_checkpoints(taken, old["checkpoint"].values, old["rounds"].values, done, self.out)
+                looked, rounds = old["checkpoint"].values, old["rounds"].values
+                taken = self._at_our_checkpoints(taken, looked, rounds, done & (name not in INTERVALS), self.out)
             places = {"setting": rows, "trial": trials}
             where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
             values.arrays[name][np.ix_(*where)] = taken
@@ -164,9 +166,10 @@ class Holding:
         if "correct" not in taken or known == self.study.checkpoints:
             return taken
         rounds, done = np.array([self.settings[place].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
-        looked = [name for name in taken if name == "correct" or name in ESTIMATES]
+        looked = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
+        due = {name: done & (name not in INTERVALS) for name in looked}  # which a setting's brain may not have
         return taken | {
-            name: self._at_our_checkpoints(taken[name][np.newaxis], np.array(known), rounds, done, path)[0]
+            name: self._at_our_checkpoints(taken[name][np.newaxis], np.array(known), rounds, due[name], path)[0]
             for name in looked
         }
 
@@ -177,7 +180,7 @@ class Holding:
 
         It is missing after a setting's last round.
 
-        Raises InputError where one was not looked at in a trial that is done.
+        Raises InputError where one was not looked at in a trial that is `done`.
         """
         ours = np.array(self.study.checkpoints)
         taken = np.full((len(looked), ours.size, *looked.shape[2:]), np.nan)

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results.values import Piece, columns
+from swarmcensus.results.batches import columns
+from swarmcensus.results.values import Piece
 from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import NOT_FINITE, Metrics, blame, run_batch, seconds, walk_seconds
@@ -63,6 +64,7 @@ def metrics_of(study: Study) -> Metrics:
         tuple(measure.metrics),
         any(brain.decides for brain in study.brains),
         any(brain.ends for brain in study.brains),
+        any(brain.has_interval for brain in study.brains),
     )
 
 
@@ -162,7 +164,7 @@ def run_bundle(
                 known = {one.setting for one in outcome if isinstance(one, Failure)}
                 first = task.settings[0]
                 told = first in known or isinstance(error, MetricFails)  # one line a setting: CPython is slow
-                where = "" if told else line_of_failure(settings[first], seed, task.first)
+                where = "" if told else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
                 outcome += [Failure(n, task.first, f"{error}{where}") for n in task.settings]
             else:
                 outcome += run_bundle(settings, seed, tuple(parts), metrics, stop)

@@ -1,6 +1,6 @@
 """Which line of a brain fails: its trial again in CPython, for machine code does not say."""
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -19,23 +19,23 @@ from swarmcensus.studies.settings import Setting
 MOST_STEPS = 3_000_000  # of robots and rounds: some ten seconds of CPython
 
 
-def line_of_failure(setting: Setting, seed: int, trial: int) -> str:
+def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> str:
     """Where the brain fails in this trial, as ", at my_brain.py, line 12: x = 1 / me.n"; empty where it cannot be told.
 
     What robots see and whom they hear is taken from the same trial with a shipped brain: it is the same, but for
-    brains that steer.
+    brains that steer. At `checkpoints` intervals are asked for.
     """
     if setting.robots * setting.rounds > MOST_STEPS:
         return ""
     try:
-        _live(setting, seed, trial)
+        _live(setting, seed, trial, checkpoints)
     except Exception as error:
         lines = (line_of(error, brain.path) for brain in setting.crew)
         return next(filter(None, lines), "")
     return ""
 
 
-def _live(setting: Setting, seed: int, trial: int) -> None:
+def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) -> None:
     """The trial's minds, step by step, as the engine runs them."""
     from swarmcensus.engine.minds import heard_by
 
@@ -96,7 +96,7 @@ def _live(setting: Setting, seed: int, trial: int) -> None:
             oracle.give(one, me, fused, i)
             one.functions.fuse(me)
             one.functions.estimate(me)
-            for name in ("decide", "done"):
+            for name in ("decide", "done", *(["interval"] if tick in checkpoints else [])):
                 if name in one.says.functions:
                     getattr(one.functions, name)(me)
             if one.steers and setting.body:

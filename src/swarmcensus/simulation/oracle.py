@@ -8,6 +8,7 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.engine.modes import LUCK_FUSE, LUCK_OBSERVE
 from swarmcensus.engine.random import chance, word_of, words
+from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free
 
 
@@ -26,8 +27,8 @@ def follow(
 
     `blacks` (step, robot) counts the black ones of `looks` readings, NaN where a robot made none. A round ends
     every `every` steps and at the last. `messages` has (receiver, sender) rows for each step; with `periodic`
-    they are heard at the end of whole rounds only. `luck` are the two keys of it. Returns each field of the memory, and
-    what is decided, and the estimates, as arrays (round, robot), index 0 before any observation.
+    they are heard at the end of whole rounds only. `luck` are the two keys of it. Returns each field of the memory,
+    what is decided and intervals, and the estimates, as arrays (round, robot), index 0 before any observation.
     """
     functions = brain.functions
     minds = [brain.robot(float(b[i]), float(w[i]), float(i)) for i in range(blacks.shape[1])]
@@ -71,12 +72,15 @@ def follow(
 
 
 def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
-    """What a trace shows of a mind: its fields, and of brains that decide what, from the first round on."""
+    """What a trace shows of a mind: its fields, what it decides from the first round on, and its interval."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
     if brain.decides:
         fields[free(DECIDED, brain.memory)] = float(brain.functions.decide(me)) if decides else -1.0
     if brain.ends:
         fields[free(IS_DONE, brain.memory)] = float(bool(brain.functions.done(me)))
+    if brain.has_interval:
+        ends = zip(ENDS, brain.functions.interval(me), strict=True)
+        fields |= {free(name, brain.memory): float(end) for name, end in ends}
     return fields
 
 

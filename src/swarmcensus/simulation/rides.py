@@ -10,6 +10,7 @@ from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
@@ -21,7 +22,7 @@ from swarmcensus.simulation.swarming import (
 )
 from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
 from swarmcensus.simulation.walking import Chunk, set_out, walk
-from swarmcensus.simulation.watches import Watch, results_of
+from swarmcensus.simulation.watches import Truths, Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.changing_ground import ChangingGround
@@ -34,8 +35,10 @@ MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer:
 class Rider:
     """One setting's minds on a walk, and the curves of their estimates."""
 
-    def __init__(self, setting: Setting, given: Inputs) -> None:
-        """Wake the minds of one trial."""
+    def __init__(
+        self, setting: Setting, given: Inputs, checkpoints: Sequence[int] = (), truths: Truths | None = None
+    ) -> None:
+        """Wake the minds of one trial; at checkpoints their intervals are held against the `truths` of ticks."""
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
@@ -45,6 +48,9 @@ class Rider:
         self.start = np.empty((1, robots))
         self.stops = given.stops[0]
         self.keys = given.readings, given.losses
+        looked = np.array(checkpoints, np.int64)
+        self.asked = nobody() if truths is None else Asked.of(setting, truths(looked), 1)
+        self.asking = (looked, *self.asked.alone)
         self.sensors = [a[0] for a in (*given.sensors, given.drift)]
         beliefs = (a[0] for a in given.beliefs)
         with blaming(setting, self.trial):
@@ -68,7 +74,7 @@ class Rider:
             chunk.tick, *self.sensors, *self.keys,
             self.given.loss_threshold, self.delay, self.setting.brain.is_oracle, chunk.looked, black, chunk.heard,
             chunk.senders, *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
-            self.stops, stop,
+            *self.asking, self.stops, stop,
         )  # fmt: skip
 
     def wish(self, wishes: np.ndarray, tick: int) -> None:
@@ -81,13 +87,14 @@ class Rider:
 
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
-        truths = ground.truth if metrics.on_floor else self.setting.fill_ratios
+        truths = truths_of(self.setting, metrics, ground)
         truth = float(truths(self.setting.rounds))
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
         rows = self.rows
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
         self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
         check_verdicts(self.setting, self.given, self.verdicts[np.newaxis])
+        check_intervals(self.setting, self.given, self.asked)
         where, value, counts = where[honest], value[honest], self.counts[:, honest]
         verdicts = self.verdicts[honest] if self.verdicts.size else self.verdicts
         error = np.abs(value - truth)
@@ -112,8 +119,13 @@ class Rider:
         consensus = consensus_of(self.setting, self.agreed[np.newaxis], truth)
         return Batch(
             where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, counts[np.newaxis],
-            verdicts[np.newaxis], consensus, filled, estimates, watched,
+            verdicts[np.newaxis], consensus, self.asked.found, filled, estimates, watched,
         )  # fmt: skip
+
+
+def truths_of(setting: Setting, metrics: Metrics, ground: Ground | ChangingGround) -> Truths:
+    """What robots are held against after some ticks: the floor's share of black, or the nominal one."""
+    return ground.truth if metrics.on_floor else setting.fill_ratios
 
 
 def run_ride(
@@ -123,9 +135,12 @@ def run_ride(
     if settings[0].steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
         batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
         return None if batch is None else [batch]
-    riders = [Rider(setting, inputs_of(setting, seed, trial)) for setting in settings]
     keys = [(setting.floor_key(seed).tobytes(), setting.change) for setting in settings]
     grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
+    riders = [
+        Rider(setting, inputs_of(setting, seed, trial), metrics.checkpoints, truths_of(setting, metrics, grounds[key]))
+        for setting, key in zip(settings, keys, strict=True)
+    ]
     wishes = wishes_of(settings[0])
     for chunk in walk_of(settings[0], riders[0].given, stop, wishes):
         black = {key: ground.colours(chunk.tiles, chunk.tick) for key, ground in grounds.items()}
@@ -147,8 +162,8 @@ def tiles_of(setting: Setting) -> int:
 def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
     """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
     assert setting.body is not None
-    given = inputs_of(setting, seed, trial)
-    rider, ground = Rider(setting, given), setting.ground(seed, trial)
+    given, ground = inputs_of(setting, seed, trial), setting.ground(seed, trial)
+    rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
     state, numbers, half, around, listed = set_out(
         setting.robots, setting.arena_side, setting.fastest, given.walk, trial, given.paces[0]
     )  # fmt: skip
@@ -157,7 +172,7 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
             state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
             ground.all_tiles(), ground.turns(), *rider.swarm, rider.memory, rider.outbox,
             rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, setting.brain.is_oracle,
-            NOTHING, rider.counts, rider.verdicts, rider.agreed, rider.stops, stop,
+            NOTHING, rider.counts, rider.verdicts, rider.agreed, rider.asking, rider.stops, stop,
         )  # fmt: skip
     return None if stop[0] else rider.measure(metrics, ground)
 

@@ -12,6 +12,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import VERDICTS, WRONG
 from swarmcensus.engine.swarms import Swarm, runs_of
 from swarmcensus.simulation.inputs import Inputs
+from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.studies.settings import Setting
 
 NO_LUCK = np.zeros(0, np.uint64)
@@ -132,6 +133,10 @@ def fields_of(
         compiler.compile_world("kernel").decided(*made, history, estimates, told)
         fields |= {free(DECIDED, fields): told[..., 0]} if any(brain.decides for brain in brains) else {}
         fields |= {free(IS_DONE, fields): told[..., 1]} if any(brain.ends for brain in brains) else {}
+    if any(brain.has_interval for brain in brains):
+        bounds = np.full((len(estimates), 2, robots), np.nan)
+        compiler.compile_world("kernel").bounded(*made, history, bounds)
+        fields |= {free(name, fields): bounds[:, end] for end, name in enumerate(ENDS)}
     return fields
 
 

@@ -16,6 +16,7 @@ from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import PART, VERDICTS
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
+from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
@@ -47,6 +48,7 @@ class Metrics:
     watched: tuple[Metric, ...] = ()  # metrics of files
     decides: bool = False  # some brain of the study decides
     ends: bool = False  # some brain of the study may be done
+    intervals: bool = False  # some brain of the study has an interval
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,7 @@ class Batch:
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
     `engine.modes` names (trial, robot, what), and the first option that all agreed on, when, whether it is right, and
-    which is (trial, 4)."""
+    which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial)."""
 
     convergence: np.ndarray
     error: np.ndarray
@@ -65,6 +67,7 @@ class Batch:
     counts: np.ndarray
     verdicts: np.ndarray
     consensus: np.ndarray
+    intervals: np.ndarray
     true_fill_ratio: np.ndarray | None = None
     kept: np.ndarray | None = None
     watched: dict[str, np.ndarray] = field(default_factory=dict)
@@ -130,13 +133,14 @@ def _live(
     )
     counts = np.zeros((trials, 2, setting.robots), np.int64)
     verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
+    asked = nobody(trials) if local else Asked.of(setting, setting.fill_ratios(checkpoints), trials)
     arguments = (
         *made, *room, first, *given.sensors, given.drift, *given.beliefs, setting.course, local, looks, rounds,
         given.readings, given.order, given.losses,
         links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
         metrics.delta, bins_at(setting.fill_ratio, setting.change, () if local else metrics.checkpoints, metrics.bins),
         checkpoints,
-        where, value, final, correct, kept, counts, verdicts, agreed, np.empty((3, setting.robots)),
+        where, value, final, correct, kept, counts, verdicts, agreed, *asked, np.empty((3, setting.robots)),
     )  # fmt: skip
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratios, metrics.delta, metrics.bins) for m in watched]
@@ -160,6 +164,7 @@ def _live(
             raise
         raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
     check_verdicts(setting, given, verdicts)
+    check_intervals(setting, given, asked)
     consensus = consensus_of(setting, agreed, setting.fill_ratio)
     estimates = kept if metrics.estimates else None
     errors = np.abs(value - setting.fill_ratio)
@@ -167,7 +172,7 @@ def _live(
         where, errors, final, counts = where[:, honest], errors[:, honest], final[:, honest], counts[..., honest]
         verdicts = verdicts[:, honest] if verdicts.size else verdicts
         estimates = None if estimates is None else estimates[..., honest]
-    return Batch(where, errors, final, correct, counts, verdicts, consensus, kept=estimates, watched=found)
+    return Batch(where, errors, final, correct, counts, verdicts, consensus, asked.found, kept=estimates, watched=found)
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:
@@ -184,6 +189,7 @@ def _joined(batches: Sequence[Batch]) -> Batch:
         along(0, lambda b: b.counts),
         along(0, lambda b: b.verdicts),
         along(0, lambda b: b.consensus),
+        along(2, lambda b: b.intervals),
         kept=None if batches[0].kept is None else along(1, lambda b: b.kept),
         watched={name: np.concatenate([b.watched[name] for b in batches]) for name in batches[0].watched},
     )
@@ -237,7 +243,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
             links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
             1.0, np.zeros((0, 2)), np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
             np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
-            np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
+            *nobody(), np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
         )  # fmt: skip
         kernel.believe(*made, history, estimates)
     compiler.compile_world().round_readings(

@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from swarmcensus.basics.bins import right_bin, right_bins
 from swarmcensus.basics.errors import InputError, line_of
@@ -16,7 +17,7 @@ WIDEST_CHECKED = 100  # robots
 MOST_CHECKED = 2_000  # by it, of each metric that this process has not met: some milliseconds
 CHECKED: set[Metric] = set()
 
-Truths = Callable[[np.ndarray], np.ndarray]  # of rounds
+Truths = Callable[[ArrayLike], np.ndarray]  # of rounds
 
 
 class MetricFails(InputError):

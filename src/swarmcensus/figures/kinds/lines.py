@@ -22,6 +22,7 @@ from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.series import Point, Statistic, measured, points_of
 from swarmcensus.figures.sheets import LEFT, NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
 from swarmcensus.results.measures import with_measure
+from swarmcensus.results.values import SHARES
 
 SIZE = 5.0  # points: a dot
 ENDLESS = r"$\infty$"
@@ -46,14 +47,14 @@ def lines(
     """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
 
     `y` is any variable that is measured in every trial, or a measure of `compare` as "final_error"; its `statistic`,
-    "median" or "mean" (by default of `correct`), is over robots and trials. `x` and `color` are coordinates, by default
-    the number with the most values, and what else varies, the accuracy first; against `liars` it is the `adversary`,
-    and each one's line begins where nobody lies. For a variable of checkpoints `checkpoint` is one too, and otherwise
-    the last that a setting reaches is meant. There is a panel for each combination of the coordinates `panels`, by
-    default of all others that vary; settings that differ in nothing else are pooled. A thin upright line is the 95 %
-    interval over trials, where there are 6 or more. A sign of infinity at the top says that the statistic is infinite,
-    as where half of the robots never do what is measured. Lines join numbers, not names, and break where nothing has
-    been run. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
+    "median" or "mean" (by default of `correct` and `coverage`), is over robots and trials. `x` and `color` are
+    coordinates, by default the number with the most values, and what else varies, the accuracy first; against `liars`
+    it is the `adversary`, and each one's line begins where nobody lies. For a variable of checkpoints `checkpoint` is
+    one too, and otherwise the last that a setting reaches is meant. There is a panel for each combination of the
+    coordinates `panels`, by default of all others that vary; settings that differ in nothing else are pooled. A thin
+    upright line is the 95 % interval over trials, where there are 6 or more. A sign of infinity at the top says that
+    the statistic is infinite, as where half of the robots never do what is measured. Lines join numbers, not names, and
+    break where nothing has been run. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
 
     Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
     24 panels.
@@ -66,7 +67,7 @@ def lines(
     if x == "liars":
         data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
-    statistic = statistic or ("mean" if y == "correct" else "median")
+    statistic = statistic or ("mean" if y in SHARES else "median")
     if statistic not in get_args(Statistic):
         raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
@@ -122,10 +123,10 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
     """The points of each line, by its value of `color`."""
     if color is None:
-        return {"": points_of(part, y, x, statistic, share=y == "correct")}
+        return {"": points_of(part, y, x, statistic, share=y in SHARES)}
     texts = texts_of(part, color)
     return {
-        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=y == "correct")
+        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=y in SHARES)
         for text in dict.fromkeys(texts.tolist())
     }
 
