@@ -113,6 +113,16 @@ def test_what_limits_a_swarm(results):
     assert lazy.efficiency == pytest.approx((bound / lazy.squared_error[0], bound / high, bound / low))
 
 
+def test_a_brain_that_is_faster_than_mixed_sums_has_lost_no_time():
+    """`swift` beats plain mixing on a ring: what mixed sums would lose to time is not laid to its charge."""
+    data = run(swarm={"brain": "swift", "robots": 30, "accuracy": 0.6}, schedule={"rounds": 200})
+    found = sc.explain(data, 0)
+    assert found.squared_error[0] < found.theory[MIXED].variance[-1]
+    left = max(found.squared_error[0] - found.terms["sensors"], 0.0)
+    assert found.terms["time"] <= left
+    assert found.terms["mixing"] == pytest.approx(left - found.terms["time"])
+
+
 def test_under_robots_that_move_the_floor_has_its_part():
     found = sc.explain(walk(), 0)
     assert {*found.theory} == {SWARM}

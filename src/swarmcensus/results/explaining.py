@@ -125,7 +125,8 @@ def _terms(found: Expectation, squared: float) -> dict[str, float]:
     if found.setting.body is not None:
         terms["floor"] = floor
     if MIXED in found.lines and np.isfinite(found.stationary):
-        terms["time"] = max(float(found.lines[MIXED].variance[-1]) - found.stationary, 0.0)
+        late = max(float(found.lines[MIXED].variance[-1]) - found.stationary, 0.0)
+        terms["time"] = min(late, max(squared - sum(terms.values()), 0.0))  # a brain may be faster than mixed sums
     return terms | {"mixing": max(squared - sum(terms.values()), 0.0)}
 
 
@@ -140,7 +141,8 @@ def _words(found: Expectation, terms: dict[str, float]) -> str:
         "or more robots would help.",
         "floor": "the floor: its own share of black is as far from f. A larger floor would help, or holding estimates "
         'against the floor itself (truth = "floor").',
-        "time": f"time: news is still under way{relaxed}. More rounds or more links would help.",
+        "time": f"time: news is still under way{relaxed}. More rounds, more links or a brain that mixes faster would "
+        "help.",
         "mixing": "mixing: estimates hold less than what the swarm has seen. A brain that passes on more, or a network "
         "in which all count alike, would help.",
     }[largest]
