@@ -1,4 +1,4 @@
-"""Commons: robots mix running sums of all evidence, and divide; what one has seen reaches all, by two numbers at a time.
+"""Commons: robots mix running sums of all evidence, and divide; what one has seen reaches all, two numbers at a time.
 
 With k = b + w - 1, every reading adds to two sums; in every round each becomes the mean of the own and those heard.
 
