@@ -201,7 +201,7 @@ def test_commons_errs_less_and_settles_sooner_than_the_paper_s_brain():
 
 
 def test_swift_reaches_the_whole_swarm_s_bound_where_commons_has_news_under_way():
-    """100 robots on a ring, b = w = 0.525, f = 0.55, round 1,000: about 0.0105 and 0.0075, where the bound is 0.0067."""
+    """100 robots on a ring, b = w = 0.525, f = 0.55, round 1,000: some 0.0105 and 0.0075; the bound is 0.0067."""
     far = sc.run(study(["commons", "swift"], robots=100, accuracy=0.525, schedule=LONG))
     commons, swift = np.median(np.abs(far["final_estimate"].values - 0.55), axis=(1, 2))
     assert commons <= 0.0125  # a median over 60 trials of robots that resemble each other is good to a fifth
