@@ -135,14 +135,15 @@ def test_swift_is_a_second_order_recursion_of_the_same_matrix():
     rng = np.random.default_rng(2)
     robots = minds(SWIFT, [(0.9, 0.8)] * 4)
     mixing = PATH / PATH.sum(1, keepdims=True)
-    said, before = np.zeros((2, 2, 4))
-    for _ in range(30):
+    said, before = np.zeros((2, 3, 4))  # of s, v, and of 1 a round
+    for rounds in range(1, 31):
         blacks = rng.integers(0, 6, 4)
         found = one_round(SWIFT, robots, blacks, 5.0, PATH)
-        said += np.stack([0.7 * (blacks - 5.0 * 0.2), np.full(4, 0.7**2 * 5.0)])
+        said += np.stack([0.7 * (blacks - 5.0 * 0.2), np.full(4, 0.7**2 * 5.0), np.ones(4)])
         mean = said @ mixing.T
+        gain = mean[2] / rounds
         said, before = mean + 0.9 * (mean - before), said
-        prior = np.minimum(0.25, 0.0625 / mean[1])
+        prior = gain * np.minimum(0.25, 0.0625 * gain / mean[1])
         np.testing.assert_allclose(found, np.clip((mean[0] + prior / 2) / (mean[1] + prior), 0.0, 1.0), rtol=1e-10)
     assert not any(me.shaken for me in robots)
 

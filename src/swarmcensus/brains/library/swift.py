@@ -12,7 +12,8 @@ who is shaken, which is told by the sign of v. Who is shaken mixes as commons do
 all are. Where g is the same for all and nothing changes, all keep it.
 
 The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss, so that g
-falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once.
+falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once. The
+prior is that of commons, as much larger as momentum has made the sums.
 """
 
 PARAMETERS = {
@@ -26,6 +27,9 @@ MEMORY = {
     "said_v": 0.0,
     "mean_s": 0.0,  # the means, with the readings since
     "mean_v": 0.0,
+    "unit": 0.0,  # what evidence of 1 a round would have become, said likewise
+    "said_unit": 0.0,
+    "rounds": 0.0,  # so far
     "first": -1.0,  # messages in the first round; -1 before
     "shaken": 0.0,  # 1: no momentum
     "heard": 0.0,  # messages since the last round
@@ -76,16 +80,22 @@ def fuse(me):
         me.shaken = 1.0
     s = me.mean_s
     v = me.mean_v
+    unit = me.unit + 1.0
+    ahead_unit = unit
     if me.shaken == 0.0:
         g = me.momentum * min(1.0, me.crowd / voices) ** 2
         ahead = v + g * (v - me.said_v)
         if ahead > 0.5 * v:
             s += g * (s - me.said_s)
             v = ahead
+            ahead_unit += g * (unit - me.said_unit)
     me.said_s = me.s
     me.said_v = me.v
+    me.said_unit = unit
     me.s = s
     me.v = v
+    me.unit = ahead_unit
+    me.rounds += 1.0
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
@@ -93,8 +103,9 @@ def fuse(me):
 
 
 def estimate(me):
-    """The ratio of the means, with the prior of commons, in [0, 1]."""
+    """The ratio of the means, with the prior, in [0, 1]."""
     if me.mean_v <= 0.0:
         return 0.5
-    prior = min(0.25, 0.0625 / me.mean_v)
+    gain = max(me.said_unit / max(me.rounds, 1.0), 1.0)
+    prior = min(0.25, 0.0625 * gain / me.mean_v) * gain
     return min(max((me.mean_s + 0.5 * prior) / (me.mean_v + prior), 0.0), 1.0)
