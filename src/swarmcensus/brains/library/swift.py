@@ -12,8 +12,8 @@ who is shaken, which is told by the sign of v. Who is shaken mixes as commons do
 all are. Where g is the same for all and nothing changes, all keep it.
 
 The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss, so that g
-falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once. The
-prior is that of commons, as much larger as momentum has made the sums.
+falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once.
+The prior is that of commons, as much larger as momentum has made the sums.
 """
 
 PARAMETERS = {
