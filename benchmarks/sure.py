@@ -62,9 +62,8 @@ def stops():
     mean, error = wrong.mean(axis=1), wrong.std(axis=1, ddof=1) / wrong.shape[1] ** 0.5
     worst = mean.argmax()
     print(f"stopped: {done.sum() / there.sum():.1%} of all robots, {mean.mean():.2%} on a wrong answer;")
-    print(
-        f"  most of {len(mean)} cells {mean[worst]:.1%} +- {1.96 * error[worst]:.1%}: {cell(results, worst)} within {within[worst]}"
-    )
+    print(f"  most of {len(mean)} cells {mean[worst]:.1%} +- {1.96 * error[worst]:.1%}:")
+    print(f"  {cell(results, worst)} within {within[worst]}")
     variance = float(theory.reading_variance(0.55, 0.625))
     for i in np.flatnonzero([cell(results, i) == "40 ring 0.625 0.55 1.0" for i in range(len(at))]):
         needed = (1.96 / within[i]) ** 2 * variance / 400
