@@ -21,6 +21,7 @@ MEMORY = {
     "heard_v": 0.0,
 }
 MESSAGE = ("s", "v")
+ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v")
 
 
