@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.basics.bins import right_bins
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
 from swarmcensus.figures.coordinates import varies
@@ -137,7 +138,7 @@ def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
         for c in results["checkpoint"].values:
             assert one["correct"].sel(checkpoint=c) == metrics.correct(x[c], truths[c])
         x, truths = x[1:], truths[1:]
-        bins = metrics.right_bins(truths, 10)
+        bins = right_bins(truths, 10)
         right = (x >= bins[:, :1]) & (x < bins[:, 1:])
         near = np.abs(x - truths[:, np.newaxis]) < 0.05
         last = max([0, *np.flatnonzero(np.diff(truths)) + 1])

@@ -11,12 +11,12 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains, metrics
+from swarmcensus.basics.bins import right_bin
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read
 from swarmcensus.simulation import trials, watches
-from swarmcensus.simulation.metrics import right_bin
 
 LIBRARY = metrics.DOOR.shipped
 STUDY = """

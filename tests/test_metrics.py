@@ -6,6 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
+from swarmcensus.basics.bins import right_bin
 from swarmcensus.simulation import metrics
 
 
@@ -64,7 +65,7 @@ def test_error_at():
 )
 def test_bins(fill_ratio, estimate, right):
     assert metrics.correct(np.array([estimate]), fill_ratio) == right
-    low, high = metrics.right_bin(fill_ratio)  # ten bins, as a study has them where it says nothing
+    low, high = right_bin(fill_ratio)  # ten bins, as a study has them where it says nothing
     assert (low <= estimate < high) == right
 
 

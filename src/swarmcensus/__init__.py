@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from swarmcensus import theory
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
     from swarmcensus.results.comparing import compare
+    from swarmcensus.results.explaining import explain
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -32,6 +34,7 @@ _HOME = {
     "Interrupted": "basics.errors",
     "Study": "studies.study",
     "compare": "results.comparing",
+    "explain": "results.explaining",
     "frame": "results.store",
     "infer": "simulation.inferring",
     "load": "results.store",
@@ -42,6 +45,7 @@ _HOME = {
     "run": "runs.running",
     "save": "results.store",
     "summary": "results.summaries",
+    "theory": "theory",
     "tune": "tuning.tuning",
     "verify": "runs.verifying",
 }
@@ -50,6 +54,7 @@ __all__ = [
     "Interrupted",
     "Study",
     "compare",
+    "explain",
     "frame",
     "infer",
     "load",
@@ -60,6 +65,7 @@ __all__ = [
     "run",
     "save",
     "summary",
+    "theory",
     "tune",
     "verify",
 ]

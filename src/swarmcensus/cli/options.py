@@ -108,6 +108,10 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
 
+    sub = command("explain", "Set what a setting measured beside theory, and say what limits it.")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--setting", type=_from_zero, required=True, metavar="N", help="as 'show' numbers them")
+
     sub = command("leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.")
     sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
     sub.add_argument("--out", type=Path, default=Path("leaderboard"), help="folder to write (default: %(default)s)")
@@ -184,6 +188,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     )
     _add_measure_options(sub)
     sub.add_argument("--local", action="store_true", default=None, help="the local estimate instead (scatter)")
+    sub.add_argument(
+        "--theory", action="store_true", default=None, help="lay theory's curves over it (scatter, decisions, curves)"
+    )
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")

@@ -11,7 +11,7 @@ from swarmcensus.basics.errors import InputError
 
 HANDED_ON = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
-    "fps",
+    *("fps", "theory"),
 )  # flags of `plot` that are options of kinds, by the names of these
 ASKED_ANEW = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # kinds of ours that draw it
 

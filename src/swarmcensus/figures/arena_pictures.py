@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from numpy.typing import NDArray
 
+from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.arena_margins import (
     ARENA,
@@ -36,7 +37,6 @@ from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
-from swarmcensus.simulation.metrics import right_bin
 
 __all__ = ["Arena", "scene_of", "snapshot"]
 

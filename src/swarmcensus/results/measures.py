@@ -186,7 +186,7 @@ def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
         known_right = np.where(np.isnan(right), np.nan, 1.0)
         return np.where(np.isnan(some), np.nan, some == right) * known_right
     if name in ("final_error", "done_error", "right_side"):
-        held = _truth(data.isel(setting=rows))[:, :, np.newaxis]
+        held = truth(data.isel(setting=rows))[:, :, np.newaxis]
         return _side(some, held) if name == "right_side" else np.abs(some - held)
     return some
 
@@ -203,7 +203,7 @@ def _known(values: NDArray[Any]) -> Floats:
     return np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
 
 
-def _truth(data: xr.Dataset) -> Floats:
+def truth(data: xr.Dataset) -> Floats:
     """The fill ratio that estimates are held against, (setting, trial): see `truth` in docs/study-file.md."""
     nominal = np.broadcast_to(data["fill_ratio"].values[:, np.newaxis], (data.sizes["setting"], data.sizes["trial"]))
     if data.attrs.get("truth") != "floor":

@@ -25,19 +25,20 @@ from swarmcensus.worlds.networks import MOVING
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 
 
-def setting_of(data: xr.Dataset, number: int, brain: Brains = ()) -> tuple[Study, Setting]:
+def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:
     """The setting of this number in a dataset, and the study that it is of: see `studies_of`. Raises InputError."""
     if number not in data["setting"].values:
         known = data["setting"].values
         raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
     mark = str(data["fingerprint"].sel(setting=number).values)
-    for study in studies_of(data, brain):
+    for study in studies_of(data, brain, run=run):
         settings = study.settings()
         # its place in the grid, but for merged studies
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
         for setting in order:
             if setting.fingerprint(study.seed) == mark:
-                must_be_read(setting)
+                if run:
+                    must_be_read(setting)
                 return study, setting
     why = next(filter(None, (edited(data, study) for study in studies_of(data, brain))), "")
     raise InputError(f"setting {number}: it is not of the study that these results name{': ' * bool(why)}{why}")

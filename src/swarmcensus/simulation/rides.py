@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
-from swarmcensus.simulation.metrics import right_bins
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,

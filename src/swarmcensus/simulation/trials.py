@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import PART, VERDICTS
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
-from swarmcensus.simulation.metrics import right_bins
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,

@@ -6,10 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from swarmcensus.basics.bins import right_bin, right_bins
 from swarmcensus.basics.errors import InputError, line_of
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
-from swarmcensus.simulation.metrics import right_bin, right_bins
 from swarmcensus.studies.settings import Setting
 
 MOST_SHOWN = 1_000_000  # estimates, to CPython

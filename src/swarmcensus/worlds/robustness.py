@@ -5,13 +5,9 @@ number whose bits say who is in it, so that what holds within each set is found 
 steps instead of the 3^n pairs.
 """
 
-import operator
-from collections.abc import Iterable, Mapping
 from typing import Any
 
-from swarmcensus.engine.modes import LISTED
-from swarmcensus.worlds import generators
-from swarmcensus.worlds.networks import Topology, parse_topology
+from swarmcensus.worlds.graphs import network, whole
 
 MOST = 12  # robots
 
@@ -42,7 +38,7 @@ def is_rs_robust(graph: Any, r: int, s: int, robots: int | None = None, *, direc
     both together or more hear r robots or more outside their own set. The other arguments are those of `r_robustness`.
     Raises ValueError, also where r is below 0 or s not from 1 to the number of robots.
     """
-    r, s = _whole("r", r), _whole("s", s)
+    r, s = whole("r", r), whole("s", s)
     heard = _heard(graph, robots, directed)
     if r < 0 or not 1 <= s <= len(heard):
         raise ValueError(f"(r, s) = ({r}, {s}): r is from 0 on, and s from 1 to the number of robots, {len(heard)}")
@@ -73,52 +69,11 @@ def _lowest_within(values: list[int]) -> list[int]:
     return lowest
 
 
-def _whole(name: str, value: Any) -> int:
-    try:
-        if isinstance(value, bool):
-            raise TypeError
-        return operator.index(value)
-    except TypeError:
-        raise ValueError(f"{name} = {value!r}: should be a whole number") from None
-
-
 def _heard(graph: Any, robots: int | None, directed: bool) -> list[int]:
     """Whom each robot hears, as bits; nobody hears oneself."""
-    robots = None if robots is None else _whole("robots", robots)
-    if not isinstance(directed, bool):
-        raise ValueError(f"directed = {directed!r}: should be True or False")
-    known: bool = isinstance(graph, Topology | Iterable) and not isinstance(graph, type)
-    if not known:
-        raise ValueError(
-            f"graph = {graph!r}: should be a networkx graph, a topology as in a study file, or pairs of robot numbers, "
-            "such as [(0, 1), (1, 2)]"
-        )
-    if hasattr(graph, "nodes") and hasattr(graph, "is_directed"):  # by their places: nodes may have any names
-        nodes = graph.number_of_nodes()
-        if robots not in (None, nodes):
-            raise ValueError(f"robots = {robots}: the graph has {nodes} nodes: should be {nodes}, or left out")
-        pairs = [(u, v) for u, v in generators.numbered(graph) if u != v]
-        robots, directed = nodes, graph.is_directed()
-        graph = {"name": "graph", "edges": pairs, "directed": directed}
-    elif not isinstance(graph, Topology | str | Mapping):
-        graph = {"name": "graph", "edges": graph, "directed": directed}
-    topology = parse_topology(graph, None, {})
-    if robots is None and topology.edges is not None:
-        robots = 1 + max((max(pair) for pair in topology.edges), default=0)
-    if robots is None:
-        raise ValueError(f"topology {topology.name!r} has no size of its own: say how many robots")
-    if not 1 <= robots <= MOST:
-        raise ValueError(
-            f"{robots} robots: should be 1 to {MOST}, for the sets of robots that are looked at double with each robot"
-        )
-    if topology.moves or topology.varies:
-        raise ValueError(f"topology {topology.name!r} differs from trial to trial: give the edges of one of its graphs")
-    topology.check(robots)
-    links = topology.links(robots, 0, 0, 1, lossless=False, sums=False)
-    everyone = (1 << robots) - 1
-    if links.mode != LISTED:
-        return [everyone & ~(1 << robot) for robot in range(robots)]
-    heard = [0] * robots
-    for receiver, sender in zip(links.receivers.tolist(), links.senders.tolist(), strict=True):
+    why = "for the sets of robots that are looked at double with each robot"
+    found = network(graph, robots, directed, MOST, why)
+    heard = [0] * found.robots
+    for receiver, sender in zip(found.receivers.tolist(), found.senders.tolist(), strict=True):
         heard[receiver] |= 1 << sender
     return heard

@@ -14,15 +14,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from swarmcensus.basics.bins import right_bin, right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
+from swarmcensus.figures.theory_lines import STYLES, THIN, sample, untold
+from swarmcensus.results.expecting import ALONE, SWARM, Expectation, expect
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
-from swarmcensus.simulation.metrics import right_bin, right_bins
 
+HALVES = {ALONE: "theory: middle half of robots alone", SWARM: "theory: middle half at the bound of the whole swarm"}
+MOST_TIMES = 40  # at which theory is asked
 MOST_LINES = 100  # robots that are drawn one by one; a larger swarm is drawn as bands
 
 
@@ -33,6 +37,7 @@ def curves(
     trial: int = 0,
     brain: str | Path | None = None,
     scale: Scale = "log",
+    theory: bool = False,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
@@ -44,8 +49,10 @@ def curves(
     x is the round or tick (0: before any observation), y the estimated fill ratio; bold is the median over robots,
     dashed the true fill ratio (`trace.attrs["fill_ratio"]`, if known, or `trace["fill_ratio"]` where it changes),
     shaded the right one of 10 (or `trace.attrs["bins"]`) bins. Up to 100 robots are thin lines; of more, 30 are, and
-    bands hold the middle 50 % and 90 %, as the key says. Without a `title` it is `trace.attrs["title"]`. Shows round
-    by round what the paper's Sec. III describes. In axes of your own, `ax`, leave room for the key on their right.
+    bands hold the middle 50 % and 90 %, as the key says. With `theory`, half of all robots alone are expected between
+    two dotted lines, and half of all estimates that are as good as the bound of the whole swarm between two dashed
+    ones; that needs a study's results, not a trace. Without a `title` it is `trace.attrs["title"]`. Shows round by
+    round what the paper's Sec. III describes. In axes of your own, `ax`, leave room for the key on their right.
 
     Raises InputError if a trace lacks the estimates or has none, and as `sc.replay` does.
     """
@@ -57,8 +64,12 @@ def curves(
     estimate = estimate.dropna("round", how="all").dropna("robot", how="all")
     if not estimate.size:
         raise InputError("nothing to draw: the trace holds no estimate")
-    (ax,) = sheet(ax, [str(trace.attrs.get("title", "")) if title is None else title], None)
     rounds, x = estimate["round"].values, estimate.values
+    caption = str(trace.attrs.get("title", "")) if title is None else title
+    expected = _expected(results, trace, rounds[-1]) if theory else None
+    if expected is not None and not expected.lines:
+        caption = untold(caption, next(iter(expected.absent.values())))
+    (ax,) = sheet(ax, [caption], None)
     robots = x.shape[1]
     shown = np.arange(robots)
     colour = palette(11)[3]
@@ -83,6 +94,8 @@ def curves(
         liars = [np.stack([others["round"].values, line], 1) for line in drawn]
         ax.add_collection(LineCollection(liars, linewidths=0.8, colors=LIES, linestyles=":", label="not honest"))
         entries[f"{others.shape[1]:,} that are not honest"] = Line2D([], [], linewidth=0.9, color=LIES, linestyle=":")
+    if expected is not None:
+        entries |= _draw_theory(ax, expected)
     (middle,) = ax.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
     whose = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
     entries[whose] = middle
@@ -97,6 +110,22 @@ def curves(
     name_axes(ax, f"{unit}{note}", "estimated fill ratio $x$")
     add_key([ax], "", entries)
     return ax.figure.canvas.figure
+
+
+def _expected(results: xr.Dataset, trace: xr.Dataset, last: int) -> Expectation:
+    """What theory says of the trace's setting, up to a round."""
+    if results is trace:
+        raise InputError("theory needs a study's results, not a trace: draw curves of results, with setting and trial")
+    times = np.unique(np.geomspace(1, max(last, 1), MOST_TIMES).astype(int)).tolist()
+    return expect(results, int(trace.attrs["setting"]), times, (ALONE, SWARM))
+
+
+def _draw_theory(ax: Axes, found: Expectation) -> dict[str, Artist]:
+    """Theory's middle halves, and what the key says of them."""
+    for name, line in found.lines.items():
+        for ends in (line.low, line.high):
+            ax.plot(found.times, ends, color="black", linewidth=THIN, linestyle=STYLES[name], label=f"theory {name}")
+    return {HALVES[name]: sample(name) for name in found.lines}
 
 
 def _draw_truth(ax: Axes, trace: xr.Dataset, bins: int) -> tuple[Artist, Artist]:

@@ -29,7 +29,10 @@ from swarmcensus.figures.sheets import (
     say_lacking,
     sheet,
 )
+from swarmcensus.figures.theory_lines import STYLES, THIN, Curves, curves_of, told
+from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
+from swarmcensus.results.expecting import ALONE, SWARM
 
 MOST_CHECKPOINTS = 12
 GAP = 1.5  # points between a diamond and the dash over it
@@ -40,6 +43,7 @@ def decisions(
     *,
     color: str = "accuracy",
     panels: Names = None,
+    theory: bool = False,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
@@ -49,9 +53,10 @@ def decisions(
     says how many are shown), and holds a diamond for each value of the coordinate `color`, side by side in the key's
     order, so that none hides another. y is the percentage of right robots over all trials; a thin line through a
     diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and a dash that
-    lies over a diamond says that all robots of all trials are right. There is a panel for each combination of the
-    coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold one panel: leave room for the
-    key on their right. Warns of fill ratios on the edge between two bins.
+    lies over a diamond says that all robots of all trials are right. With `theory`, dots lead through the share that is
+    expected of robots alone, and dashes through that of the bound of all readings of the swarm. There is a panel for
+    each combination of the coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold one
+    panel: leave room for the key on their right. Warns of fill ratios on the edge between two bins.
 
     Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
     more than 24 panels.
@@ -59,13 +64,14 @@ def decisions(
     check_coordinates(results, color=color, panels=panels)
     if "truth" in results.attrs:
         warn_of_edges(results)
-    return decisions_grid(panels_of(results, (color,), panels), color=color, title=title, ax=ax)
+    return decisions_grid(panels_of(results, (color,), panels), color=color, theory=theory, title=title, ax=ax)
 
 
 def decisions_grid(
     panels: Sequence[Panel | tuple[Any, ...]],
     *,
     color: str = "accuracy",
+    theory: bool = False,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
@@ -76,14 +82,20 @@ def decisions_grid(
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
     drawn = [Panel(*panel) for panel in panels]
+    expected: list[Curves] = [{} for _ in drawn]
+    if theory:
+        for k, panel in enumerate(drawn):
+            checkpoints = panel.results["checkpoint"].values.tolist()
+            expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
+            drawn[k] = told(panel, why)
     axes = sheet(ax, [panel.caption for panel in drawn], title)
     shares = [shares_of(panel.results, color) for panel in drawn]
     looks = looks_of((value for share in shares for value in share), "d", color)
     if not looks:
         raise InputError(NOTHING)
-    for panel, share, place in zip(drawn, shares, axes, strict=True):
+    for panel, share, curves, place in zip(drawn, shares, expected, axes, strict=True):
         if share:
-            _draw_shares(place, panel.results["checkpoint"].values, share, looks, unit_of(panel.results))
+            _draw_shares(place, panel.results["checkpoint"].values, share, looks, unit_of(panel.results), curves)
         else:
             say_empty(place)
     heading, named = keyed(looks, color)
@@ -92,12 +104,14 @@ def decisions_grid(
         entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
     if any(np.isfinite(one.low).any() for share in shares for one in share.values()):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
-    add_key(axes, heading, entries)
+    add_key(axes, heading, entries | theory_entries(expected))
     say_lacking(axes, [panel.results for panel in drawn])
     return axes[0].figure.canvas.figure
 
 
-def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str) -> None:
+def _draw_shares(
+    axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str, expected: Curves
+) -> None:
     known = np.flatnonzero(np.any([np.isfinite(one.right) for one in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
     widest = max(2 * len(looks), 0.7 * SMALL * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
@@ -121,6 +135,11 @@ def _draw_shares(axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: d
         diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
         diamonds.set(xdata=x[some], ydata=100 * right[some], label=f"right {text}", zorder=4, clip_on=False)
         axes.add_line(diamonds)
+        for name, line in expected.get(text, {}).items():
+            axes.plot(
+                x[some], 100 * line.right[kept][some], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
+                label=f"theory {name} {text}", zorder=1.5,
+            )  # fmt: skip
     for edge in np.arange(1, columns) - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
     axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)

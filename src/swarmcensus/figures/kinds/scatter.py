@@ -32,6 +32,9 @@ from swarmcensus.figures.sheets import (
     say_lacking,
     sheet,
 )
+from swarmcensus.figures.theory_lines import STYLES, THIN, Curves, curves_of, told
+from swarmcensus.figures.theory_lines import entries as theory_entries
+from swarmcensus.results.expecting import ALONE, SWARM
 
 LABELS = 0.25  # inches over a scatter panel for the names of its medians, if they are short
 TURNS = 6
@@ -46,6 +49,7 @@ def scatter(
     local: bool = False,
     error_limit: float | None = None,
     scale: Scale = "log",
+    theory: bool = False,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
@@ -59,15 +63,16 @@ def scatter(
     each combination of the coordinates `panels`, by default of all others that vary; those of one unit share their
     axes. With `scale` "log" both axes are logarithmic, above 1 and 0.01, and x begins where the data do (and is linear
     where all but the earliest 5 % span less than half a decade); with "log-y" the error alone is, and x begins at 0;
-    "linear" is the paper's. Dots above `error_limit` are counted instead of drawn. Axes of your own, `ax`, hold one
-    panel: leave room for the key on their right.
+    "linear" is the paper's. With `theory`, dots lie at the median error that is expected of robots alone after the last
+    round, and dashes at that of the bound of all readings of the swarm (not with `local`). Dots above `error_limit` are
+    counted instead of drawn. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
 
     Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
     more than 24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
-    return scatter_grid(parts, color=color, scale=scale, title=title, ax=ax)
+    return scatter_grid(parts, color=color, scale=scale, theory=theory, title=title, ax=ax)
 
 
 def scatter_grid(
@@ -75,6 +80,7 @@ def scatter_grid(
     *,
     color: str = "accuracy",
     scale: Scale = "log",
+    theory: bool = False,
     title: str | None = None,
     ax: Axes | None = None,
 ) -> Figure:
@@ -92,13 +98,19 @@ def scatter_grid(
     looks = looks_of((value for cloud in clouds for value in cloud), "o", color)
     if drawn and not looks:
         raise InputError(NOTHING)
+    expected: list[Curves] = [{} for _ in drawn]
+    if theory:
+        for k, panel in enumerate(drawn):
+            names = (ALONE,) if panel.local else (ALONE, SWARM)
+            expected[k], why = curves_of(panel.results, color, None, names)
+            drawn[k] = told(panel, why)
     captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, NAMES) + 5) / 72 for look in looks.values())])
     axes = sheet(ax, captions, title, above=above)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     crossed, all_named = False, True
-    for panel, cloud, unit, place in zip(drawn, clouds, units, axes, strict=True):
+    for panel, cloud, unit, curves, place in zip(drawn, clouds, units, expected, axes, strict=True):
         if not cloud:
             say_empty(place)
             continue
@@ -112,6 +124,12 @@ def scatter_grid(
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or bool(crosses)
         all_named &= _draw_cloud(place, cloud, crosses, looks)
+        for text, lines in curves.items():
+            for name, line in lines.items():
+                place.axhline(
+                    line.median_error[-1], color=looks[text].colour, linewidth=THIN, linestyle=STYLES[name], zorder=3.2,
+                    label=f"theory {name} {text}", path_effects=halo(THIN + 0.8),
+                )  # fmt: skip
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
     median = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
@@ -119,6 +137,7 @@ def scatter_grid(
     if crossed:
         entries["its 95 % interval"] = Line2D([], [], linestyle="", marker="+", markersize=9, color="black", mew=0.8)
     entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
+    entries |= theory_entries(expected)
     if scale != "linear":
         from_0 = any(one.get_xscale() == "asinh" and one.get_xlim()[0] < 1 for one in axes)
         bent = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"

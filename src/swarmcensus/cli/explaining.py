@@ -1,0 +1,99 @@
+"""The command `explain`: a setting's measured figures beside theory's. Imports wait until needed."""
+
+import argparse
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from swarmcensus.results.explaining import Explanation, Interval
+
+NAMES = {
+    "alone": "a robot alone",
+    "neighbourhood": "its neighbourhood",
+    "mixed": "mixed sums",
+    "swarm": "the whole swarm",
+}  # theory's lines, in their order
+MEANS = {
+    "alone": "the exact law of a robot that hears nobody",
+    "neighbourhood": "no unbiased estimate of what a robot and those that it hears have seen errs less",
+    "mixed": "running sums of evidence, mixed and divided on the same network",
+    "swarm": "no unbiased estimate of all readings errs less",
+}
+MOST_CHECKPOINTS = 6  # that are shown
+
+
+def explain(options: argparse.Namespace) -> int:
+    """Explain a setting."""
+    from swarmcensus.results import explaining
+    from swarmcensus.results.early import opened, say_partial
+
+    data = opened(options.results)
+    found = explaining.explain(data, options.setting)
+    say_partial(data, options.results)
+    show(found, str(options.results))
+    return 0
+
+
+def show(found: "Explanation", path: str) -> None:
+    """Print it: what was measured and what theory says, line by line, then what lies between them."""
+    from swarmcensus.basics.terminal import UNFOLDED, console
+
+    out = console()
+    out.print(f"{path}, setting {found.setting}: {found.what}; {found.trials:,} trials")
+    for most in range(MOST_CHECKPOINTS, 0, -1):  # fewer checkpoints where a terminal is narrow
+        rows = _table(found, most)
+        if rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width:
+            break
+    out.print(rows)
+    out.print(f"error: the median of |x - f|; error, sd, bias: after {found.rounds:,} {found.unit}", style="dim")
+    for name in (name for name in NAMES if name in found.theory):
+        out.print(f"{NAMES[name]}: {MEANS[name]}", style="dim")
+    k, low, high = found.convergence_round
+    out.print(f"K: {k:,.0f} {found.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
+    if found.terms:
+        value, low, high = found.efficiency
+        ends = f" [{low:.3g}, {high:.3g}]" if math.isfinite(low) else ""
+        out.print(f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error")
+        total = sum(found.terms.values())
+        parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in found.terms.items())
+        out.print(f"mean squared error: {found.squared_error[0]:.3g}, of it {parts}")
+        out.print(f"What limits it most is {found.limit}")
+    for why in dict.fromkeys(found.absent.values()):
+        names = [NAMES[name] for name, one in found.absent.items() if one == why]
+        whose = "no line of theory" if len(names) == len(NAMES) else f"no line for {', '.join(names)}"
+        out.print(f"{whose}: {why}")
+
+
+def _table(found: "Explanation", most: int) -> Any:
+    from swarmcensus.basics.terminal import table
+
+    last = len(found.checkpoints) - 1
+    few = min(last, most - 1)
+    shown = [last - round(k * last / few) for k in range(few, -1, -1)] if few > 0 else [last] * (last >= 0)
+    heads = [("", False), ("error", True), ("sd", True), ("bias", True)]
+    heads += [(f"right % at {found.checkpoints[k]:,}", True) for k in shown[:1]]
+    heads += [(f"at {found.checkpoints[k]:,}", True) for k in shown[1:]]
+    rows = [
+        ["measured", _number(found.median_error[0]), _number(found.sd), _number(found.bias)]
+        + [_percent(found.right[k][0]) for k in shown]
+    ]
+    if math.isfinite(found.median_error[1]):
+        ends = [_ends(found.right[k], _percent) for k in shown]
+        rows.append(["[95 %]", _ends(found.median_error, _number), "", "", *ends])
+    for name, line in ((name, found.theory[name]) for name in NAMES if name in found.theory):
+        numbers = [_number(float(part[-1])) for part in (line.median_error, line.sd, line.bias)]
+        rows.append([NAMES[name], *numbers, *(_percent(float(line.right[k])) for k in shown)])
+    return table(heads, rows)
+
+
+def _number(value: float) -> str:
+    return f"{round(value, 4) + 0.0:.4f}"  # no -0.0000
+
+
+def _percent(value: float) -> str:
+    return f"{100.0 * value:.1f}"
+
+
+def _ends(interval: "Interval", form: Callable[[float], str]) -> str:
+    return f"[{form(interval[1])}, {form(interval[2])}]" if math.isfinite(interval[1]) else ""

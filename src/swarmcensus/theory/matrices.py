@@ -1,0 +1,79 @@
+"""Mixing matrices: how much of each robot's number goes into each other's in a round."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.theory.checks import Floats, numbers
+from swarmcensus.worlds.graphs import network
+
+MOST = 4096  # robots of a matrix: 128 MB
+
+
+def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = False) -> Floats:
+    """The matrix W (robot, robot) of means over one's own number and all that one hears: the rows of A + I, over sums.
+
+    `graph` is a networkx graph, anything that a study takes for a topology ("ring", with `robots`), or pairs of robot
+    numbers from 0; of a directed pair (u, v), v hears u. Raises InputError where it is none of these, differs from
+    trial to trial, or has more than 4,096 robots.
+    """
+    try:
+        found = network(graph, robots, directed, MOST, "for a matrix has a row and a column a robot")
+    except ValueError as error:
+        raise InputError(str(error)) from None
+    return from_links(found.robots, found.receivers, found.senders)
+
+
+def from_links(robots: int, receivers: np.ndarray, senders: np.ndarray) -> Floats:
+    """The same of links: `receivers[k]` hears `senders[k]`."""
+    matrix = np.eye(robots)
+    matrix[receivers, senders] = 1.0
+    return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
+
+
+def checked(matrix: ArrayLike) -> Floats:
+    """A matrix that may mix: square, nothing negative, rows that sum to 1. Raises InputError."""
+    found = numbers("matrix", matrix)
+    if found.ndim != 2 or found.shape[0] != found.shape[1] or not found.size:
+        raise InputError(f"matrix has the shape {found.shape}: should be a square, a row and a column a robot")
+    if (found < 0.0).any():
+        raise InputError("matrix has a negative weight: should be 0 or above")
+    wrong = np.flatnonzero(np.abs(found.sum(axis=1) - 1.0) > 1e-9)
+    if wrong.size:
+        raise InputError(f"matrix: the weights of row {wrong[0]} sum to {found[wrong[0]].sum():g}: should be 1")
+    return found
+
+
+class Spectrum(NamedTuple):
+    """W = diag(1 / root) U diag(values) U' diag(root): what makes all powers of a reversible W cheap."""
+
+    values: Floats
+    vectors: Floats
+    root: Floats
+
+
+def spectrum_of(matrix: Floats) -> Spectrum | None:
+    """The decomposition of a W for which d_i W_ij is symmetric, with d = 1, or with d = 1 / W_ii.
+
+    The latter holds of equal-neighbour means on undirected graphs: W_ij = 1 / d_i for neighbours, so that
+    D^(1/2) W D^(-1/2) is symmetric. None where neither does.
+    """
+    own = np.diag(matrix)
+    for d in (np.ones(len(matrix)), 1.0 / np.where(own > 0.0, own, np.inf)):
+        flow = d[:, np.newaxis] * matrix
+        if (d > 0.0).all() and np.allclose(flow, flow.T, rtol=1e-12, atol=1e-14):
+            root = np.sqrt(d)
+            values, vectors = np.linalg.eigh(root[:, np.newaxis] * matrix / root)
+            return Spectrum(values, vectors, root)
+    return None
+
+
+def geometric(x: Floats, terms: int) -> Floats:
+    """x + x^2 + ... + x^terms, for |x| up to 1, without a loss of digits near 1."""
+    near = (x > 0.5) & (x != 1.0)
+    gap = np.where(near, 1.0 - x, 0.5)
+    close = -(1.0 - gap) * np.expm1(terms * np.log1p(-gap)) / gap
+    far = np.where(x > 0.5, 0.0, x)
+    return np.where(near, close, np.where(x == 1.0, float(terms), far * (1.0 - far**terms) / (1.0 - far)))

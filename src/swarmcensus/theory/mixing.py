@@ -1,0 +1,111 @@
+"""The variance of running sums that are mixed and divided, for any network and any time, exactly.
+
+Each round a robot adds to s its corrected readings, k (blacks - looks (1 - w)), and to v their weight, k^2 looks; all
+say (s, v); and each takes the mean of its own and of all that it hears, or any other weights W that sum to 1. Readings
+of round r are so mixed t - r + 1 times after round t: what is heard is of the same round. So
+
+    s_i(t) = sum_{m=1..t} sum_j [W^m]_ij (robot j's new s of round t - m + 1),   v_i(t) likewise,
+
+the ratio s / v is unbiased for f whatever W, and, given W, with R readings a round
+
+    Var = sum_{m,j} [W^m]_ij^2 k_j^2 q_j (1 - q_j) / (R (sum_{m,j} [W^m]_ij k_j^2)^2).
+
+Of equal sensors that is the variance of one corrected reading, over R, times (1 / t^2) sum_m |e_i' W^m|^2: the factor
+of the network. It is 1 / (N t) where all is shared at once, and 1 / t where nothing is. Estimates are taken as they
+are, not cut to [0, 1]; messages are neither lost nor late, and W is the same in every round.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.theory.checks import BLIND, Floats, count, sensors, shares, times
+from swarmcensus.theory.matrices import Spectrum, checked, geometric, spectrum_of
+
+SETTLED = 1e-15  # a power of W differs from the one before by rounding alone
+
+
+def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
+    """The factor (1 / t^2) sum_{m=1..t} |e_i' W^m|^2 of each robot after round t, for equal sensors.
+
+    Times `reading_variance` over the readings of a round it is the variance of the robot's estimate. (robot,) for one
+    number of rounds, (rounds, robot) for several. All times cost one decomposition of O(N^3) where W is reversible, as
+    means over undirected neighbours are; else O(t) products of matrices. Raises InputError.
+    """
+    found = checked(matrix)
+    at, single = times("rounds", rounds)
+    ones = np.ones(len(found))
+    squares, _ = moments(found, at, ones, ones)
+    factors = squares / np.square(at, dtype=np.float64)[:, np.newaxis]
+    return factors[0] if single else factors
+
+
+def mixing_variance(
+    matrix: ArrayLike,
+    rounds: int | Sequence[int],
+    observations_per_round: int,
+    fill_ratio: float,
+    b: ArrayLike,
+    w: ArrayLike | None = None,
+) -> Floats:
+    """The variance of each robot's estimate after round t, also of unequal sensors: b and w are numbers or (robot,).
+
+    (robot,) for one number of rounds, (rounds, robot) for several; infinite for a robot that only knows of sensors with
+    b + w = 1. Raises InputError, also where all sensors are such.
+    """
+    found = checked(matrix)
+    at, single = times("rounds", rounds)
+    looks = count("observations_per_round", observations_per_round)
+    black, white = sensors(b, w)
+    if black.shape not in ((), (len(found),)):
+        raise InputError(f"b has the shape {black.shape}: should be one number, or {len(found)}, one a robot")
+    slope = np.broadcast_to(black + white - 1.0, (len(found),))
+    if (np.abs(slope) < BLIND).all():
+        raise InputError("b + w = 1 for all robots: their readings say nothing of the floor")
+    q = slope * float(shares("fill_ratio", fill_ratio)) + 1.0 - white
+    squares, sums = moments(found, at, slope**2 * q * (1.0 - q), slope**2)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        variance = np.where(sums > 0.0, squares / (looks * sums**2), np.inf)
+    return variance[0] if single else variance
+
+
+def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
+    """sum_{m,j} [W^m]_ij^2 squared_j and sum_{m,j} [W^m]_ij summed_j for m = 1 .. t, each (t, robot)."""
+    spectrum = spectrum_of(matrix)
+    if spectrum is None:
+        return by_powers(matrix, at, squared, summed)
+    return _by_spectrum(spectrum, at, squared, summed)
+
+
+def _by_spectrum(spectrum: Spectrum, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
+    """With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed."""
+    values, vectors, root = spectrum
+    inner = vectors.T @ ((root**2 * squared)[:, np.newaxis] * vectors)
+    products = np.multiply.outer(values, values)
+    along = vectors.T @ (root * summed)
+    squares = [((vectors @ (inner * geometric(products, t))) * vectors).sum(axis=1) / root**2 for t in at]
+    sums = [vectors @ (geometric(values, t) * along) / root for t in at]
+    return np.maximum(squares, 0.0), np.maximum(sums, 0.0)
+
+
+def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
+    """The same for any W, power by power: O(links N t), or O(N^3 t) where nearly all hear all."""
+    rows, columns = np.nonzero(matrix)
+    starts = np.searchsorted(rows, np.arange(len(matrix)))
+    sparse = 20 * len(rows) < matrix.size
+    weights = matrix[rows, columns][:, np.newaxis]
+    squares, sums = np.zeros((2, len(at), len(matrix)))
+    square, total = np.zeros((2, len(matrix)))
+    power, settled = np.eye(len(matrix)), False
+    for m in range(1, max(at) + 1):
+        if not settled:
+            before = power
+            power = np.add.reduceat(weights * before[columns], starts) if sparse else matrix @ before
+            settled = bool(np.abs(power - before).max() < SETTLED)
+            more_square, more = power**2 @ squared, power @ summed
+        square, total = square + more_square, total + more
+        for k in (k for k, t in enumerate(at) if t == m):
+            squares[k], sums[k] = square, total
+    return squares, sums

@@ -1,0 +1,203 @@
+"""How fast and how well a network mixes: its stationary law, spectral gap, relaxation and mixing times."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.theory.checks import Floats, count, numbers, shares, times
+from swarmcensus.theory.matrices import checked, geometric, spectrum_of
+
+MOST_SQUARED = 60  # doublings of a power
+
+
+def stationary_law(matrix: ArrayLike) -> Floats:
+    """The weights pi (robot,) with which old readings of all robots end up in every robot's sums: pi' W = pi'.
+
+    Of equal-neighbour means on an undirected graph pi_i is proportional to d_i + 1. Raises InputError for a network
+    that falls apart, where there is no one such law.
+    """
+    found = _connected(checked(matrix))
+    system = np.vstack([found.T - np.eye(len(found)), np.ones(len(found))])
+    law = np.linalg.lstsq(system, np.append(np.zeros(len(found)), 1.0), rcond=None)[0]
+    return np.asarray(np.maximum(law, 0.0) / np.maximum(law, 0.0).sum())
+
+
+def stationary_efficiency(matrix: ArrayLike) -> float:
+    """What share of the swarm's readings, all being equal, an estimate is worth in the end: 1 / (N sum pi_i^2).
+
+    1 where all robots hear as many. Raises InputError for a network that falls apart.
+    """
+    law = stationary_law(matrix)
+    return float(1.0 / (len(law) * (law**2).sum()))
+
+
+def spectral_gap(matrix: ArrayLike) -> float:
+    """1 - |l|, where l is the eigenvalue of W that is second in size: what share of a difference goes in a round, late.
+
+    Raises InputError for a network that falls apart.
+    """
+    return 1.0 - _second(_connected(checked(matrix)))
+
+
+def relaxation_time(matrix: ArrayLike) -> float:
+    """The rounds -1 / ln |l| in which differences fall to 1 / e, late; 0 where a round is enough.
+
+    Raises InputError for a network that falls apart.
+    """
+    return relaxation_of(np.array([1.0, _second(_connected(checked(matrix)))]))
+
+
+def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
+    """The first round m after which every row of W^m is within `distance` of pi, in total variation: half the sum of
+    |[W^m]_ij - pi_j|, which never rises.
+
+    Exact: powers are doubled and then bisected, O(N^3 log m). Raises InputError for a network that falls apart or never
+    mixes, and for a distance that is not between 0 and 1.
+    """
+    found = _connected(checked(matrix))
+    wanted = float(shares("distance", distance))
+    if not 0.0 < wanted < 1.0:
+        raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
+    law = stationary_law(found)
+
+    def far(power: Floats) -> bool:
+        return bool(0.5 * np.abs(power - law).sum(axis=1).max() > wanted)
+
+    if len(found) == 1 or not far(np.eye(len(found))):
+        return 0
+    doubled = [found]
+    while far(doubled[-1]):
+        if len(doubled) == MOST_SQUARED:
+            raise InputError("the network never mixes: its robots swap their numbers in turns")
+        doubled.append(doubled[-1] @ doubled[-1])
+    rounds, power = 0, np.eye(len(found))
+    for k in range(len(doubled) - 2, -1, -1):
+        further = power @ doubled[k]
+        if far(further):
+            rounds, power = rounds + 2**k, further
+    return rounds + 1
+
+
+def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25) -> int:
+    """Rounds that are enough for `mixing_time`, where W is reversible.
+
+    relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), and 1 at least unless all are near from the first, for networks
+    of any size whose stationary `law` and relaxation time are known: the square of the total variation is at most
+    (1/pi_i - 1) l^(2m) / 4. Raises InputError.
+    """
+    least = float(_law(law).min())
+    wanted = float(shares("distance", distance))
+    if not 0.0 < wanted < 1.0:
+        raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
+    need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * wanted), 1.0))
+    return max(math.ceil(_time(relaxation) * need), int(need > 0.0))
+
+
+def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Floats, Floats]:
+    """Between which numbers each robot's `variance_factors` lie after so many rounds, (robot,) each; W reversible.
+
+    For networks of any size whose stationary `law` (robot,) and relaxation time are known. With l = exp(-1 /
+    relaxation) and c_i = sqrt(max pi (1/pi_i - 1)), the row e_i' W^m is within c_i l^m of pi, so that its length is
+    within as much of |pi|; it is never below 1 / sqrt(N), nor above 1. Both ends meet as rounds pass many relaxation
+    times. Raises InputError.
+    """
+    pi, t = _law(law), count("rounds", rounds)
+    kinds, which = np.unique(pi, return_inverse=True)
+    length = math.sqrt(float((pi**2).sum()))
+    reach = np.sqrt(pi.max() * (1.0 / kinds - 1.0))
+    slack = _time(relaxation)
+    decay = math.exp(-1.0 / slack) if slack > 0.0 else 0.0
+    low, high = np.zeros((2, len(kinds)))
+    for k, c in enumerate(reach):
+        off = c * decay ** np.arange(1.0, t + 1.0)
+        low[k] = (np.maximum(length - off, 1.0 / math.sqrt(len(pi))) ** 2).sum() / t**2
+        high[k] = (np.minimum(length + off, 1.0) ** 2).sum() / t**2
+    return low[which], high[which]
+
+
+def full_spectrum(robots: int) -> Floats:
+    """The eigenvalues of W where everyone hears everyone: 1, and 0 for the others. Raises InputError."""
+    return np.asarray(np.eye(1, count("robots", robots))[0])
+
+
+def ring_spectrum(robots: int) -> Floats:
+    """Those of a ring of three robots or more: (1 + 2 cos(2 pi k / N)) / 3. Raises InputError."""
+    n = count("robots", robots, 3)
+    return (1.0 + 2.0 * np.cos(2.0 * np.pi * np.arange(n) / n)) / 3.0
+
+
+def torus_spectrum(rows: int, columns: int) -> Floats:
+    """Those of a grid without borders, in which each robot hears the four beside it, of three rows and columns or more:
+    (1 + 2 cos(2 pi i / rows) + 2 cos(2 pi j / columns)) / 5. Raises InputError.
+    """
+    sides = count("rows", rows, 3), count("columns", columns, 3)
+    waves = [2.0 * np.cos(2.0 * np.pi * np.arange(n) / n) for n in sides]
+    return np.asarray((1.0 + np.add.outer(*waves).ravel()) / 5.0)
+
+
+def alike_factors(spectrum: ArrayLike, rounds: Any) -> Floats:
+    """`variance_factors` of networks in which all robots are alike, as in a ring, for any size: of the shape of rounds.
+
+    Where W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has as much of it. `spectrum` holds
+    all eigenvalues of W. Raises InputError.
+    """
+    values = numbers("spectrum", spectrum)
+    at, single = times("rounds", rounds)
+    found = np.array([geometric(values**2, t).sum() / (values.size * float(t) ** 2) for t in at])
+    return found[0] if single else found
+
+
+def relaxation_of(spectrum: ArrayLike) -> float:
+    """`relaxation_time` from all eigenvalues of W: 0 where all but one are 0, infinite where another is 1 or -1.
+
+    Raises InputError.
+    """
+    values = np.sort(np.abs(numbers("spectrum", spectrum)))
+    second = float(values[-2]) if values.size > 1 else 0.0
+    if second < 1e-12:
+        return 0.0
+    return math.inf if second >= 1.0 - 1e-15 else -1.0 / math.log(second)
+
+
+def _second(matrix: Floats) -> float:
+    """The size of the eigenvalue that is second in size; 0 of one robot."""
+    if len(matrix) == 1:
+        return 0.0
+    spectrum = spectrum_of(matrix)
+    values = np.linalg.eigvals(matrix) if spectrum is None else spectrum.values
+    second = float(np.sort(np.abs(values))[-2])
+    return 0.0 if second < 1e-12 else second
+
+
+def _connected(matrix: Floats) -> Floats:
+    """The matrix, where news of every robot reaches every other. Raises InputError."""
+    hears = matrix > 0.0
+    for way in (hears, hears.T):
+        reached = np.zeros(len(matrix), np.bool_)
+        reached[0] = True
+        edge = reached
+        while edge.any():
+            edge = way[edge].any(axis=0) & ~reached
+            reached = reached | edge
+        if not reached.all():
+            other = int(np.flatnonzero(~reached)[0])
+            to, of = (0, other) if way is hears else (other, 0)
+            raise InputError(f"the network falls apart: no news of robot {of} ever reaches robot {to}")
+    return matrix
+
+
+def _law(law: ArrayLike) -> Floats:
+    found = shares("law", law)
+    if found.ndim != 1 or not found.size or abs(found.sum() - 1.0) > 1e-9 or (found <= 0.0).any():
+        raise InputError("law: should be weights above 0, one a robot, that sum to 1")
+    return found
+
+
+def _time(relaxation: float) -> float:
+    found = float(numbers("relaxation", relaxation))
+    if found < 0.0:
+        raise InputError(f"relaxation = {found:g}: should be rounds, 0 or above")
+    return found

@@ -1,0 +1,119 @@
+"""The finite floor: by hand, by listing all floors, by brute force, and against SciPy's bivariate normal."""
+
+import itertools
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from swarmcensus import theory
+from swarmcensus.basics.errors import InputError
+from swarmcensus.worlds.floors.clusters import kernel
+
+B, W = 0.9, 0.7
+K = B + W - 1
+
+
+def exactly(visits, floors, truth):
+    """The mean of (estimate - truth)^2 over equally likely floors, and over all readings: none is drawn."""
+    total, readings = 0.0, sum(visits)
+    for colours in floors:
+        shown = np.repeat(colours, visits)
+        told = np.where(shown, B, 1 - W)  # the chance of black
+        mean, variance = (told.mean() - 1 + W) / K, (told * (1 - told)).sum() / readings**2 / K**2
+        target = np.mean(colours) if truth == "floor" else truth
+        total += variance + (mean - target) ** 2
+    return total / len(floors)
+
+
+def test_floors_with_so_many_black_tiles():
+    """All floors of 6 tiles with 2 black ones."""
+    visits, floors = [3, 1, 0, 2, 0, 1], []
+    for black in itertools.combinations(range(6), 2):
+        floors.append([m in black for m in range(6)])
+    c = theory.concentration(visits)
+    assert c == pytest.approx((9 + 1 + 4 + 1) / 49)
+    found = theory.floor_variance(7, c, 6, 2 / 6, B, W, drawn="exactly")
+    assert found == pytest.approx(exactly(visits, floors, "floor"), rel=1e-12)
+    assert found == pytest.approx(exactly(visits, floors, 2 / 6), rel=1e-12)
+
+
+def test_floors_of_tiles_drawn_one_by_one():
+    """All floors of 5 tiles, each as likely: f = 1/2."""
+    visits, floors = [3, 1, 0, 2, 1], list(itertools.product([False, True], repeat=5))
+    c = theory.concentration(visits)
+    for truth, target in (("floor", "floor"), ("nominal", 0.5)):
+        found = theory.floor_variance(7, c, 5, 0.5, B, W, truth=truth)
+        assert found == pytest.approx(exactly(visits, floors, target), rel=1e-12)
+        between = theory.covariance_variance(visits, 0.25 * np.eye(5), truth=truth)
+        assert between == pytest.approx(float(theory.tiles_variance(c, 0.5, 5, truth=truth)), rel=1e-12)
+
+
+def test_each_reading_on_a_tile_of_its_own_is_the_robots_bound():
+    found = theory.floor_variance(50, 1 / 50, 10**9, 0.3, B, W)
+    assert found == pytest.approx(float(theory.robot_bound(50, 0.3, B, W)), rel=1e-6)
+    assert theory.tiles_variance(1 / 40, 0.3, 40, truth="floor") == 0.0
+    assert theory.tiles_variance(1.0, 0.3, 1, drawn="exactly") == 0.0
+
+
+def test_readings_that_fall_anywhere():
+    """The concentration of 30 readings on 12 tiles, 20,000 times: within 5 sd."""
+    rng = np.random.default_rng(2)
+    found = [theory.concentration(np.bincount(rng.integers(12, size=30), minlength=12)) for _ in range(20_000)]
+    assert np.mean(found) == pytest.approx(float(theory.even_concentration(30, 12)), abs=5 * np.std(found) / 141)
+
+
+def test_clusters_are_covariant_as_the_normal_law_says():
+    for f, r in itertools.product((0.1, 0.5, 0.8), (-0.9, -0.2, 0.0, 0.3, 0.99)):
+        z = stats.norm.ppf(f)
+        both = stats.multivariate_normal([0, 0], [[1, r], [r, 1]]).cdf([z, z])
+        assert theory.cluster_covariance(f, r) == pytest.approx(both - f * f, abs=1e-5)
+    assert theory.cluster_covariance(0.3, 1.0) == pytest.approx(0.21, abs=1e-6)
+    assert theory.cluster_covariance(1.0, 0.5) == 0.0
+
+
+def test_the_shipped_clusters_have_the_correlation_that_the_docstring_names():
+    weights = kernel(1.0, 0.1)  # the field's own kernel, one axis: tiles at offsets 0 and 3
+    apart, taps = weights.shape
+    reach = np.zeros((2, taps * apart + 10))
+    for row, tile in enumerate((0, 3)):
+        first, offset = divmod(tile, apart)
+        reach[row, first : first + taps] = weights[offset]
+    assert reach[0] @ reach[1] == pytest.approx(np.exp(-(0.3**2)), abs=2e-3)
+
+
+def test_clustered_floors_by_brute_force():
+    """Tiles in a row under a Gaussian field, 20,000 floors; the variance is within 6 sd of theory's."""
+    rng, tiles, f = np.random.default_rng(5), 15, 0.4
+    distance = np.abs(np.subtract.outer(np.arange(tiles), np.arange(tiles)))
+    field = np.exp(-((distance / 3.0) ** 2))
+    draws = rng.multivariate_normal(np.zeros(tiles), field, 20_000, method="eigh")
+    colours = draws < stats.norm.ppf(f)
+    visits = rng.integers(0, 5, tiles)
+    covariance = theory.cluster_covariance(f, field)
+    for truth in ("nominal", "floor"):
+        off = colours @ visits / visits.sum() - (f if truth == "nominal" else colours.mean(axis=1))
+        expected = theory.covariance_variance(visits, covariance, truth=truth)
+        assert (off**2).mean() == pytest.approx(expected, abs=6 * (off**2).std() / 141)
+
+
+@pytest.mark.parametrize(
+    ("call", "said"),
+    [
+        (lambda: theory.sensing_variance(10, 0.5, 0.5), "b + w = 1"),
+        (lambda: theory.sensing_variance(-10, 0.5, 0.7), "readings = -10: should be above 0"),
+        (lambda: theory.tiles_variance(0.01, 0.5, 10), "concentration = 0.01: should be 1/tiles or above, 0.1"),
+        (lambda: theory.tiles_variance(0.5, 0.5, -4), "tiles = -4: should be from 1"),
+        (lambda: theory.tiles_variance(0.5, 0.5, 4, drawn="twice"), "should be 'exactly' or 'one by one'"),
+        (lambda: theory.tiles_variance(0.5, 0.5, 4, truth="mine"), "should be 'floor' or 'nominal'"),
+        (lambda: theory.concentration([0, 0]), "visits: should be numbers from 0 on, one a tile, and not all 0"),
+        (lambda: theory.concentration([1, -1]), "visits: should be numbers from 0 on"),
+        (lambda: theory.covariance_variance([1, 1], np.eye(3)), "covariance has the shape (3, 3): should be 2 by 2"),
+        (lambda: theory.cluster_covariance(0.5, 2.0), "correlation: should be from -1 to 1"),
+    ],
+)
+def test_bad_input_is_one_sentence(call, said):
+    with pytest.raises(InputError) as error:
+        call()
+    assert said in str(error.value)
+    assert "\n" not in str(error.value)
