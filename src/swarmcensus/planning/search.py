@@ -1,0 +1,59 @@
+"""What all searches share: the mission, its worst fill ratios, and runs of so many robots for so long."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+
+from swarmcensus.brains import Brain
+from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
+from swarmcensus.planning.starts import Start, start_of
+from swarmcensus.planning.trying import Curve, Show, affordable, curves, study_of
+from swarmcensus.planning.wishes import capacity
+from swarmcensus.runs.working import Progress
+
+MOST_ROBOTS = 1000  # that are looked for where the mission says no number
+MOST_SECONDS = 3600.0  # of one core, predicted, for one run
+
+
+class TooLong(Exception):
+    """A run would take longer than anybody waits."""
+
+
+@dataclass
+class Search:
+    """A mission, threads, whom to tell, fill ratios of which the first is theory's worst, and the readings it takes."""
+
+    mission: Mission
+    jobs: int
+    show: Show
+    fill_ratios: list[float]
+    readings: float
+    worst: dict[str, list[float]] = field(default_factory=dict)  # fill ratios that may be it, by brain, as simulated
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """The least and the largest swarm."""
+        if self.mission.free.robots is not None:
+            return self.mission.free.robots
+        return 1, min(MOST_ROBOTS, capacity(self.mission)) if self.mission.moves else MOST_ROBOTS
+
+    def start(self, robots: int) -> Start:
+        """What theory says of so many robots, in rounds."""
+        return start_of(self.mission, robots, self.readings)
+
+    def run(
+        self, robots: int, brains: Sequence[Brain], fill_ratios: Sequence[float], times: Sequence[int], trials: int
+    ) -> list[Curve]:
+        """Run so many trials, or fewer where they would take too long. Raises TooLong where that is next to none."""
+        mission = self.mission
+        study = study_of(mission, robots, brains, fill_ratios, times, trials, mission.seed)
+        most = affordable(study, MOST_SECONDS)
+        if most < FEWEST_TRIALS:
+            raise TooLong
+        if most < trials:
+            study = study_of(mission, robots, brains, fill_ratios, times, most, mission.seed)
+        label = f"{robots:,} robots, up to {times[-1] * mission.round_minutes:.3g} min"
+        return curves(mission, study, self.jobs, lambda told: self.show(_labelled(told, label)))
+
+
+def _labelled(told: Progress, label: str) -> Progress:
+    return told if told.note else replace(told, note=label)
