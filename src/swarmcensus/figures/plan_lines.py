@@ -51,7 +51,8 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
         entries["hollow: theory alone, or not reached by then"] = hollow
     for name, style, told in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
         sizes_of, minutes = [robots for robots, _ in sure], [getattr(theory, name) for _, theory in sure]
-        line = Line2D(sizes_of, minutes, linestyle=style, color="0.5", linewidth=1.0, zorder=1)
+        line = Line2D(sizes_of, minutes, color="0.5", linewidth=1.0, zorder=1)
+        line.set(linestyle=style)
         if len(sure) == 1:  # one size: from wall to wall
             line.set(xdata=[0.0, 1.0], ydata=minutes * 2, transform=axes.get_yaxis_transform())
         axes.add_line(line)

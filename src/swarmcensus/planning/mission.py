@@ -1,10 +1,10 @@
 """A mission: the area, what is known of robots and floor, what is wanted, and what is free."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.planning.wishes import Goal, check_sizes, check_wishes
@@ -17,13 +17,16 @@ from swarmcensus.worlds.sensors import Accuracy, parse_accuracy
 FEWEST_TRIALS = 40  # of a first look: with fewer, it is no help
 
 
-def _range(value: object) -> object:
+def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, Any]:
     """One number is a range of itself."""
     if isinstance(value, list | tuple):
         if len(value) != 2:
             raise ValueError("should be a number, or a range of two, the lower one first")
-        return tuple(value)
-    return value, value
+        return ends(tuple(value))
+    try:
+        return ends((value, value))
+    except ValidationError as error:  # which has each mistake twice
+        raise ValueError(error.errors()[0]["msg"]) from None
 
 
 def _right(value: object) -> object:
@@ -32,7 +35,7 @@ def _right(value: object) -> object:
     return value
 
 
-RANGE = BeforeValidator(_range)
+RANGE = WrapValidator(_range)
 Wholes = Annotated[tuple[Whole, Whole], RANGE]
 Times = Annotated[tuple[Positive, Positive], RANGE]
 Shares = Annotated[tuple[Share, Share], RANGE]

@@ -98,18 +98,12 @@ def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
 
 
 def _row(search: Search, brain: Brain, robots: int, minutes: float, trials: int, level: float = LEVEL) -> Row:
-    """What so many trials say, at the worst of the fill ratios that may have been it when the brain was first tried."""
+    """What so many trials say, at the worst of the fill ratios that may be it; those that are not are dropped."""
     mission = search.mission
-    times = [mission.rounds(minutes)]
-    if brain.told not in search.worst:
-        few = [
-            (curve.fill_ratio, curve.at(0))
-            for curve in search.run(robots, [brain], search.fill_ratios, times, FEWEST_TRIALS)
-        ]
-        least = min((share for _, share in few), key=lambda share: share.value)
-        search.worst[brain.told] = [f for f, share in few if share.low <= least.high]
-    every = search.run(robots, [brain], search.worst[brain.told], times, trials)
+    fill_ratios = search.worst.get(brain.told, search.fill_ratios)
+    every = search.run(robots, [brain], fill_ratios, [mission.rounds(minutes)], trials)
     curve = min(every, key=lambda one: float(one.shares.mean()))
+    search.worst[brain.told] = [one.fill_ratio for one in every if one.at(0).low <= curve.at(0).high]
     share = curve.at(0, level)
     return replace(
         _of_theory(search, brain, robots, minutes),
