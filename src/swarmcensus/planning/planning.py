@@ -84,7 +84,8 @@ def _beyond(mission: Mission, fill_ratio: float, where: str) -> str:
     far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
     return (
         f"{where}: the goal cannot be reached, because in so small an area {off:.2g} % of floors "
-        f'with f = {fill_ratio:g} have a share of black of their own that is {far}: wanted.truth = "floor" asks for that share'
+        f"with f = {fill_ratio:g} have a share of black of their own that is {far}: hold estimates against it by "
+        'wanted.truth = "floor"'
     )
 
 

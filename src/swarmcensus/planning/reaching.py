@@ -10,9 +10,10 @@ from swarmcensus.planning.trying import Curve, Share
 class Reached(NamedTuple):
     """The first looked-at round from which on enough robots are right; `low` and `high` are the ends of its interval.
 
-    The interval is of the rounds at which the 95 % interval of the share holds the confidence: the true round, at which
-    the true share is just that, is among them in 95 of 100 cases. `high` is None where the share is never surely
-    above.
+    The interval reaches from the last round before which the whole 95 % interval of the share lies below the confidence
+    to the first whose interval lies above it. The true round, at which the true share is the confidence, is within it
+    in 95 of 100 cases: at that round the share's interval holds it. `high` is None where the share is
+    never surely above.
     """
 
     rounds: int
@@ -29,7 +30,7 @@ def reached(curve: Curve, confidence: float) -> Reached | None:
     ends = [curve.at(i) for i in range(len(curve.rounds))]
     first = next(i for i, one in enumerate(ends) if one.high >= confidence)
     high = next((n for n, one in zip(curve.rounds[k:], ends[k:], strict=True) if one.low >= confidence), None)
-    return Reached(curve.rounds[k], curve.rounds[min(first, k)], high, ends[k])
+    return Reached(curve.rounds[k], curve.rounds[max(min(first, k) - 1, 0)], high, ends[k])
 
 
 def _from(holds: np.ndarray) -> int | None:

@@ -44,7 +44,7 @@ def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[st
     left = list(search.mission.free.brain)
     found: dict[str, Look] = {}
     while left:
-        every = search.run(robots, left, search.fill_ratios, times_until(start.pooled / 2, last), FEWEST_TRIALS)
+        every = search.run(robots, left, search.fill_ratios, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
         for brain in list(left):
             look = _look(search, [curve for curve in every if curve.brain == brain.told], last)
             if look.rounds <= last or last == most:
@@ -70,16 +70,18 @@ def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look
     """A row for each brain, from as many trials as were asked, run long enough for the intervals of their times."""
     mission, brains = search.mission, search.mission.free.brain
     fill_ratios = [f for f in search.fill_ratios if any(f in look.fill_ratios for look in looked.values())]
-    soon, late = (pick(look.rounds for look in looked.values()) for pick in (min, max))
-    last = min(most, max(LEAST, int(LONGER * late)))
+    soon: float = min(look.rounds for look in looked.values())
+    last = min(most, max(LEAST, int(LONGER * max(look.rounds for look in looked.values()))))
     while True:
-        times = times_until(min(soon / 3.0, start.mixed), last)
+        times = times_until(soon / 2.0, last, robots)
         every = search.run(robots, brains, fill_ratios, times, mission.trials)
         mine = {brain.told: [curve for curve in every if curve.brain == brain.told] for brain in brains}
         found = {name: _slowest(curves, mission.wanted.confidence) for name, curves in mine.items()}
-        if last == most or all(one is not None and one.high is not None for _, one in found.values()):
+        early = any(one is not None and 1 < one.rounds == times[0] for _, one in found.values())
+        late = last < most and any(one is None or one.high is None for _, one in found.values())
+        if not early and not late:
             break
-        last = min(most, int(LONGER * last))
+        soon, last = (soon / 2 if early else soon), (min(most, int(LONGER * last)) if late else last)
     told = start.minutes(mission)
     return [_row(mission, *found[brain.told], robots, last, told) for brain in brains]
 

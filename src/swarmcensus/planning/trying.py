@@ -17,7 +17,8 @@ from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-STEPS = 60  # of time that are looked at
+STEPS, FEWEST_STEPS = 100, 30  # of time that are looked at; fewer in swarms of more than
+MANY = 200  # robots, for the sake of memory
 LEVEL = 0.95
 Floats = NDArray[np.float64]
 Show = Callable[[Progress], None]
@@ -102,10 +103,10 @@ def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats
     return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
 
 
-def times_until(first: float, last: int) -> list[int]:
+def times_until(first: float, last: int, robots: int) -> list[int]:
     """Rounds that are looked at: by equal ratios, the last one among them."""
-    begin = min(max(first, 1.0), last)
-    return [*np.unique(np.geomspace(begin, last, STEPS).round().astype(int)).tolist()]
+    begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * MANY // robots))
+    return [*np.unique(np.geomspace(begin, last, steps).round().astype(int)).tolist()]
 
 
 def affordable(study: Study, most: float) -> int:
