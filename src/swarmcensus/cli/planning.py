@@ -58,16 +58,21 @@ def plan(options: argparse.Namespace) -> int:
 
 def show(found: "Plan") -> None:
     """Print it: what was asked, a row a brain and size, and what the columns mean."""
-    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.basics.terminal import UNFOLDED, console, table
 
     out, mission = console(), found.mission
     out.print(f"{mission.name}: {HEADS[found.question]}; {_world(found)}")
     out.print(f"wanted: {100 * mission.wanted.confidence:g} % of robots {mission.goal}")
     out.print()
+    cells = [_cells(found, row) for row in found.rows]
     heads = [("brain", False), ("robots", True), ("minutes", True), ("right %", True), ("f", True), ("", False)]
     heads += [("theory: all", True), ("mixed", True), ("alone", True)]
-    out.print(table(heads, [_cells(found, row) for row in found.rows]))
-    out.print(_meaning(found), style="dim")
+    rows = table(heads, cells)
+    narrow = rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width
+    if narrow:  # theory's columns are left to --out
+        rows = table(heads[:-3], [row[:-3] for row in cells])
+    out.print(rows)
+    out.print(_meaning(found, theory=not narrow), style="dim")
 
 
 def _world(found: "Plan") -> str:
@@ -110,12 +115,17 @@ def _minutes(value: float) -> str:
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
 
 
-def _meaning(found: "Plan") -> str:
+def _meaning(found: "Plan", theory: bool) -> str:
     trials = max(row.trials for row in found.rows)
-    why = "\ntheory alone: to simulate it would take hours" if any(not row.trials for row in found.rows) else ""
-    return (
+    lines = [
         "right: share of robots at that time, at the worst f of the range; "
-        f"[ ]: 95 % intervals over {trials:,} trials, seed {found.mission.seed}\n"
-        "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; a robot alone"
-        f"{why}"
-    )
+        f"[ ]: 95 % intervals over {trials:,} trials, seed {found.mission.seed}"
+    ]
+    if theory:
+        lines.append(
+            "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; "
+            "a robot alone"
+        )
+    if any(not row.trials for row in found.rows):
+        lines.append("theory alone: to simulate it would take hours")
+    return "\n".join(lines)

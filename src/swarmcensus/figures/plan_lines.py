@@ -22,7 +22,8 @@ WIDE = 310.0  # and the panel
 
 
 def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
-    """Draw robots against minutes: dots are simulated, their bars 95 % intervals over trials.
+    """Draw robots against minutes: dots are simulated, their bars 95 % intervals over trials, to the edge where
+    nothing is surely enough.
 
     A hollow dot was not simulated, or does not reach the goal at the longest time. Raises InputError where there is
     nothing to draw.
@@ -44,7 +45,7 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
         aside = BESIDE * (k - (len(looks) - 1) / 2.0) * (len(sure) == 1)
         _draw(axes, [row for row in found.rows if row.brain == brain], look, aside)
         entries[look.name] = solid_dot(look, SIZE, 0.4)
-    if any(row.minutes_high or row.robots_high for row in found.rows):
+    if any(row.minutes_low or row.robots_low for row in found.rows):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
     if any(row.answer != "reached" for row in found.rows):
         hollow = Line2D([], [], linestyle="", marker="o", markersize=SIZE, color="0.3", markerfacecolor="white")
@@ -73,10 +74,10 @@ def _draw(axes: Axes, rows: list[Row], look: Look, aside: float) -> None:
     bar: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "zorder": 2.5, **place}
     axes.plot([r.robots for r in there], [r.minutes for r in there], color=look.colour, lw=1.0, zorder=2, **place)
     for row in rows:
-        if row.minutes_low is not None and row.minutes_high is not None:
-            axes.vlines(row.robots, row.minutes_low, row.minutes_high, **bar)
-        if row.robots_low is not None and row.robots_high is not None:
-            axes.hlines(row.minutes, row.robots_low, row.robots_high, **bar)
+        if row.minutes_low is not None:
+            axes.vlines(row.robots, row.minutes_low, row.minutes_high or axes.get_ylim()[1], **bar)
+        if row.robots_low is not None:
+            axes.hlines(row.minutes, row.robots_low, row.robots_high or axes.get_xlim()[1], **bar)
         dot = solid_dot(look, SIZE, 0.4)
         dot.set(xdata=[row.robots], ydata=[row.minutes], zorder=3, **place)
         if row.answer != "reached":

@@ -14,6 +14,9 @@ MOST_ROBOTS = 1000  # that are looked for where the mission says no number
 MOST_SECONDS = 3600.0  # of one core, predicted, for one run
 
 
+BEGUN = Progress(0, 0, 0.0, 0.0)
+
+
 class TooLong(Exception):
     """A run would take longer than anybody waits."""
 
@@ -28,6 +31,7 @@ class Search:
     fill_ratios: list[float]
     readings: float
     worst: dict[str, list[float]] = field(default_factory=dict)  # fill ratios that may be it, by brain, as simulated
+    so_far: Progress = BEGUN  # of all runs: what is told goes on from there
 
     @property
     def sizes(self) -> tuple[int, int]:
@@ -52,8 +56,20 @@ class Search:
         if most < trials:
             study = study_of(mission, robots, brains, fill_ratios, times, most, mission.seed)
         label = f"{robots:,} robots, up to {times[-1] * mission.round_minutes:.3g} min"
-        return curves(mission, study, self.jobs, lambda told: self.show(_labelled(told, label)))
+        ended = before = self.so_far
 
+        def show(told: Progress) -> None:
+            nonlocal ended
+            ended = replace(
+                told,
+                done=before.done + told.done,
+                total=before.done + told.total,
+                work_done=before.work_done + told.work_done,
+                work_total=before.work_done + told.work_total,
+                note=told.note or (label if told.done == 0 else ""),
+            )
+            self.show(ended)
 
-def _labelled(told: Progress, label: str) -> Progress:
-    return told if told.note else replace(told, note=label)
+        found = curves(mission, study, self.jobs, show)
+        self.so_far = ended
+        return found
