@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
 from swarmcensus.cli.commands import main
 
@@ -114,6 +115,15 @@ def test_areas_that_cannot_be_are_told_too(options, said, here, capsys):
     assert main([*given, *options]) == 2
     assert said in capsys.readouterr().err
     assert sorted(os.listdir()) == ["m.toml"]
+
+
+def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
+    monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda: Console(width=80))
+    assert main(["plan", "m.toml", "--minutes", "5"]) == 0
+    out = capsys.readouterr().out
+    assert "theory" not in out
+    assert "enough" in out
+    assert max(map(len, out.splitlines())) <= 80
 
 
 def test_a_mission_that_is_not_there(here, capsys):

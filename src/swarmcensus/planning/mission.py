@@ -141,6 +141,10 @@ class Mission(_Table):
         bins = 2 if self.wanted.right == "majority" else self.wanted.right
         return Goal(self.wanted.half_width, bins, self.wanted.margin, self.wanted.confidence)
 
+    def failing(self, robots: int) -> int:
+        """How many of so many robots fail; one at least works."""
+        return min(round(self.known.failing * robots), robots - 1)
+
     def rounds(self, minutes: float) -> int:
         """How many whole rounds fit into so many minutes."""
         return min(int(minutes / self.round_minutes + 1e-9), LARGEST)

@@ -94,7 +94,8 @@ def _short_of(mission: Mission, rows: list[Row]) -> str:
     best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
     assert best.share is not None
     value, low, high = (100 * one for one in best.share)
+    longer = "" if mission.free.minutes else ": free.minutes allows more"
     return (
         f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {best.robots:,} robots with "
-        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}, not {100 * mission.wanted.confidence:g} %"
+        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}, not {100 * mission.wanted.confidence:g} %{longer}"
     )

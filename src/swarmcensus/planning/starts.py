@@ -105,7 +105,7 @@ def worst(mission: Mission) -> list[float]:
 
 def start_of(mission: Mission, robots: int, readings: float) -> Start:
     """How many rounds so many robots need for so many readings' worth, each."""
-    working = max(1, robots - round(mission.known.failing * robots))
+    working = robots - mission.failing(robots)
     alone, pooled = readings / mission.looks, readings / mission.looks / working
     alone, pooled = max(1.0, alone), max(1.0, pooled)
     if working == 1 or not math.isfinite(readings):

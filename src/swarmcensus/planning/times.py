@@ -12,10 +12,12 @@ from swarmcensus.planning.search import Search, TooLong
 from swarmcensus.planning.starts import Start
 from swarmcensus.planning.trying import Curve, times_until
 from swarmcensus.studies.fields import LARGEST
+from swarmcensus.worlds.patterns import Floor
 
 LONGER = 1.6  # than the few trials say it takes: so that the interval of the time ends within the run
 SLOWER = 2.0  # than theory's time: how long the first look is
-GIVE_UP = 4.0  # times what a robot alone needs, where no longest time is given
+GIVE_UP = 4.0  # times what theory says of a robot alone, where no longest time is given
+GIVE_UP_LATE = 30.0  # the same on floors of which theory knows less: there readings tell of their neighbours too
 LEAST = 10  # rounds of a run
 
 
@@ -30,7 +32,8 @@ def shortest(search: Search, robots: int) -> list[Row]:
     """A row for each brain."""
     mission, start = search.mission, search.start(robots)
     minutes = mission.free.minutes
-    most = mission.rounds(minutes[1]) if minutes else int(min(max(GIVE_UP * start.alone, LEAST), LARGEST))
+    times = GIVE_UP_LATE if mission.area.floor and mission.area.floor[0] != Floor() else GIVE_UP
+    most = mission.rounds(minutes[1]) if minutes else int(min(max(times * start.alone, LEAST), LARGEST))
     try:
         return _confirmed(search, robots, start, _first_look(search, robots, start, most), most)
     except TooLong:

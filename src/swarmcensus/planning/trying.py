@@ -65,7 +65,7 @@ def study_of(
     else:
         schedule = {"rounds": times[-1], "observations_per_round": mission.looks}
     stop = ["moving"] * mission.moves + ["sensing", "talking"]
-    fails = round(known.failing * robots)
+    fails = mission.failing(robots)
     return Study(
         name=mission.name,
         seed=seed,
