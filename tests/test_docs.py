@@ -12,8 +12,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.cli.commands import COMMANDS, main, parser
+from swarmcensus.cli.mission_options import KEYS
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of
 from swarmcensus.results import store as results
 from swarmcensus.runs.queues import Queue
 from swarmcensus.studies.study import Study
@@ -142,6 +144,9 @@ def test_toml_is_a_study_or_a_change_to_one(text):
         "world": {"topology": "ring", "fill_ratio": 0.55},
     }
     found = tomllib.loads(text)
+    if "wanted" in found:
+        mission_of(found, base=EXAMPLE)
+        return
     if "jobs" in found:
         Queue.model_validate(found)
         return
@@ -196,6 +201,14 @@ def test_the_study_page_lists_every_key():
     tables = {"swarm", "world", "schedule", "measure"}
     assert fields - tables <= set(re.findall(r"^\| `(\w+)` \|", text, re.MULTILINE))
     assert all(f"`[{table}]`" in text for table in tables)
+
+
+def test_the_planning_page_lists_every_key():
+    text = (ROOT / "docs" / "planning.md").read_text(encoding="utf-8")
+    listed = re.findall(r"^\| `(?:\w+\.)?(\w+)` \|", text, re.MULTILINE)
+    fields = {k for table in (Mission, Area, Known, Wanted, Free) for k in table.model_fields}
+    assert fields - {"known", "wanted", "free"} <= set(listed)
+    assert all(f"`--{key.replace('_', '-')}`" in text for key in (*KEYS, "brain", "body"))
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from swarmcensus import theory
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
+    from swarmcensus.planning.planning import plan
     from swarmcensus.results.comparing import compare
     from swarmcensus.results.explaining import explain
     from swarmcensus.results.merging import merge
@@ -39,6 +40,7 @@ _HOME = {
     "infer": "simulation.inferring",
     "load": "results.store",
     "merge": "results.merging",
+    "plan": "planning.planning",
     "plot": "figures.plot",
     "remeasure": "results.remeasuring",
     "replay": "results.replaying",
@@ -59,6 +61,7 @@ __all__ = [
     "infer",
     "load",
     "merge",
+    "plan",
     "plot",
     "remeasure",
     "replay",

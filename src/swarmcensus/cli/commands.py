@@ -14,6 +14,7 @@ from swarmcensus.cli.comparing import compare
 from swarmcensus.cli.explaining import explain
 from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
+from swarmcensus.cli.planning import plan
 from swarmcensus.cli.plotting import plot
 from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.tracing import infer, replay
@@ -77,7 +78,7 @@ def _complain(what: object) -> None:
 
 
 RUNS = (
-    run, reproduce, show, explain, compare, leaderboard, tune, merge, status, verify, plot, export, replay, infer,
+    run, reproduce, show, explain, compare, leaderboard, tune, plan, merge, status, verify, plot, export, replay, infer,
     brains,
 )  # fmt: skip
 COMMANDS = {one.__name__: one for one in RUNS} | {"list": choices}

@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
+from swarmcensus.cli.mission_options import add_plan_options
 
 DOORS = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -143,6 +144,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--jobs", type=_from_one, help="threads (default: one a core); the values do not depend on it")
     sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: the brain's name with -tuned.toml, here")
     sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with the log")
+
+    sub = command("plan", "Say how many robots, or how many minutes, a mission needs.")
+    add_plan_options(sub, _from_zero, _from_one)
 
     sub = command("status", "Say how far a study is that runs, or was cut off, and when it ends.")
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")

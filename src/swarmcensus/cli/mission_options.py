@@ -1,0 +1,111 @@
+"""The options of `plan`: every key of a mission file has one, and replaces what the file says."""
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+KEYS = {
+    "side": ("area", "METRES", "side of the square that robots move in"),
+    "area": ("area", "M2", "or how large it is, in square metres"),
+    "floor": ("area", "KIND", "what lies on it, as tiles, half, or {clusters = 0.2} (default: tiles)"),
+    "accuracy": ("known", "A", "of the sensors, as 0.7, U(0.525,0.975) or {black = 0.9, white = 0.6}"),
+    "fill_ratio": ("known", "F", "or a range LOW:HIGH; the worst one in it is planned for (default: 0:1)"),
+    "link_success": ("known", "SHARE", "of messages that get through (default: 1)"),
+    "failing": ("known", "SHARE", "of robots that may fail before they begin (default: 0)"),
+    "half_width": ("wanted", "H", "how near robots should be to the truth, as 0.02"),
+    "right": ("wanted", "WHAT", "or majority, or a number of bins of which to find the right one"),
+    "margin": ("wanted", "M", "how far f is from the edges of these, as 0.02"),
+    "confidence": ("wanted", "SHARE", "of robots that should be so (default: 0.95)"),
+    "truth": ("wanted", "WHICH", "floor, its own share of black, or nominal (default: floor, where robots move)"),
+    "robots": ("free", "N", "or a range LOW:HIGH"),
+    "minutes": ("free", "T", "or a range LOW:HIGH"),
+    "topology": ("free", "NAME", "moving (default), ring, scale-free, or {networkx = ..., k = 4}"),
+    "observations_per_round": ("free", "R", "of fixed networks (default: 10)"),
+    "round_seconds": ("free", "S", "how long a round of fixed networks takes (default: 0.1 a reading)"),
+}  # the table that each key is in, what stands for its value, and its meaning
+TEXTS = ("right", "truth", "accuracy", "floor", "topology")  # that need no quotation marks
+
+
+def add_plan_options(sub: argparse.ArgumentParser, whole: Callable[[str], int], from_one: Callable[[str], int]) -> None:
+    """Add them to the command's parser."""
+    sub.add_argument("mission", type=Path, nargs="?", metavar="MISSION.toml")
+    for key, (_, shown, meaning) in KEYS.items():
+        sub.add_argument(f"--{key.replace('_', '-')}", metavar=shown, help=meaning)
+    sub.add_argument(
+        "--brain",
+        action="append",
+        metavar="NAME",
+        help="a brain; several: once for each (default: commons, minimalistic)",
+    )
+    sub.add_argument(
+        "--body", action="append", default=[], metavar="KEY=VALUE", help="of the robot, as speed=0.1 or radio_range=2"
+    )
+    sub.add_argument("--trials", type=from_one, help="of each simulation that confirms (default: 200)")
+    sub.add_argument("--seed", type=whole, help="default: 0")
+    sub.add_argument("--jobs", type=from_one, help="threads (default: one a core); the numbers do not depend on it")
+    sub.add_argument("--out", type=Path, metavar="FILE.json|toml", help="write the plan")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="draw robots against minutes")
+
+
+def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, Any]:
+    """A mission's tables with the options in place of what they say. Raises InputError."""
+    from swarmcensus.basics.errors import InputError
+
+    found = {key: dict(value) if isinstance(value, dict) else value for key, value in tables.items()}
+
+    def put(table: str, key: str, value: Any) -> None:
+        there = found.setdefault(table, {})
+        if not isinstance(there, dict):
+            raise InputError(f"{table} = {there!r}: should be a table, as [{table}]")
+        there[key] = value
+
+    for key, (table, *_) in KEYS.items():
+        text = getattr(options, key)
+        if text is not None:
+            put(table, key, _value(key, text))
+            for other in {
+                "side": ["area"],
+                "area": ["side"],
+                "half_width": ["right", "margin"],
+                "right": ["half_width"],
+            }.get(key, []):
+                if getattr(options, other) is None:  # what the file says of the same is replaced
+                    found[table].pop(other, None)
+    if options.brain:
+        put("free", "brain", options.brain)
+    for pair in options.body:
+        name, equals, text = pair.partition("=")
+        if not equals:
+            raise InputError(f"--body {pair}: should be such as speed=0.1")
+        put("body", name, _value(name, text))
+    for key in ("trials", "seed"):
+        if getattr(options, key) is not None:
+            found[key] = getattr(options, key)
+    return found
+
+
+def _value(key: str, text: str) -> Any:
+    """A value as in a mission file: a range has a colon, and plain words need no quotation marks. Raises InputError."""
+    import tomllib
+
+    from swarmcensus.basics.errors import InputError
+
+    try:
+        ends = [_number(part) for part in text.split(":", 1)]
+        return ends if len(ends) > 1 else ends[0]
+    except ValueError:
+        pass
+    try:
+        return tomllib.loads(f"value = {text}")["value"]
+    except tomllib.TOMLDecodeError:
+        if key in TEXTS:
+            return text
+        raise InputError(f"--{key.replace('_', '-')} {text}: should be a number, or a range such as 10:100") from None
+
+
+def _number(text: str) -> float:
+    try:
+        return int(text)
+    except ValueError:
+        return float(text)

@@ -1,0 +1,175 @@
+"""A mission: the area, what is known of robots and floor, what is wanted, and what is free."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.planning.wishes import Goal, check_sizes, check_wishes
+from swarmcensus.studies.fields import LARGEST, Brains, Floors, Name, Share, Topologies, Whole
+from swarmcensus.studies.tables import explain
+from swarmcensus.studies.toml_text import plain, read_toml, to_toml
+from swarmcensus.worlds.bodies import Body, Number, Positive
+from swarmcensus.worlds.sensors import Accuracy, parse_accuracy
+
+FEWEST_TRIALS = 40  # of a first look: with fewer, it is no help
+
+
+def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, Any]:
+    """One number is a range of itself."""
+    if isinstance(value, list | tuple):
+        if len(value) != 2:
+            raise ValueError("should be a number, or a range of two, the lower one first")
+        return ends(tuple(value))
+    try:
+        return ends((value, value))
+    except ValidationError as error:  # which has each mistake twice
+        raise ValueError(error.errors()[0]["msg"]) from None
+
+
+def _right(value: object) -> object:
+    if value != "majority" and (isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 10_000):
+        raise ValueError('should be "majority", or a number of bins from 2 to 10,000')
+    return value
+
+
+RANGE = WrapValidator(_range)
+Wholes = Annotated[tuple[Whole, Whole], RANGE]
+Times = Annotated[tuple[Positive, Positive], RANGE]
+Shares = Annotated[tuple[Share, Share], RANGE]
+
+
+class _Table(BaseModel):
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+
+
+class Area(_Table):
+    """The square that robots move in: its side in metres or its area in square metres, and the kind of floor."""
+
+    side: Positive | None = None
+    area: Positive | None = None
+    floor: Floors | None = None
+
+
+class Known(_Table):
+    """What is known: sensors, the range of fill ratios, how often messages get through, the share that may fail."""
+
+    accuracy: Annotated[Accuracy, BeforeValidator(parse_accuracy)]
+    fill_ratio: Shares = (0.0, 1.0)
+    link_success: Share = 1.0
+    failing: Annotated[Number, Field(ge=0.0, lt=1.0)] = 0.0
+
+
+class Wanted(_Table):
+    """What robots should know: f within a half-width, or the right one of so many bins, and how many of them."""
+
+    half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
+    right: Annotated[Any, BeforeValidator(_right)] = None
+    margin: Annotated[Number, Field(ge=0.0, lt=0.5)] = 0.0
+    confidence: Annotated[Number, Field(ge=0.5, le=0.999)] = 0.95
+    truth: Literal["floor", "nominal"] | None = None
+
+
+class Free(_Table):
+    """What is to be found, or is given: numbers of robots, minutes, brains; and the network."""
+
+    robots: Wholes | None = None
+    minutes: Times | None = None
+    brain: Brains = Field(default=["commons", "minimalistic"], validate_default=True)
+    topology: Topologies = Field(default=["moving"], validate_default=True, max_length=1)
+    observations_per_round: Whole | None = None
+    round_seconds: Positive | None = None
+
+
+class Mission(_Table):
+    """A mission file as a whole."""
+
+    name: Name = "mission"
+    seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
+    trials: Annotated[int, Field(strict=True, ge=FEWEST_TRIALS, le=100_000)] = 200
+    area: Area = Area()
+    known: Known
+    wanted: Wanted
+    free: Free
+    body: Body = Body()
+
+    @model_validator(mode="after")
+    def _right(self) -> Self:
+        for key, ends in (
+            ("known.fill_ratio", self.known.fill_ratio),
+            ("free.robots", self.free.robots),
+            ("free.minutes", self.free.minutes),
+        ):
+            if ends is not None and ends[0] > ends[1]:
+                raise ValueError(f"{key} = [{ends[0]:g}, {ends[1]:g}]: the lower end of a range comes first")
+        check_wishes(self)
+        check_sizes(self)
+        return self
+
+    @property
+    def moves(self) -> bool:
+        """Whether its robots move."""
+        return self.free.topology[0].moves
+
+    @property
+    def side(self) -> float | None:
+        """The inner side of the area in metres; None on fixed networks."""
+        return self.area.side if self.area.area is None else self.area.area**0.5
+
+    @property
+    def round_minutes(self) -> float:
+        """How long a round takes: a tick of robots that move, else `round_seconds`, by default a tick a reading."""
+        if self.moves:
+            return self.body.tick / 60.0
+        return (self.free.round_seconds or self.looks * self.body.tick) / 60.0
+
+    @property
+    def looks(self) -> int:
+        """The readings of a round."""
+        return 1 if self.moves else self.free.observations_per_round or 10
+
+    @property
+    def on_floor(self) -> bool:
+        """Whether estimates are held against the floor's own share of black: by default where robots move."""
+        return self.moves if self.wanted.truth is None else self.wanted.truth == "floor"
+
+    @property
+    def goal(self) -> Goal:
+        """Which estimates are right."""
+        bins = 2 if self.wanted.right == "majority" else self.wanted.right
+        return Goal(self.wanted.half_width, bins, self.wanted.margin, self.wanted.confidence)
+
+    def failing(self, robots: int) -> int:
+        """How many of so many robots fail; one at least works."""
+        return min(round(self.known.failing * robots), robots - 1)
+
+    def rounds(self, minutes: float) -> int:
+        """How many whole rounds fit into so many minutes."""
+        return min(int(minutes / self.round_minutes + 1e-9), LARGEST)
+
+
+def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | None = None) -> Mission:
+    """Check a mission's tables; brain files, edge lists and images are looked for in `base`. Raises InputError."""
+    given = {"known": {}, "wanted": {}, "free": {}} | plain(dict(tables))
+    try:
+        return Mission.model_validate(given, context={"base": base or Path()})
+    except ValidationError as error:
+        raise InputError(explain(error, where, Mission, given)) from None
+
+
+def load_mission(path: str | Path) -> dict[str, Any]:
+    """The tables of a mission file, not yet checked. Raises InputError."""
+    try:
+        text = Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"mission file {path}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise InputError(f"mission file {path}: cannot be read as text: {error}") from error
+    return read_toml(text, f"mission file {path}")
+
+
+def text_of(tables: Mapping[str, Any]) -> str:
+    """A mission's tables as TOML."""
+    return to_toml(plain(dict(tables)))

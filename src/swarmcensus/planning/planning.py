@@ -1,0 +1,101 @@
+"""Missions planned: `sc.plan`."""
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
+from swarmcensus.planning.plans import Plan, Question, Row
+from swarmcensus.planning.search import Search
+from swarmcensus.planning.sizes import enough, smallest
+from swarmcensus.planning.starts import limit_of, readings_needed, worst
+from swarmcensus.planning.times import shortest
+from swarmcensus.runs.pools import threads
+from swarmcensus.runs.working import Progress
+
+SIZES = 5  # of a range of robots that a trade-off looks at
+
+
+def plan(
+    mission: Mapping[str, Any] | str | Path,
+    jobs: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    *,
+    where: str = "mission",
+    base: Path | None = None,
+) -> Plan:
+    """Find how long a mission takes, how many robots it needs, or what one costs in the other.
+
+    `mission` is a mission file or its tables, in which files are looked for in `base`. What is asked follows from what
+    is given: with a number of robots the shortest time is sought, with a number of minutes the smallest swarm, with a
+    range of robots the trade-off, and with a number of both whether they are enough. Each is found from theory, and
+    confirmed by simulation in so many `trials` of the mission, on the same seeds for all brains. `jobs` threads, by
+    default one a core; the numbers do not depend on it. Raises InputError, also where the goal cannot be reached.
+    """
+    if isinstance(mission, str | Path):
+        where, base, tables = f"mission file {mission}", Path(mission).parent, load_mission(mission)
+    else:
+        tables = dict(mission)
+    checked = mission_of(tables, where, base)
+    asked = question_of(checked)
+    fill_ratios = worst(checked)
+    readings = readings_needed(checked, fill_ratios[0])
+    if not np.isfinite(readings):
+        raise InputError(_beyond(checked, fill_ratios[0], where))
+    search = Search(checked, threads(jobs), progress or (lambda _: None), fill_ratios, readings)
+    rows = _rows(search, asked)
+    if asked != "enough" and all(row.answer == "not reached" for row in rows):
+        raise InputError(f"{where}: the goal cannot be reached, because {_short_of(checked, rows)}")
+    return Plan(asked, checked, rows, text_of(tables))
+
+
+def question_of(mission: Mission) -> Question:
+    """What a mission asks."""
+    robots, minutes = mission.free.robots, mission.free.minutes
+    timed = minutes is not None and minutes[0] == minutes[1]
+    if robots is not None and robots[0] == robots[1]:
+        return "enough" if timed else "how long"
+    return "how many" if timed else "trade-off"
+
+
+def _rows(search: Search, asked: Question) -> list[Row]:
+    robots, minutes = search.mission.free.robots, search.mission.free.minutes
+    if asked == "how long":
+        assert robots is not None
+        return shortest(search, robots[0])
+    if asked == "enough":
+        assert robots is not None
+        assert minutes is not None
+        return [enough(search, brain, robots[0], minutes[0]) for brain in search.mission.free.brain]
+    if asked == "how many":
+        assert minutes is not None
+        return [smallest(search, brain, minutes[0]) for brain in search.mission.free.brain]
+    sizes = np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()
+    return [row for size in sizes for row in shortest(search, size)]
+
+
+def _beyond(mission: Mission, fill_ratio: float, where: str) -> str:
+    """Why not even all readings in the world are enough."""
+    off = 100 * (1 - mission.goal.normal_share(limit_of(mission, fill_ratio), fill_ratio))
+    goal = mission.goal
+    far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
+    return (
+        f"{where}: the goal cannot be reached, because in so small an area {off:.2g} % of floors "
+        f"with f = {fill_ratio:g} have a share of black of their own that is {far}: hold estimates against it by "
+        'wanted.truth = "floor"'
+    )
+
+
+def _short_of(mission: Mission, rows: list[Row]) -> str:
+    """How near the best of them comes."""
+    best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
+    assert best.share is not None
+    value, low, high = (100 * one for one in best.share)
+    longer = "" if mission.free.minutes else ": free.minutes allows more"
+    return (
+        f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {best.robots:,} robots with "
+        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}, not {100 * mission.wanted.confidence:g} %{longer}"
+    )

@@ -1,0 +1,91 @@
+"""What a plan comes to: a row for each brain and size, and how it is kept in a file."""
+
+import dataclasses
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.planning.mission import Mission
+from swarmcensus.planning.starts import Start
+from swarmcensus.planning.trying import Share
+from swarmcensus.studies.toml_text import to_toml_value
+
+Question = Literal["how long", "how many", "trade-off", "enough"]
+Answer = Literal["reached", "not reached", "not simulated"]
+
+
+@dataclass(frozen=True)
+class Row:
+    """One brain in a swarm of one size: what it needs, and how sure that is.
+
+    Ends of intervals are None where nothing that was looked at is surely enough, or where a number was given. `theory`
+    is in minutes, and stands for what was not simulated.
+    """
+
+    brain: str
+    robots: int
+    answer: Answer
+    minutes: float
+    theory: Start
+    robots_low: int | None = None
+    robots_high: int | None = None
+    minutes_low: float | None = None
+    minutes_high: float | None = None
+    share: Share | None = None
+    fill_ratio: float | None = None  # the worst one of the range
+    trials: int = 0
+
+
+@dataclass(frozen=True)
+class Plan:
+    """A mission's question, and the rows that answer it."""
+
+    question: Question
+    mission: Mission
+    rows: list[Row]
+    text: str  # the mission as TOML
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """All of it as plain data."""
+        rows = [
+            {k: v for k, v in dataclasses.asdict(row).items() if v is not None}
+            | {"theory": row.theory._asdict()}
+            | ({"share": list(row.share)} if row.share else {})
+            for row in self.rows
+        ]
+        truth = "floor" if self.mission.on_floor else "nominal"
+        return {
+            "question": self.question,
+            "goal": str(self.mission.goal),
+            "confidence": self.mission.wanted.confidence,
+            "truth": truth,
+            "seed": self.mission.seed,
+            "mission": self.text,
+            "rows": rows,
+        }
+
+    def save(self, path: str | Path) -> None:
+        """Write it as .json or .toml, whole or not at all. Raises InputError."""
+        check_out(path)
+        data = self.data
+        if Path(path).suffix == ".json":
+            text = json.dumps(data, indent=1, allow_nan=False) + "\n"
+        else:
+            rows = data.pop("rows")
+            lines = [f"{key} = {to_toml_value(value)}" for key, value in data.items()]
+            for row in rows:
+                lines += ["", "[[rows]]", *(f"{key} = {to_toml_value(value)}" for key, value in row.items())]
+            text = "\n".join(lines) + "\n"
+        with whole(path) as beside:
+            beside.write_text(text, encoding="utf-8")
+
+
+def check_out(path: str | Path, *inputs: Path) -> None:
+    """Raise InputError where a plan cannot be written there."""
+    if Path(path).suffix not in (".json", ".toml"):
+        raise InputError(f"--out {path}: a plan is written as .json or .toml")
+    check_writable(path, *inputs)

@@ -1,0 +1,119 @@
+"""Whether a swarm is large enough for a time, and the smallest that is: by steps of a half, then by halves."""
+
+from dataclasses import replace
+
+from swarmcensus.brains import Brain
+from swarmcensus.planning.mission import FEWEST_TRIALS
+from swarmcensus.planning.plans import Row
+from swarmcensus.planning.search import Search, TooLong
+from swarmcensus.planning.trying import LEVEL, Share
+
+RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # by which sizes are tried that are surely too few, or enough
+STEP = 1.5  # from a size to the next, until one is enough and one is not
+SURE = 0.99  # the level at which few trials decide: they are asked again and again
+NEAR = 0.05  # of the size: as exactly as it is found
+
+
+def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+    """The share of so many robots that are right at that time."""
+    try:
+        return _row(search, brain, robots, minutes, search.mission.trials)
+    except TooLong:
+        return _of_theory(search, brain, robots, minutes)
+
+
+def smallest(search: Search, brain: Brain, minutes: float) -> Row:
+    """The smallest swarm that is enough for so many minutes.
+
+    Sizes are tried from theory's on. Few trials decide where the confidence is outside of their interval, else as many
+    as the mission asks for do.
+    """
+    low, high = search.sizes
+    rows: dict[int, Row] = {}
+
+    def holds(robots: int) -> bool:
+        if robots not in rows:
+            rows[robots] = _judged(search, brain, robots, minutes)
+        return rows[robots].answer == "reached"
+
+    try:
+        size = _theory_size(search, minutes)
+        if holds(size):
+            while size > low and holds(smaller := max(low, min(size - 1, int(size / STEP)))):
+                size = smaller
+            too_few = max((n for n, row in rows.items() if row.answer != "reached" and n < size), default=low - 1)
+        else:
+            too_few = size
+            while not holds(size):
+                if size == high:
+                    return rows[high]
+                too_few, size = size, min(high, max(size + 1, int(size * STEP)))
+        while size - too_few > max(1, NEAR * size):
+            middle = (size + too_few) // 2
+            size, too_few = (middle, too_few) if holds(middle) else (size, middle)
+        while True:  # what few trials decided is held to all
+            rows[size] = _row(search, brain, size, minutes, search.mission.trials)
+            if rows[size].answer == "reached" or size == high:
+                break
+            size = min(high, max(size + 1, int(size * (1.0 + NEAR))))
+    except TooLong:
+        return _of_theory(search, brain, size, minutes)
+    if rows[size].answer != "reached":
+        return rows[size]
+    few, many = _ends(search, brain, minutes, size)
+    return replace(rows[size], robots_low=few, robots_high=many)
+
+
+def _ends(search: Search, brain: Brain, minutes: float, size: int) -> tuple[int, int | None]:
+    """The interval of a size: from above the first smaller one that is surely too few to the first surely enough."""
+    wanted, (low, high) = search.mission.wanted.confidence, search.sizes
+
+    def share(robots: int) -> Share:
+        found = _row(search, brain, robots, minutes, search.mission.trials).share
+        assert found is not None
+        return found
+
+    smaller = sorted({max(low, min(size - 1, int(size / ratio))) for ratio in RATIOS} - {size}, reverse=True)
+    larger = sorted({size} | {min(high, max(size + 1, round(size * ratio))) for ratio in RATIOS})
+    few = next((n + 1 for n in smaller if n < size and share(n).high < wanted), low)
+    return few, next((n for n in larger if share(n).low >= wanted), None)
+
+
+def _theory_size(search: Search, minutes: float) -> int:
+    """The least size for which theory's time is short enough, within the sizes that there are."""
+    rounds, (low, high) = search.mission.rounds(minutes), search.sizes
+    while low < high:
+        middle = (low + high) // 2
+        low, high = (low, middle) if search.start(middle).mixed <= rounds else (middle + 1, high)
+    return low
+
+
+def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+    """The same as `enough`, from few trials where these decide."""
+    row = _row(search, brain, robots, minutes, FEWEST_TRIALS, level=SURE)
+    assert row.share is not None
+    if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
+        return row
+    return _row(search, brain, robots, minutes, search.mission.trials)
+
+
+def _row(search: Search, brain: Brain, robots: int, minutes: float, trials: int, level: float = LEVEL) -> Row:
+    """What so many trials say, at the worst of the fill ratios that may be it; those that are not are dropped."""
+    mission = search.mission
+    fill_ratios = search.worst.get(brain.told, search.fill_ratios)
+    every = search.run(robots, [brain], fill_ratios, [mission.rounds(minutes)], trials)
+    curve = min(every, key=lambda one: float(one.shares.mean()))
+    search.worst[brain.told] = [one.fill_ratio for one in every if one.at(0).low <= curve.at(0).high]
+    share = curve.at(0, level)
+    return replace(
+        _of_theory(search, brain, robots, minutes),
+        answer="reached" if share.value >= mission.wanted.confidence else "not reached",
+        share=share,
+        fill_ratio=curve.fill_ratio,
+        trials=curve.shares.shape[1],
+    )
+
+
+def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+    theory = search.start(robots).minutes(search.mission)
+    return Row(brain.told, robots, "not simulated", minutes, theory)

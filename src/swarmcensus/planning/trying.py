@@ -1,0 +1,114 @@
+"""Missions simulated: the share of robots that are right, at many times of one run, with its interval over trials."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.statistics import interval_of
+from swarmcensus.brains import Brain
+from swarmcensus.engine.modes import NEVER, SENSING
+from swarmcensus.planning.mission import Mission
+from swarmcensus.runs.running import run, work_of
+from swarmcensus.runs.working import Progress
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+
+STEPS, FEWEST_STEPS = 100, 30  # of time that are looked at; fewer in swarms of more than
+MANY = 200  # robots, for the sake of memory
+LEVEL = 0.95
+Floats = NDArray[np.float64]
+Show = Callable[[Progress], None]
+
+
+class Share(NamedTuple):
+    """A share of robots, and its 95 % interval over trials."""
+
+    value: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True)
+class Curve:
+    """The shares of robots that are right, (time, trial), of one brain at one fill ratio."""
+
+    brain: str
+    fill_ratio: float
+    rounds: list[int]
+    shares: Floats
+
+    def at(self, k: int, level: float = LEVEL) -> Share:
+        """The share at the k-th time, and its interval of this level."""
+        return Share(*interval_of(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+
+
+def study_of(
+    mission: Mission,
+    robots: int,
+    brains: Sequence[Brain],
+    fill_ratios: Sequence[float],
+    times: Sequence[int],
+    trials: int,
+    seed: int,
+) -> Study:
+    """The study that tells how many of so many robots are right at these times. Raises InputError."""
+    known, topology = mission.known, mission.free.topology[0]
+    world = {"topology": topology, "fill_ratio": list(fill_ratios), "link_success": known.link_success}
+    schedule = {"ticks": times[-1]}
+    if mission.moves:
+        world |= {"side": mission.side, "body": mission.body}
+        world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
+    else:
+        schedule = {"rounds": times[-1], "observations_per_round": mission.looks}
+    stop = ["moving"] * mission.moves + ["sensing", "talking"]
+    fails = mission.failing(robots)
+    return Study(
+        name=mission.name,
+        seed=seed,
+        trials=trials,
+        swarm={"robots": robots, "accuracy": known.accuracy, "brain": list(brains)},
+        world=world,
+        schedule=schedule,
+        measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},
+        faults=[{"at": 1, "robots": fails, "stop": stop}] if fails else [],
+    )
+
+
+def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list[Curve]:
+    """Run it, and count: a curve for each brain and fill ratio. Raises InputError."""
+    data = run(study, jobs, show)
+    if "failed" in data.attrs:
+        raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
+    found = []
+    for number, setting in enumerate(study.settings()):
+        estimates = data["estimates"].values[number]
+        truths = np.full(study.trials, setting.fill_ratio)
+        if mission.on_floor:
+            truths = data["true_fill_ratio"].values[number]
+        right = mission.goal.right(estimates, truths)
+        shares = _of_working(setting, study.seed, right)
+        found.append(Curve(setting.brain.told, setting.fill_ratio, study.checkpoints, shares))
+    return found
+
+
+def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
+    """The share of the robots that did not fail, (time, trial)."""
+    if not setting.faults:
+        return np.asarray(right.mean(axis=2))
+    works = np.array([setting.stops(seed, trial)[SENSING] == NEVER for trial in range(right.shape[1])])
+    return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
+
+
+def times_until(first: float, last: int, robots: int) -> list[int]:
+    """Rounds that are looked at: by equal ratios, the last one among them."""
+    begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * MANY // robots))
+    return [*np.unique(np.geomspace(begin, last, steps).round().astype(int)).tolist()]
+
+
+def affordable(study: Study, most: float) -> int:
+    """How many trials of a study cost so many predicted seconds of one core."""
+    return int(most / work_of(study, study.settings()) * study.trials)

@@ -1,0 +1,163 @@
+"""Which estimates are right, and which wishes contradict one another."""
+
+import math
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.bins import right_bin
+from swarmcensus.worlds import arena
+
+POINTS = 51  # of the range of fill ratios that are looked at
+NORMAL = NormalDist()
+
+
+@dataclass(frozen=True)
+class Goal:
+    """Estimates within a half-width of the truth, or in its bin, for a share `confidence` of the robots."""
+
+    half_width: float | None
+    bins: int | None
+    margin: float  # of fill ratios from the edges between bins
+    confidence: float
+
+    def region(self, truth: float) -> tuple[float, float]:
+        """Between which two numbers estimates are right; what is cut to 0 or 1 counts as far beyond."""
+        if self.bins is not None:
+            return right_bin(truth, self.bins)
+        assert self.half_width is not None
+        low, high = truth - self.half_width, truth + self.half_width
+        return (-math.inf if low <= 0.0 else low), (math.inf if high >= 1.0 else high)
+
+    def right(self, estimates: NDArray[np.float64], truths: NDArray[np.float64]) -> NDArray[np.bool_]:
+        """Which estimates (..., trial, robot) are right, by the truths of trials (trial,)."""
+        if self.bins is not None:
+            ends = np.array([right_bin(float(truth), self.bins) for truth in truths])
+            low, high = ends[:, 0, np.newaxis], ends[:, 1, np.newaxis]
+            return np.asarray((estimates >= low) & (estimates < high))
+        return np.asarray(np.abs(estimates - truths[:, np.newaxis]) <= self.half_width)
+
+    def normal_share(self, sd: float, truth: float) -> float:
+        """The share of robots that are right whose estimates are normal about the truth, and cut to [0, 1]."""
+        low, high = self.region(truth)
+        if sd == 0.0:
+            return 1.0
+        return NORMAL.cdf((high - truth) / sd) - NORMAL.cdf((low - truth) / sd)
+
+    def candidates(self, low: float, high: float) -> NDArray[np.float64]:
+        """Fill ratios of a range that are `margin` or further from all edges; both ends, and those next to edges."""
+        found = np.linspace(low, high, POINTS)
+        if self.bins is None:
+            return np.unique(found)
+        edges = np.arange(1, self.bins) / self.bins
+        beside = np.concatenate([edges - self.margin, edges + self.margin])
+        found = np.unique(np.concatenate([found, beside[(beside >= low) & (beside <= high)]]))
+        apart = np.abs(found[:, np.newaxis] - edges).min(axis=1)
+        return np.asarray(found[apart >= self.margin - 1e-12])
+
+    def __str__(self) -> str:
+        """In words."""
+        if self.half_width is not None:
+            return f"within {self.half_width:g} of the truth"
+        aside = f", {self.margin:g} or further from its edges" if self.margin else ""
+        return f"in the right half{aside}" if self.bins == 2 else f"in the right one of {self.bins} bins{aside}"
+
+
+def check_wishes(mission: Any) -> None:
+    """Raise ValueError where wishes contradict one another, or can never be met."""
+    wanted, known, free = mission.wanted, mission.known, mission.free
+    if (wanted.half_width is None) == (wanted.right is None):
+        raise ValueError(
+            'wanted: should have a half_width, such as 0.02, or right, such as "majority" or 10 bins'
+            + (", and not both" if wanted.right is not None else "")
+        )
+    if wanted.margin and wanted.right is None:
+        raise ValueError(f"wanted.margin = {wanted.margin:g}: it goes with right, for a half_width has no edges")
+    if free.robots is None and free.minutes is None:
+        raise ValueError("free: should have robots, or minutes, or both: a number or a range, such as [10, 100]")
+    if known.accuracy.drift is not None:
+        raise ValueError("known.accuracy: a plan is for sensors that do not drift")
+    if known.accuracy.is_blind:
+        raise ValueError(
+            f"the goal cannot be reached, because an accuracy of {known.accuracy} says the same of black and white"
+        )
+    for brain in free.brain if wanted.half_width is not None else ():
+        if brain.is_opinion:
+            raise ValueError(f"free.brain = {brain.name!r}: its robots have opinions of 0 or 1: right goes with it")
+    low, high = known.fill_ratio
+    if not mission.goal.candidates(low, high).size:
+        raise ValueError(
+            f"wanted.margin = {wanted.margin:g} leaves no fill ratio from {low:g} to {high:g} for {wanted.right!r}"
+        )
+    if wanted.right is not None and wanted.margin == 0.0:
+        edges = np.arange(1, mission.goal.bins) / mission.goal.bins
+        on = edges[(edges >= low) & (edges <= high)]
+        if on.size:
+            raise ValueError(
+                f"the goal cannot be reached, because f may be {on[0]:g}, on the edge between two bins: "
+                "say how far off it is (wanted.margin), or narrow known.fill_ratio"
+            )
+
+
+def check_sizes(mission: Any) -> None:
+    """Raise ValueError where the area is missing, too many, too small, or means nothing."""
+    area, free = mission.area, mission.free
+    if area.side is not None and area.area is not None:
+        raise ValueError("area.side and area.area both say how large the area is: give one of them")
+    if not mission.moves:
+        for key in ("side", "area", "floor"):
+            if getattr(area, key) is not None:
+                raise ValueError(f'area.{key} is of robots that move: it goes with topology = "moving"')
+        if mission.wanted.truth == "floor":
+            raise ValueError(
+                'wanted.truth = "floor" is of robots that move: on fixed networks each reading is of another tile'
+            )
+        check_network(mission)
+    elif mission.side is None:
+        raise ValueError("area: should have a side in metres, or an area in square metres")
+    else:
+        for key in ("observations_per_round", "round_seconds"):
+            if getattr(free, key) is not None:
+                raise ValueError(f"free.{key} is of fixed networks: robots that move observe once a tick at most")
+        most = capacity(mission)
+        if free.robots is not None and free.robots[1] > most:
+            raise ValueError(
+                f"free.robots = {free.robots[1]}: a square of {mission.side:g} m holds {most:,} robots at the most"
+            )
+        if most < 1:
+            raise ValueError(f"a square of {mission.side:g} m cannot hold a robot")
+    if free.minutes is not None and mission.rounds(free.minutes[0]) < 1:
+        raise ValueError(
+            f"free.minutes = {free.minutes[0]:g}: that is less than one round of {60 * mission.round_minutes:g} s"
+        )
+
+
+def capacity(mission: Any) -> int:
+    """How many robots the area holds, with room to move."""
+    if mission.side < arena.smallest_side(1, mission.body):
+        return 0
+    return int(arena.COVERED * mission.side**2 / (math.pi * mission.body.radius**2) + 1e-9)
+
+
+def check_network(mission: Any) -> None:
+    """Raise ValueError where a network of some of these sizes falls apart."""
+    import networkx as nx
+
+    topology, sizes = mission.free.topology[0], mission.free.robots
+    for robots in dict.fromkeys(sizes or ()):
+        topology.check(robots)
+        links = topology.links(robots, mission.seed, 0, 1, lossless=False, sums=False)
+        if not links.receivers.size and topology.edges is None and topology.generator is None:
+            continue  # everyone hears everyone
+        graph = nx.DiGraph()
+        graph.add_nodes_from(range(robots))
+        graph.add_edges_from(zip(links.senders.tolist(), links.receivers.tolist(), strict=True))
+        if not nx.is_strongly_connected(graph):
+            parts = nx.number_strongly_connected_components(graph)
+            raise ValueError(
+                f"the goal cannot be reached, because topology {topology.name!r} of {robots} robots is not connected: "
+                f"it has {parts} parts, and no news of one ever reaches another"
+            )

@@ -1,0 +1,131 @@
+"""The command `plan`: what it prints and writes, and one sentence for each wish that cannot be."""
+
+import json
+import os
+from pathlib import Path
+
+import pytest
+from rich.console import Console
+
+from swarmcensus.cli.commands import main
+
+RING = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n[wanted]\nhalf_width = 0.05\n[free]\nrobots = 10\n"
+RING += 'topology = "ring"\n'
+YARD = ["plan", "--side", "3", "--accuracy", "0.8", "--half-width", "0.05", "--robots", "5"]
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("m.toml").write_text("trials = 40\n" + RING)
+    return tmp_path
+
+
+def test_it_prints_a_row_a_brain_and_writes_a_plan_and_a_figure(here, capsys):
+    assert main(["plan", "m.toml", "--out", "p.json", "--plot", "p.svg", "--robots", "5:20"]) == 0
+    told = capsys.readouterr()
+    assert "95 % of robots within 0.05 of the truth" in told.out
+    assert told.out.count("\ncommons ") == told.out.count("\nminimalistic ") == 5
+    assert "p.json, p.svg: " in told.err
+    rows = json.loads(Path("p.json").read_text())["rows"]
+    assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}
+    assert {row["trials"] for row in rows} == {40}
+    assert "<svg" in Path("p.svg").read_text()[:500]
+
+
+def test_options_replace_what_the_file_says(here, capsys):
+    assert main(["plan", "m.toml", "--right", "majority", "--brain", "voter", "--minutes", "9"]) == 0
+    out = capsys.readouterr().out
+    assert "in the right half" in out
+    assert "are they enough?" in out
+    assert "voter " in out
+    assert "commons" not in out
+    assert main([*YARD, "--side", "1", "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0
+    assert "1 m x 1 m, accuracy 0.8, f from 0.5 to 0.6; the truth is the floor's own share" in capsys.readouterr().out
+
+
+TWO_PARTS = '{name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
+ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "said"),
+    [
+        (("robots = 10", "robot = 10"), [], "m.toml: unknown key free.robot: did you mean 'robots'?"),
+        (("accuracy = 0.8", ""), [], "known.accuracy is missing"),
+        (("[known]", "[known"), [], "mission file m.toml: not TOML"),
+        ((), ["--accuracy", "0.5"], "cannot be reached, because an accuracy of 0.5 says the same of black and white"),
+        ((), ["--minutes", "0.02:0.04"], "cannot be reached, because in 0.0333 min only "),
+        ((), ["--minutes", "0.001"], "free.minutes = 0.001: that is less than one round of 1 s"),
+        ((), ["--robots", "20:5"], "free.robots = [20, 5]: the lower end of a range comes first"),
+        ((), ["--robots", "0"], "free.robots = 0: should be greater than or equal to 1"),
+        ((), ["--robots", "2.5"], "free.robots = 2.5: should be a valid integer"),
+        ((), ["--robots", "many"], "--robots many: should be a number, or a range such as 10:100"),
+        ((), ["--topology", TWO_PARTS, "--robots", "5"], "topology 'two' of 5 robots is not connected: it has 2 parts"),
+        ((), ["--topology", ONE_WAY, "--robots", "3"], "topology 'relay' of 3 robots is not connected: it has 3 parts"),
+        ((), ["--side", "3"], 'area.side is of robots that move: it goes with topology = "moving"'),
+        ((), ["--truth", "floor"], 'wanted.truth = "floor" is of robots that move'),
+        ((), ["--margin", "0.1"], "wanted.margin = 0.1: it goes with right"),
+        ((), ["--right", "10", "--fill-ratio", "0.2:0.4"], "because f may be 0.2, on the edge between two bins"),
+        ((), ["--right", "most"], 'wanted.right = "most": should be "majority", or a number of bins'),
+        ((), ["--right", "majority", "--margin", "0.2"], "wanted.margin = 0.2 leaves no fill ratio from 0.55 to 0.55"),
+        ((), ["--fill-ratio", "0.5:1.5"], "known.fill_ratio[1] = 1.5: should be less than or equal to 1"),
+        ((), ["--brain", "voter"], "free.brain = 'voter': its robots have opinions of 0 or 1"),
+        ((), ["--brain", "comons"], "did you mean 'commons'?"),
+        ((), ["--confidence", "95"], "wanted.confidence = 95: should be less than or equal to 0.999"),
+        ((), ["--failing", "1"], "known.failing = 1: should be less than 1"),
+        (("half_width = 0.05", ""), [], "wanted: should have a half_width"),
+        (("half_width = 0.05", 'half_width = 0.05\nright = "majority"'), [], "and not both"),
+        (("robots = 10", ""), [], "free: should have robots, or minutes, or both"),
+        ((), ["--out", "p.nc"], "--out p.nc: a plan is written as .json or .toml"),
+        ((), ["--out", "m.toml"], "cannot write m.toml: it is what is read"),
+        ((), ["--plot", "p.gif"], "--plot p.gif: a figure is written as .png, .svg or .pdf"),
+        ((), ["--body", "speed"], "--body speed: should be such as speed=0.1"),
+    ],
+)
+def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options, said, here, capsys):
+    if change:
+        assert change[0] in RING
+        Path("m.toml").write_text("trials = 40\n" + RING.replace(*change))
+    out = [] if "--out" in options else ["--out", "p.json"]
+    assert main(["plan", "m.toml", *options, *out]) == 2
+    *progress, error = capsys.readouterr().err.splitlines()
+    assert error.startswith("swarmcensus: ")
+    assert said in error
+    assert "Traceback" not in error
+    assert not any(line.startswith("swarmcensus: ") for line in progress)
+    assert sorted(os.listdir()) == ["m.toml"]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--side", "-3"], "area.side = -3: should be greater than 0"),
+        (["--area", "-4"], "area.area = -4: should be greater than 0"),
+        (["--area", "9"], "area.side and area.area both say how large the area is"),
+        (["--side", "0.1"], "robots = 5: a square of 0.1 m holds 0 robots at the most"),
+        (["--robots", "500"], "free.robots = 500: a square of 3 m holds 260 robots at the most"),
+        (["--round-seconds", "2"], "free.round_seconds is of fixed networks"),
+        (["--side", "1", "--half-width", "0.004", "--truth", "nominal"], "have a share of black of their own"),
+    ],
+)
+def test_areas_that_cannot_be_are_told_too(options, said, here, capsys):
+    both = options[0] == "--area" and "-" not in options[1]
+    given = YARD if both or options[0] != "--area" else [YARD[0], *YARD[3:]]
+    assert main([*given, *options]) == 2
+    assert said in capsys.readouterr().err
+    assert sorted(os.listdir()) == ["m.toml"]
+
+
+def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
+    monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda: Console(width=80))
+    assert main(["plan", "m.toml", "--minutes", "5"]) == 0
+    out = capsys.readouterr().out
+    assert "theory" not in out
+    assert "enough" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_a_mission_that_is_not_there(here, capsys):
+    assert main(["plan", "none.toml"]) == 2
+    assert capsys.readouterr().err == "swarmcensus: mission file none.toml: cannot be read: No such file or directory\n"
