@@ -31,11 +31,11 @@ def everyone(robots):
 
 
 def test_a_first_round_by_hand():
-    """Told 0.8: 50 of 98 black give x = (50/98 - 0.2)/0.6 and e = 0.51 0.49/(0.36 98); d is 0 yet."""
+    """Told 0.8: 50 of 98 black give x = (50/98 - 0.2)/0.6 and e = 1/(4 0.36 98); d is 0 yet."""
     me = robot()
     RUN.observe(me, 50.0, 98.0)
     RUN.fuse(me)
-    x, e = (50 / 98 - 0.2) / 0.6, 0.51 * 0.49 / (0.36 * 98)
+    x, e = (50 / 98 - 0.2) / 0.6, 0.25 / (0.36 * 98)
     assert (me.v, me.s, me.m) == pytest.approx((1 / e, x / e, (x * x - e) / e))
     assert (me.given_v, me.given_s, me.given_m) == (me.v, me.s, me.m)
     assert RUN.estimate(me) == pytest.approx((x / e + e / 2) / (1 / e + e))
@@ -60,8 +60,8 @@ def test_without_new_readings_it_comes_to_the_random_effects_mean(graph):
         RUN.observe(me, black, looks)
     hears = everyone(robots) if graph == "full" else lambda k: ((k - 1) % robots, (k + 1) % robots)
     talk(minds, 1500, hears)
-    x, q = (n / t - 1 + b) / (2 * b - 1), (n + 1) / (t + 2)
-    e, d = q * (1 - q) / ((2 * b - 1) ** 2 * t), 0.0
+    x, d = (n / t - 1 + b) / (2 * b - 1), 0.0
+    e = 0.25 / ((2 * b - 1) ** 2 * t)
     for _ in range(2000):
         g = 1 / (e + d)
         f = (g * x).sum() / g.sum()

@@ -1,7 +1,7 @@
 """Self-taught: commons of robots that may be wrong about their sensors; who does not fit takes its evidence back.
 
 With k = b + w - 1, as told, a robot of n black of t readings believes by itself in x = (n/t - 1 + w)/k, with a variance
-of e = q(1 - q)/(k^2 t), q = (n + 1)/(t + 2). It puts three numbers into sums that all mix as those of `commons` do:
+of at most e = 1/(4 k^2 t). It puts three numbers into sums that all mix as those of `commons` do:
 
     g, g x, g (x^2 - e)    with    g = 1/(e + d);    f = s/v;    d <- max(0, m/v - f^2), smoothed
 
@@ -86,8 +86,7 @@ def fuse(me):
     if me.t == 0.0 or abs(slope) < 1e-12:
         return
     x = (me.n / me.t - 1.0 + me.w) / slope
-    q = (me.n + 1.0) / (me.t + 2.0)
-    chance = q * (1.0 - q) / (slope * slope * me.t)
+    chance = 0.25 / (slope * slope * me.t)
     if me.v > 0.0:
         f = me.s / me.v
         spread = max(me.m / me.v - f * f, 0.0)
