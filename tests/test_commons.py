@@ -155,7 +155,7 @@ def test_who_is_shaken_says_so_and_all_are_within_the_way_between_them():
     lost[0, 1] = 0.0
     one_round(SWIFT, robots, [3.0] * 4, 5.0, lost)
     assert [me.shaken for me in robots] == [1.0, 0.0, 0.0, 0.0]
-    assert SWIFT.broadcast(robots[0])[1] < 0.0
+    assert [SWIFT.broadcast(me)[2] for me in robots] == [1.0, 0.0, 0.0, 0.0]
     for far in (1, 2, 3):
         one_round(SWIFT, robots, [3.0] * 4, 5.0, PATH)
         assert [me.shaken for me in robots] == [1.0] * (far + 1) + [0.0] * (3 - far)

@@ -2,7 +2,7 @@
 
 import ast
 import difflib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -109,10 +109,21 @@ def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
         need(name in message, f"ROLES names {name!r}, which is not in MESSAGE")
         need(role in ROLES, f"ROLES[{name!r}] = {role!r}: should be one of {', '.join(ROLES)}")
     for name, role in given.items():
-        need((role == "belief") == bool(message[name]), f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
+        fits = role in ("information", "confidence") or (role == "belief") == bool(message[name])
+        need(fits, f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
     needs = "information" in given.values() and "confidence" not in given.values()
     need(not needs, "ROLES names an information, which is a confidence times an estimate, and no confidence")
+    for name in (name for name, role in given.items() if role == "information"):
+        other = confidence_of(name, list(message), given)
+        alike = message[name] == message[other]
+        need(alike, f"ROLES: the information {name!r} and its confidence {other!r} should be of one length")
     return dict(given)
+
+
+def confidence_of(name: str, message: Sequence[str], roles: Mapping[str, str]) -> str:
+    """The confidence that an information of a message goes with: the next one after it, or else the first."""
+    after = [*message[message.index(name) :], *message]
+    return next(other for other in after if roles.get(other) == "confidence")
 
 
 def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:

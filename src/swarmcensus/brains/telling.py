@@ -3,6 +3,8 @@
 from collections.abc import Collection, Sequence
 from typing import NamedTuple
 
+from swarmcensus.brains.contract import confidence_of
+
 VALUES = ("estimate", "opinion", "option", "belief", "information")  # what one may lie about
 SPARE = 1e-6  # of a belief's weight, for the bins that are not the lie's: a weight of 0 could never be made good again
 
@@ -39,6 +41,14 @@ def {worn}mean(belief, bins):
     return first / total if total > 0.0 else 0.5""",
     "ratio": "def {worn}ratio(information, confidence):\n"
     "    return information / confidence if confidence > 0.0 else 0.5",
+    "pooled": """
+def {worn}pooled(information, confidence, parts):
+    total = 0.0
+    weight = 0.0
+    for k in range(parts):
+        total += information[k]
+        weight += confidence[k]
+    return total / weight if weight > 0.0 else 0.5""",
 }
 
 
@@ -77,12 +87,20 @@ def _read(fields: Sequence[Field], k: int, part: str, worn: str, options: int) -
         case "belief":
             return f"{worn}mean({this}, {fields[k].long})"
         case "information":
-            return f"{worn}ratio({this}, {part.format(_confidence(fields))})"
+            other, long = part.format(_confidence(fields, k)), fields[k].long
+            return f"{worn}pooled({this}, {other}, {long})" if long else f"{worn}ratio({this}, {other})"
     return this
 
 
-def _confidence(fields: Sequence[Field]) -> int:
-    return next(k for k, field in enumerate(fields) if field.role == "confidence")
+def _confidence(fields: Sequence[Field], k: int) -> int:
+    """The place of the confidence that the k-th field, an information, goes with."""
+    names = [field.name for field in fields]
+    return names.index(confidence_of(fields[k].name, names, {field.name: field.role for field in fields}))
+
+
+def _each(parts: Sequence[str]) -> str:
+    """The source of a vector of these."""
+    return f"({', '.join(parts)},)"
 
 
 def _saying(fields: Sequence[Field], has: Collection[str], names: Names, options: int) -> tuple[list[str], list[str]]:
@@ -102,10 +120,16 @@ def _saying(fields: Sequence[Field], has: Collection[str], names: Names, options
             case "belief":
                 before.append(f"bin_{k} = {worn}bin({told}, {long})")
                 parts.append(f"({''.join(f'{worn}weight({j}, bin_{k}, {long}), ' for j in range(long))})")
+            case "confidence" if long:
+                parts.append(_each([sure.format(f"{k}[{j}]") for j in range(long)]))
             case "confidence":
                 parts.append(sure.format(k))
+            case "information" if long:
+                before.append(f"told_{k} = {told}")
+                other = _confidence(fields, k)
+                parts.append(_each([f"told_{k} * {sure.format(f'{other}[{j}]')}" for j in range(long)]))
             case "information":
-                parts.append(f"{told} * {sure.format(_confidence(fields))}")
+                parts.append(f"{told} * {sure.format(_confidence(fields, k))}")
             case "name" if "forge" in has:
                 parts.append(f"1.0 * {own}forge(me, said_{k})")
             case _:

@@ -45,6 +45,7 @@ MEMORY = {
     "heard_m": 0.0,
 }
 MESSAGE = ("s", "v", "m")
+ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "heard_m")
 
 

@@ -41,6 +41,7 @@ MEMORY = {
     "sure": 0.0,  # 1: done
 }
 MESSAGE = ("s", "v")
+ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v")
 
 

@@ -8,8 +8,8 @@ A second-order step (Polyak, 1964, as it is used in consensus, Muthukrishnan, Gh
 and v alike, so f stays consistent. Where messages are lost, are old, or come from others than before, it swings up
 without bound; and a robot with momentum does harm beside one without. So a robot is shaken as soon as it hears nobody,
 or fewer or more than in its first round, or a mind without evidence (older than that mind's first reading), or somebody
-who is shaken, which is told by the sign of v. Who is shaken mixes as commons does, for good, and within a few rounds
-all are. Where g is the same for all and nothing changes, all keep it.
+who is shaken, which all tell. Who is shaken mixes as commons does, for good, and within a few rounds all are. Where
+nothing changes, all keep their momentum.
 
 The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss, so that g
 falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once.
@@ -37,7 +37,8 @@ MEMORY = {
     "heard_v": 0.0,
     "alarms": 0.0,  # messages of who is shaken, or knows nothing
 }
-MESSAGE = ("s", "v")  # v is below 0 if the robot is shaken
+MESSAGE = ("s", "v", "shaken")
+ROLES = {"s": "information", "v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "alarms")
 
 
@@ -54,18 +55,16 @@ def observe(me, blacks, looks):
 
 def broadcast(me):
     """The sums, and whether the robot is shaken."""
-    if me.shaken > 0.0:
-        return me.s, -me.v
-    return me.s, me.v
+    return me.s, me.v, me.shaken
 
 
 def receive(me, message):
     """A neighbour's sums."""
-    s, v = message
+    s, v, shaken = message
     me.heard += 1.0
     me.heard_s += s
-    me.heard_v += abs(v)
-    if v <= 0.0:
+    me.heard_v += v
+    if shaken > 0.0 or v <= 0.0:
         me.alarms += 1.0
 
 

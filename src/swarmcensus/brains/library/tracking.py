@@ -34,6 +34,7 @@ MEMORY = {
     "heard_long_v": 0.0,
 }
 MESSAGE = ("s", "v", "long_s", "long_v")
+ROLES = {"s": "information", "v": "confidence", "long_s": "information", "long_v": "confidence"}
 SUMS = ("heard", "heard_s", "heard_v", "heard_long_s", "heard_long_v")
 
 
