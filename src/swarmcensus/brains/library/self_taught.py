@@ -35,6 +35,7 @@ MEMORY = {
     "s": 0.0,  # mixed: weights times estimates
     "v": 0.0,  # weights
     "m": 0.0,  # weights times squares, less what chance makes of them
+    "x": 0.5,  # estimate
     "spread": 0.0,  # d, smoothed
     "given_s": 0.0,  # what it has put into these itself
     "given_v": 0.0,
@@ -83,18 +84,22 @@ def fuse(me):
     me.heard_s = 0.0
     me.heard_v = 0.0
     me.heard_m = 0.0
+    me.x = ratio(me)
     slope = me.b + me.w - 1.0
     if me.t == 0.0 or abs(slope) < 1e-12:
         return
     x = (me.n / me.t - 1.0 + me.w) / slope
     chance = 0.25 / (slope * slope * me.t)
-    if me.v > 0.0:
+    alone = me.v <= 0.0
+    if not alone:
         f = me.s / me.v
         spread = max(me.m / me.v - f * f, 0.0)
         me.spread += STEP * (spread - me.spread)
         judge(me, x, chance, f, max(spread, me.spread))
         me.part = min(max(me.part + STEP * (1.0 - 2.0 * me.out), 0.0), 1.0)
     give(me, x, chance)
+    if alone:
+        me.x = ratio(me)
 
 
 def judge(me, x, chance, f, spread):
@@ -132,9 +137,14 @@ def give(me, x, chance):
     me.given_m += part * m
 
 
-def estimate(me):
+def ratio(me):
     """The ratio of the sums, with the prior of commons, in [0, 1]."""
     if me.v <= 0.0:
         return 0.5
     prior = min(1.0, 1.0 / me.v)
     return min(max((me.s + 0.5 * prior) / (me.v + prior), 0.0), 1.0)
+
+
+def estimate(me):
+    """The ratio before this round's own readings, which would weigh too much until they are mixed."""
+    return me.x
