@@ -10,7 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.planning.wishes import Goal, check_sizes, check_wishes
 from swarmcensus.studies.fields import LARGEST, Brains, Floors, Name, Share, Topologies, Whole
 from swarmcensus.studies.tables import explain
-from swarmcensus.studies.toml_text import plain, read_toml, to_toml
+from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds.bodies import Body, Number, Positive
 from swarmcensus.worlds.sensors import Accuracy, parse_accuracy
 
@@ -161,13 +161,8 @@ def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | N
 
 def load_mission(path: str | Path) -> dict[str, Any]:
     """The tables of a mission file, not yet checked. Raises InputError."""
-    try:
-        text = Path(path).read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"mission file {path}: cannot be read: {error.strerror or error}") from error
-    except ValueError as error:
-        raise InputError(f"mission file {path}: cannot be read as text: {error}") from error
-    return read_toml(text, f"mission file {path}")
+    where = f"mission file {path}"
+    return read_toml(text_of_file(path, where), where)
 
 
 def text_of(tables: Mapping[str, Any]) -> str:

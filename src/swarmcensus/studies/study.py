@@ -18,7 +18,7 @@ from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables, explain
-from swarmcensus.studies.toml_text import plain, read_toml, to_toml
+from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture
@@ -74,13 +74,8 @@ class Study:
     @classmethod
     def load(cls, path: str | Path) -> Self:
         """Read a study file. Brain and metric files, edge lists and images are looked for beside it."""
-        try:
-            text = Path(path).read_text(encoding="utf-8-sig")
-        except OSError as error:
-            raise InputError(f"study file {path}: cannot be read: {error.strerror or error}") from error
-        except ValueError as error:
-            raise InputError(f"study file {path}: cannot be read as text: {error}") from error
-        return cls.parse(text, where=f"study file {path}", context={"base": Path(path).parent})
+        where = f"study file {path}"
+        return cls.parse(text_of_file(path, where), where=where, context={"base": Path(path).parent})
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:

@@ -22,6 +22,16 @@ from swarmcensus.worlds.spreading import Spread
 MOST_BITS = 10_000  # of a number that is printed in decimals
 
 
+def text_of_file(path: str | Path, where: str) -> str:
+    """The text of a file that a person wrote, with or without a byte order mark. Raises InputError."""
+    try:
+        return Path(path).read_text(encoding="utf-8-sig")
+    except OSError as error:
+        raise InputError(f"{where}: cannot be read: {error.strerror or error}") from error
+    except ValueError as error:
+        raise InputError(f"{where}: cannot be read as text: {error}") from error
+
+
 def read_toml(text: str, where: str) -> dict[str, Any]:
     """Parse TOML; raises InputError."""
     try:
