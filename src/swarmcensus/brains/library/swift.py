@@ -11,8 +11,11 @@ or fewer or more than in its first round, or a mind without evidence (older than
 who is shaken, which all tell. Who is shaken mixes as commons does, for good, and within a few rounds all are. Where
 nothing changes, all keep their momentum.
 
-The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss, so that g
-falls with the square of the voices heard above a crowd. A robot whose v would halve by the step does without it once.
+The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss. So g falls
+with the square of the voices heard above a crowd; and robots all of whose neighbours heard just whom they heard, which
+in a connected swarm is true of all or none, give it up too. They tell it by what they say in place of whether they are
+shaken: a mark of their own first, then for good the sum of all marks that they heard, which few robots share by chance.
+Momentum begins in the third round, when all this is known. A robot whose v would halve by the step does without it once.
 The prior is that of commons, as much larger as momentum has made the sums.
 """
 
@@ -30,16 +33,22 @@ MEMORY = {
     "unit": 0.0,  # what evidence of 1 a round would have become, said likewise
     "said_unit": 0.0,
     "rounds": 0.0,  # so far
-    "first": -1.0,  # messages in the first round; -1 before
-    "shaken": 0.0,  # 1: no momentum
+    "first": 0.0,  # messages in the first round
+    "company": 0.0,  # marks heard in the first round, and the own; 0 before, -1: shaken, no momentum
     "heard": 0.0,  # messages since the last round
     "heard_s": 0.0,  # the sums in them
     "heard_v": 0.0,
+    "heard_company": 0.0,
     "alarms": 0.0,  # messages of who is shaken, or knows nothing
 }
-MESSAGE = ("s", "v", "shaken")
+MESSAGE = ("s", "v", "company")
 ROLES = {"s": "information", "v": "confidence"}
-SUMS = ("heard", "heard_s", "heard_v", "alarms")
+SUMS = ("heard", "heard_s", "heard_v", "heard_company", "alarms")
+
+
+def mark(me):
+    """A number that sums to no other robots' by chance, as good as ever."""
+    return (me.name + 1.0) ** 2
 
 
 def observe(me, blacks, looks):
@@ -54,17 +63,18 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The sums, and whether the robot is shaken."""
-    return me.s, me.v, me.shaken
+    """The sums, and whom the robot heard, or that it is shaken."""
+    return me.s, me.v, me.company if me.rounds > 0.0 else mark(me)
 
 
 def receive(me, message):
     """A neighbour's sums."""
-    s, v, shaken = message
+    s, v, company = message
     me.heard += 1.0
     me.heard_s += s
     me.heard_v += v
-    if shaken > 0.0 or v <= 0.0:
+    me.heard_company += company
+    if company < 0.0 or v <= 0.0:
         me.alarms += 1.0
 
 
@@ -73,15 +83,18 @@ def fuse(me):
     voices = 1.0 + me.heard
     me.mean_s = (me.s + me.heard_s) / voices
     me.mean_v = (me.v + me.heard_v) / voices
-    if me.first < 0.0:
+    if me.rounds == 0.0:
         me.first = me.heard
+        me.company = me.heard_company + mark(me)
+    elif me.rounds == 1.0 and me.heard_company == me.heard * me.company:
+        me.company = -1.0
     if me.heard == 0.0 or me.heard != me.first or me.alarms > 0.0:
-        me.shaken = 1.0
+        me.company = -1.0
     s = me.mean_s
     v = me.mean_v
     unit = me.unit + 1.0
     ahead_unit = unit
-    if me.shaken == 0.0:
+    if me.company > 0.0 and me.rounds > 1.0:
         g = me.momentum * min(1.0, me.crowd / voices) ** 2
         ahead = v + g * (v - me.said_v)
         if ahead > 0.5 * v:
@@ -98,6 +111,7 @@ def fuse(me):
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
+    me.heard_company = 0.0
     me.alarms = 0.0
 
 
