@@ -131,7 +131,7 @@ def test_the_swarm_s_evidence_reaches_all_but_for_uneven_weights(graph):
 
 
 def test_swift_is_a_second_order_recursion_of_the_same_matrix():
-    """Four robots on a path, nothing lost: what is said from round 3 on goes beyond the mean by g times the way since."""
+    """Four robots on a path, no losses: from round 3 on what is said goes beyond the mean by g times the way since."""
     rng = np.random.default_rng(2)
     robots = minds(SWIFT, [(0.9, 0.8)] * 4)
     mixing = PATH / PATH.sum(1, keepdims=True)

@@ -14,9 +14,9 @@ nothing changes, all keep their momentum.
 The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss. So g falls
 with the square of the voices heard above a crowd; and robots all of whose neighbours heard just whom they heard, which
 in a connected swarm is true of all or none, give it up too. They tell it by what they say in place of whether they are
-shaken: a mark of their own first, then for good the sum of all marks that they heard, which few robots share by chance.
-Momentum begins in the third round, when all this is known. A robot whose v would halve by the step does without it once.
-The prior is that of commons, as much larger as momentum has made the sums.
+shaken: a mark of their own first, then for good the sum of all marks that they heard, which hardly ever is another's by
+chance. Momentum begins in the third round, when all this is known. A robot whose v would halve by the step does without
+it once. The prior is that of commons, as much larger as momentum has made the sums.
 """
 
 PARAMETERS = {
@@ -47,7 +47,7 @@ SUMS = ("heard", "heard_s", "heard_v", "heard_company", "alarms")
 
 
 def mark(me):
-    """A number that sums to no other robots' by chance, as good as ever."""
+    """What sums seldom mistake for others: squares of names."""
     return (me.name + 1.0) ** 2
 
 
