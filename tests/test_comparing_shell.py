@@ -83,6 +83,43 @@ def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
     assert sum(line.strip().startswith(("legacy",)) for line in out.splitlines()) == 2
 
 
+@pytest.mark.parametrize("against", [None, "minimalistic"])
+def test_worlds_are_counted_by_what_they_differ_in(against):
+    """By hand, from the table of worlds."""
+    found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
+    for w, world in enumerate(found.field.worlds):
+        world["half"] = w // 2
+    table = found.table
+    table["half"] = [found.field.worlds[w]["half"] for w in table["world"]]
+    rows = found.by("half")
+    assert len(rows) == 2 * (4 if against is None else 3)
+    for row in rows.to_dict("records"):
+        mine = table[(table["half"] == row["half"]) & (table["contender"] == row["contender"])]
+        assert row["worlds"] == len(mine) == 2
+        ways = ("best", "level", "behind") if against is None else ("better", "level", "worse")
+        assert [row[f"final_error_{way}"] for way in ways] == [(mine["final_error_standing"] == w).sum() for w in ways]
+        if against is not None:
+            other = table[(table["half"] == row["half"]) & (table["contender"] == against)]
+            ratios = mine["final_error"].values / other["final_error"].values
+            assert row["final_error_ratio"] == pytest.approx(np.median(ratios))
+            assert row["final_error_worst"] == pytest.approx(ratios.max())
+            shares = mine["correct"].values - other["correct"].values
+            assert row["correct_difference"] == pytest.approx(np.median(shares))
+            assert row["correct_worst"] == pytest.approx(shares.min())
+    assert rows["final_error_best" if against is None else "final_error_worse"].sum() > 0
+    assert len(found.by("half", "topology")) == 4 * (4 if against is None else 3)
+
+
+def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, capsys):
+    words = ["compare", str(two), "--against", "legacy", "--by", "topology", "--by", "accuracy", "--limit", "3"]
+    assert main(words) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[1].split()[:4] == ["topology", "accuracy", "contender", "worlds"]
+    assert [line.split()[0] for line in lines[2:5]] == ["ring", "0.8", "full"]  # what is as above is not said again
+    assert f"3 of 4 rows; all of them: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
+    assert set(sc.compare(two, against="legacy").verdict) < set(lines)
+
+
 def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch):
     monkeypatch.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((70, 40)))
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
@@ -105,6 +142,9 @@ def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch)
         (["--csv", "no/file/../"], "this table is written as .csv"),
         (["--where", "brain == 'legacy'"], "there is nothing to compare: all settings are of legacy"),
         (["--where", "brain == 'lgacy'"], "no setting is so"),
+        (["--by", "topolgy"], "--by topolgy: did you mean 'topology'? worlds differ in topology, accuracy"),
+        (["--by", "robots"], "--by robots: all worlds have the same, 10"),
+        (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows pairs in each of them: leave one out"),
         (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
     ],
 )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.cli import comparison_page
+    from swarmcensus.cli import comparison_groups_page, comparison_page
     from swarmcensus.cli.plotting import figure_files
     from swarmcensus.cli.tables import head
     from swarmcensus.results.comparing import compare as compare_results
@@ -24,6 +24,8 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.results.early import opened
     from swarmcensus.results.latex import write_latex
 
+    if options.by and options.pairs:
+        raise InputError("--by counts worlds, --pairs shows pairs in each of them: leave one out")
     for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
         if path and path.suffix.lower() != suffix:
             flag = "--csv" if path is options.csv else "--latex"
@@ -36,7 +38,11 @@ def compare(options: argparse.Namespace) -> int:
     stored = opened(options.results)
     found = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
-    comparison_page.show(found, head(stored, options.results), _again(options), limit, options.pairs)
+    title, again = head(stored, options.results), _again(options)
+    if options.by:
+        comparison_groups_page.show(found, title, again, options.by, limit)
+    else:
+        comparison_page.show(found, title, again, limit, options.pairs)
     if options.csv:
         print(f"{options.csv}: {write_csv(found, options.csv):,} rows")
     if options.latex:
@@ -57,7 +63,8 @@ def _again(options: argparse.Namespace) -> str:
     words = ["swarmcensus", "compare", str(options.results)]
     words += ["--where", options.where] if options.where is not None else []
     words += ["--against", options.against] if options.against is not None else []
-    return shlex.join([*words, *(word for name in options.metric for word in ("--metric", name))])
+    words += [word for name in options.metric for word in ("--metric", name)]
+    return shlex.join([*words, *(word for name in options.by for word in ("--by", name))])
 
 
 def _draw(found: "Comparison", figures: dict[str, Path]) -> None:

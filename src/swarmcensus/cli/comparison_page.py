@@ -55,11 +55,7 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
         out.print(_pairs(found, worlds))
         for line in PAIRS:
             out.print(line, style="dim")
-    out.print()
-    for sentence in found.verdict:
-        out.print(sentence)
-    for caution in found.cautions:
-        out.print(f"caution: {caution}", style="yellow")
+    tell(found)
     if not with_pairs:
         count = sum(int((~np.isnan(one.corrected)).sum()) for one in found.contests)
         out.print(
@@ -68,6 +64,16 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
             else f"the difference, its effect and p-value: {again} --pairs, or --csv FILE",
             soft_wrap=True,
         )
+
+
+def tell(found: Comparison) -> None:
+    """The verdict and what is to be known of it."""
+    out = console()
+    out.print()
+    for sentence in found.verdict:
+        out.print(sentence)
+    for caution in found.cautions:
+        out.print(f"caution: {caution}", style="yellow")
 
 
 PAIRS = (

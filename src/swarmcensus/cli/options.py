@@ -103,6 +103,13 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
         help="a measure to compare by, as correct, or my_metric:low (default: the usual ones); several: once for each",
     )
     sub.add_argument("--against", metavar="NAME", help="hold all others against this brain alone, in fewer tests")
+    sub.add_argument(
+        "--by",
+        action="append",
+        default=[],
+        metavar="AXIS",
+        help="count worlds by their topology, robots or what else they differ in; several: once for each",
+    )
     sub.add_argument("--pairs", action="store_true", help="each pair of brains too: difference, effect, p-values")
     sub.add_argument("--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS})")
     sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, a row each")

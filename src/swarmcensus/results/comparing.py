@@ -12,7 +12,7 @@ from swarmcensus.basics.bootstrap import centres
 from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.results import comparison_tables, measures, selecting
+from swarmcensus.results import comparison_groups, comparison_tables, measures, selecting
 from swarmcensus.results.contenders import NONE, Field, field_of
 from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
 from swarmcensus.results.measures import COSTS, SIZES, Measure
@@ -60,6 +60,15 @@ class Comparison(Standings):
     def duels(self) -> Any:
         """A pandas table with a row for each measure and pair: who is ahead in how much of the worlds they all met."""
         return comparison_tables.duels(self)
+
+    def by(self, *axes: str) -> Any:
+        """A pandas table: for each combination of these axes' values and contender, how often it stands where.
+
+        Held against one, each other contender has of each measure its value by that of the one (`_ratio`), of shares
+        their difference (`_difference`): the median over these worlds, and the worst. Raises InputError where worlds do
+        not differ in such an axis.
+        """
+        return comparison_groups.groups(self, axes)
 
     def __str__(self) -> str:
         """What came of it, in sentences."""
