@@ -1,7 +1,7 @@
 """Brains that share everything beside the paper's: `python benchmarks/beyond.py [FIGURE.png]`.
 
-Prints medians of the cells that docs/beyond.md begins with, and the first rounds of swarms with poor sensors; and draws
-how the error falls on a ring of 100, round by round, beside theory's bounds. Two minutes on two cores.
+Prints medians of the cells that docs/beyond.md begins with, the first rounds of swarms with poor sensors, and what the
+weights of unequal sensors cost; and draws how the error falls on a ring of 100, round by round, beside theory's bounds. Two minutes on two cores.
 """
 
 import sys
@@ -74,6 +74,15 @@ def tell_early():
             print("  ", *(cell[i] for cell in cells), f"by {other[i] / paper[i] - 1:.1%}")
 
 
+def tell_weights():
+    """What weights of k^2 leave of the information, where sensors are U(0.525, 0.975)."""
+    b = np.linspace(0.525, 0.975, 10_001)
+    weight = (2.0 * b - 1.0) ** 2
+    for f in (0.55, 0.75, 0.95, 0.99):
+        variance = np.sum(weight**2 * theory.reading_variance(f, b)) / np.sum(weight) ** 2
+        print(f"weights of k^2, f = {f}: {1.0 / variance / np.sum(theory.information(f, b)):.3f} of the information")
+
+
 def draw(results, path):
     """The median error of all robots and trials after each round, and what theory allows."""
     matplotlib.use("agg")
@@ -109,6 +118,7 @@ def main():
     tell("moving, D = 10, 0.875", sc.run(moving(0.875, 10)))
     tell("moving, D = 1, 0.525", sc.run(moving(0.525, 1)))
     tell_early()
+    tell_weights()
     if len(sys.argv) > 1:
         draw(poor, sys.argv[1])
 
