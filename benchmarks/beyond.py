@@ -1,7 +1,8 @@
 """Brains that share everything beside the paper's: `python benchmarks/beyond.py [FIGURE.png]`.
 
 Prints medians of the cells that docs/beyond.md begins with, the first rounds of swarms with poor sensors, and what the
-weights of unequal sensors cost; and draws how the error falls on a ring of 100, round by round, beside theory's bounds. Two minutes on two cores.
+weights of unequal sensors cost; and draws how the error falls on a ring of 100, round by round, beside theory's bounds.
+Two minutes on two cores.
 """
 
 import sys
