@@ -9,7 +9,7 @@ from swarmcensus.brains import adversary
 from swarmcensus.brains.telling import HELPERS
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
-from swarmcensus.conformance.machine_code import agrees
+from swarmcensus.conformance.machine_code import agrees, step_by_step
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.engine.modes import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
@@ -143,6 +143,14 @@ def test_a_jammer_makes_noise_as_often_as_it_is_told():
         assert used.functions.jam(me) == (own(luck) < 0.3)
     assert used.functions.broadcast(me) == honest.functions.broadcast(robot(honest, 7, 10))
     assert not worn("jammer", often=0.0).functions.jam(me)
+
+
+def test_a_jammer_s_life_can_be_told_call_by_call(capsys):
+    """As for a brain that hangs in the last check: the calls before it are printed."""
+    step_by_step(worn("jammer", often=0.3))()
+    said = capsys.readouterr().out
+    assert said.count("fuse(me)") == 25 * 12
+    assert said.count("jam(me)") == 25 * 60
 
 
 def test_each_field_is_lied_about_by_what_it_means():

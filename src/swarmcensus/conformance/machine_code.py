@@ -134,8 +134,11 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
         return minds[0]
 
     def told(name: str) -> Any:
-        function = getattr(module, name)
-        function.compile((record, *given.get(name, ())))
+        if name == "jam":  # compiled it is a part of what is said, and cannot be called
+            function = brain.functions.jam
+        else:
+            function = getattr(module, name)
+            function.compile((record, *given.get(name, ())))
 
         def one(me: Any, *values: Any) -> Any:
             print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
