@@ -188,8 +188,13 @@ class Minds:
         if self.brains[i].uses.luck:
             self.minds[i].luck = chance(robots_word(self.luck[:2], self.trial, tick, i, part))
 
-    def live(self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0) -> None:
-        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse."""
+    def live(
+        self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0, since: int = 0
+    ) -> None:
+        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse.
+
+        Nobody hears what was said before tick `since`.
+        """
         n = len(self.minds)
         for i in range(n):
             if not math.isnan(blacks[i]) and tick < self.failed.sensing[i] and not self.is_done(i):
@@ -200,14 +205,16 @@ class Minds:
         for i in range(n):
             self.sent[i] += self.said[-1][i] is not None and tick < self.failed.talking[i]
             before = tick - delay
-            drowned = tick >= delay and any(self.noise[before][j] and before < self.failed.talking[j] for j in heard[i])
-            for j in heard[i] if tick >= delay and not drowned else ():
-                spoke = tick - delay < self.failed.talking[j] and self.said[tick - delay][j] is not None
+            drowned = before >= since and any(
+                self.noise[before][j] and before < self.failed.talking[j] for j in heard[i]
+            )
+            for j in heard[i] if before >= since and not drowned else ():
+                spoke = before < self.failed.talking[j] and self.said[before][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:
                         self.minds[i].luck = chance(threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0])
                     self.heard[i] += 1
-                    self.call("receive", i, self.said[tick - delay][j])
+                    self.call("receive", i, self.said[before][j])
         for i in range(n):
             self.cast(i, tick, self.parts[1])
             self.call("fuse", i)
@@ -223,5 +230,5 @@ def fixed(
     """One trial on a fixed network, given how many of each round's readings said black (round, robot)."""
     minds = Minds(setting, seed, trial, failed)
     for tick in range(1, setting.rounds + 1):
-        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard)
+        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard, setting.message_delay, 1)
     return minds

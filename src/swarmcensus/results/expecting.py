@@ -108,6 +108,7 @@ def reasons(found: Setting, knows: bool) -> dict[str, str]:
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", found.link_success < 1.0 and not found.brain.is_oracle),
+        (MIXED, "messages are late", not moves and found.message_delay > 0),
         (MIXED, "robots are wrong about their sensors", not knows),
         (MIXED, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
     ):

@@ -144,7 +144,7 @@ def recording(
         raise InputError("a recording is for one brain, and robots of this setting have several")
     if found.brain.is_oracle and found.body is not None:
         raise InputError("a recording of robots that move tells whom they met, and an oracle hears all")
-    if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
+    if found.link_success < 1.0 or found.faults or found.message_delay > 0:
         raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
     if found.body is not None:
         ride = record_ride(found, study.seed, trial)
