@@ -216,6 +216,8 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
             raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {min(sizes)} robots")
         if "moving" in fault.stop and not any(grid.moves for grid in grids):
             raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
+        if fault.until is not None and fault.until <= fault.at:
+            raise ValueError(f"faults[{n}].until = {fault.until}: should come after at = {fault.at}")
         if all_used and fault.at > last_round(grids):
             raise ValueError(f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}")
         if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):

@@ -118,7 +118,7 @@ class Setting:
             self.observations_per_round,
             self.density,
             self.body and self.body.model_dump(),
-            [fault.model_dump() for fault in self.faults],
+            [fault.content for fault in self.faults],
             self.floor and [str(self.floor), self.floor.content],
         )
         if self.members:
@@ -169,7 +169,7 @@ class Setting:
         if self.steers:
             return self.fingerprint(0)
         paces = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
-        lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
+        lame = [(n, f.at, f.until, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
         return repr((self.walk_content, self.rounds, lame, *paces))
 
     def walk_key(self, seed: int) -> np.ndarray:

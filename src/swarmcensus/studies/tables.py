@@ -138,9 +138,11 @@ class Tables(_Table):
             told = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
             return table.model_copy(update={"fill_ratio": told})
 
-        faults = (
-            f.model_copy(update={"at": in_ticks(f.at, common, f"faults[{n}].at")}) for n, f in enumerate(self.faults)
-        )
+        def times_of(fault: Fault, where: str) -> dict[str, int]:
+            times = {"at": fault.at} | ({} if fault.until is None else {"until": fault.until})
+            return {key: in_ticks(value, common, f"{where}.{key}") for key, value in times.items()}
+
+        faults = (f.model_copy(update=times_of(f, f"faults[{n}]")) for n, f in enumerate(self.faults))
         return self.model_copy(
             update={
                 "schedule": converted(self.schedule, "ticks", "schedule", tick),
