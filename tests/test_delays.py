@@ -239,12 +239,6 @@ def test_studies_with_and_without_delays_are_merged(file):
     assert both["message_delay"].values.tolist() == [0, 1, 4, 0, 1, 4, 0, 0]
 
 
-def test_theory_claims_nothing_of_late_sums(file):
-    now, late = sc.explain(file, 3), sc.explain(file, 4)
-    assert "mixed" in now.theory
-    assert late.absent == {"mixed": "messages are late"}
-
-
 def test_pages_and_figures_name_the_delay(file, capsys):
     assert main(["show", str(file)]) == 0
     assert "message_delay" in capsys.readouterr().out

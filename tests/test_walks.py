@@ -88,7 +88,7 @@ def test_the_walks_above_have_all_that_there_is(monkeypatch):
         side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
         swarm = reference_walks.placed(robots, side, body, key, 2)
         for tick in range(1, ticks + 1 if robots < 20 else 1):
-            now = reference_walks.step(swarm, side, body, key, 2, tick, [reference.FOREVER] * robots, [None] * robots)
+            now = reference_walks.step(swarm, side, body, key, 2, tick, [[]] * robots, [None] * robots)
             seen |= {("avoids", me.turn > 0, me.avoiding > 30) for me in swarm if me.avoiding}
             seen |= {"60 ticks" for me, looks in zip(swarm, now.looked, strict=True) if me.avoiding == 1 and tick > 60}
             seen |= {("moves", me.move) for me, looks in zip(swarm, now.looked, strict=True) if looks}
