@@ -118,22 +118,26 @@ def arrives(setting: Setting, key: np.ndarray, trial: int, tick: int, receiver: 
 
 @dataclass
 class Failures:
-    """From which round or tick on parts of robots do not work."""
+    """From which round or tick on, and until which, parts of robots do not work: a list of such pairs a robot."""
 
-    moving: list[int]
-    sensing: list[int]
-    talking: list[int]
+    moving: list[list[tuple[int, int]]]
+    sensing: list[list[tuple[int, int]]]
+    talking: list[list[tuple[int, int]]]
+
+
+def works(spells: list[tuple[int, int]], tick: int) -> bool:
+    """Whether a part with these spells works."""
+    return not any(since <= tick < until for since, until in spells)
 
 
 def failures(setting: Setting, keys: list[np.ndarray], trial: int) -> Failures:
     """Those of all faults, given the key of each one's lots: the robots with the smallest lots fail."""
-    out = Failures(*([FOREVER] * setting.robots for _ in range(3)))
+    out = Failures(*([[] for _ in range(setting.robots)] for _ in range(3)))
     for fault, key in zip(setting.faults, keys, strict=True):
         lots = [unit(robots_word(key, trial, 0, i)) for i in range(setting.robots)]
         for i in sorted(range(setting.robots), key=lots.__getitem__)[: fault.count(setting.robots)]:
             for part in fault.stop:
-                row = getattr(out, part)
-                row[i] = min(row[i], fault.at)
+                getattr(out, part)[i].append((fault.at, fault.until or FOREVER))
     return out
 
 
@@ -188,26 +192,33 @@ class Minds:
         if self.brains[i].uses.luck:
             self.minds[i].luck = chance(robots_word(self.luck[:2], self.trial, tick, i, part))
 
-    def live(self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0) -> None:
-        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse."""
+    def live(
+        self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0, since: int = 0
+    ) -> None:
+        """A round or tick: observe (NaN: no observation), talk, hear what was said `delay` ticks ago, fuse.
+
+        Nobody hears what was said before tick `since`.
+        """
         n = len(self.minds)
         for i in range(n):
-            if not math.isnan(blacks[i]) and tick < self.failed.sensing[i] and not self.is_done(i):
+            if not math.isnan(blacks[i]) and works(self.failed.sensing[i], tick) and not self.is_done(i):
                 self.cast(i, tick, self.parts[0])
                 self.call("observe", i, float(blacks[i]), float(looks))
         self.said.append([self.says(i) for i in range(n)])
         self.noise.append([self.jams(i) for i in range(n)])
         for i in range(n):
-            self.sent[i] += self.said[-1][i] is not None and tick < self.failed.talking[i]
+            self.sent[i] += self.said[-1][i] is not None and works(self.failed.talking[i], tick)
             before = tick - delay
-            drowned = tick >= delay and any(self.noise[before][j] and before < self.failed.talking[j] for j in heard[i])
-            for j in heard[i] if tick >= delay and not drowned else ():
-                spoke = tick - delay < self.failed.talking[j] and self.said[tick - delay][j] is not None
+            drowned = before >= since and any(
+                self.noise[before][j] and works(self.failed.talking[j], before) for j in heard[i]
+            )
+            for j in heard[i] if before >= since and not drowned else ():
+                spoke = works(self.failed.talking[j], before) and self.said[before][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:
                         self.minds[i].luck = chance(threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0])
                     self.heard[i] += 1
-                    self.call("receive", i, self.said[tick - delay][j])
+                    self.call("receive", i, self.said[before][j])
         for i in range(n):
             self.cast(i, tick, self.parts[1])
             self.call("fuse", i)
@@ -223,5 +234,5 @@ def fixed(
     """One trial on a fixed network, given how many of each round's readings said black (round, robot)."""
     minds = Minds(setting, seed, trial, failed)
     for tick in range(1, setting.rounds + 1):
-        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard)
+        minds.live(tick, blacks[tick].tolist(), setting.observations_per_round, heard, setting.message_delay, 1)
     return minds

@@ -9,7 +9,18 @@ import numpy as np
 
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.bodies import Body
-from tests.reference import Failures, Minds, accuracy_in, fill_ratio_in, key_of, robots_word, threefry, tile_unit, unit
+from tests.reference import (
+    Failures,
+    Minds,
+    accuracy_in,
+    fill_ratio_in,
+    key_of,
+    robots_word,
+    threefry,
+    tile_unit,
+    unit,
+    works,
+)
 
 STAND, STRAIGHT, LEFT, RIGHT = range(4)
 SLANT = math.sqrt(0.5)
@@ -154,14 +165,14 @@ class Tick:
 
 def step(
     swarm: list[Robot], side: float, body: Body, key: np.ndarray, trial: int, tick: int,
-    stands: list[int], wants: list[tuple[float, float] | None],
+    stands: list[list[tuple[int, int]]], wants: list[tuple[float, float] | None],
 ) -> Tick:  # fmt: skip
     """All robots move on by a tick; `wants` are metres and radians a tick."""
     seen = [proximity(i, swarm, side / 2, body) for i in range(len(swarm))]
     looked = []
     limit = side / 2 - body.radius
     for i, me in enumerate(swarm):
-        able = tick < stands[i]
+        able = works(stands[i], tick)
         move, avoids = decision(i, me, seen[i], body, key, trial, tick) if able else (STAND, False)
         looked.append(not avoids)
         speed = body.speed * body.tick if move == STRAIGHT else 0.0
@@ -228,7 +239,7 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
             right = unit(robots_word(reads, trial, tick, i)) < accuracy_in(
                 setting, who[i], b[i] if black[i] else w[i], tick
             )
-            able = now.looked[i] and tick < failed.sensing[i]
+            able = now.looked[i] and works(failed.sensing[i], tick)
             read.append(float(black[i] == right) if able else math.nan)
         minds.live(tick, read, 1, now.heard, body.message_delay)
         if setting.brain.steers:

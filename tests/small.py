@@ -16,6 +16,12 @@ FAULTS = [
     {"at": 2, "robots": 1, "stop": ["talking", "sensing"]},
 ]
 
+PASSING = [  # some come late, and some are twice away
+    {"at": 1, "robots": 2, "stop": ["sensing", "talking"], "until": 4},
+    {"at": 3, "robots": 0.6, "stop": "talking", "until": 5},
+    {"at": 6, "robots": 1, "stop": "sensing"},
+]
+
 
 def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), **world):
     """The settings of a study on fixed networks."""

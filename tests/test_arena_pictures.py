@@ -313,6 +313,14 @@ def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(tick):
     assert len(found) == 6 * (tick >= 10) + 16 * (tick >= 20)
 
 
+def test_robots_whose_parts_work_again_have_no_stroke_any_more():
+    _, trace, floor = faulty_scene('faults = [{at = 10, robots = 3, stop = "talking", until = 20}]')
+    arena = Arena(trace, floor)
+    for tick, strokes in ((9, 0), (10, 6), (19, 6), (20, 0)):
+        arena.show(tick)
+        assert len(arena.failed.get_segments()) == strokes
+
+
 def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
     said = texts(snapshot(scene[0], 30, scene[1]))
     assert "stopped" not in said

@@ -122,8 +122,9 @@ def local_curves(setting, trial):
     """Estimates of robots that hear nobody, after each single observation; faults count in rounds."""
     failed, looks = failing(setting, trial), setting.observations_per_round
     readings = record_readings(setting, SEED, trial)
-    for i, at in enumerate(failed.sensing):
-        readings[(at - 1) * looks :, i] = np.nan
+    for i, spells in enumerate(failed.sensing):
+        for since, until in spells:
+            readings[(since - 1) * looks : (until - 1) * looks, i] = np.nan
     lone = reference.Minds(setting, SEED, trial, reference.failures(replace(setting, faults=()), [], trial), True)
     for step, row in enumerate(readings, start=1):
         lone.live(step, row.tolist(), 1, [[] for _ in row])

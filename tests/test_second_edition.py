@@ -9,7 +9,7 @@ from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference, reference_walks
 from tests.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
-from tests.small import FAULTS, GO, SEED, failing, heard_in
+from tests.small import FAULTS, GO, PASSING, SEED, failing, heard_in
 from tests.test_lives import local_curves
 
 SOME = [{"robots": 0.4, "brain": brain(TALKS, "talks.py"), "honest": False}]
@@ -20,6 +20,24 @@ CASES = {
     "adds": (ADDS, {"robots": [1, 6], "topology": ["full", "ring", "scale-free"], "looks": 3}),
     "adds, lossy": (ADDS, {"robots": 6, "topology": ["full", "line"], "link_success": 0.6}),
     "adds, failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS}),
+    "all, passing": (ALL, {"robots": 6, "topology": ["full", "line"], "link_success": [1.0, 0.6], "faults": PASSING}),
+    "adds, passing and late": (
+        ADDS,
+        {"robots": 6, "topology": ["full", "ring"], "faults": PASSING, "message_delay": [0, 2]},
+    ),
+    "all, late": (ALL, {"topology": ["full", "ring"], "message_delay": [1, 3]}),
+    "all, late and lossy": (
+        ALL,
+        {"topology": ["full", "line"], "message_delay": 2, "link_success": 0.6, "faults": FAULTS},
+    ),
+    "adds, late": (ADDS, {"robots": [1, 6], "topology": ["full", "scale-free"], "message_delay": [2, 7]}),
+    "adds, late, 260": (ADDS, {"robots": 260, "rounds": 5, "topology": ["full", "ring"], "message_delay": 2}),
+    "adds, late and lossy": (
+        ADDS,
+        {"robots": 6, "topology": ["full", "line"], "link_success": 0.6, "message_delay": 3},
+    ),
+    "adds, late and failing": (ADDS, {"robots": 6, "topology": ["full", "ring"], "faults": FAULTS, "message_delay": 1}),
+    "mixed, late": (ALL, {"robots": 7, "topology": ["full", "ring"], "members": SOME, "message_delay": 2}),
     "mixed": (ALL, {"robots": 7, "topology": ["full", "ring", "scale-free"], "members": SOME}),
     "mixed, lossy": (ALL, {"robots": 7, "topology": ["full", "ring"], "members": SOME, "link_success": 0.6}),
     "mixed, 300": (ALL, {"robots": 300, "rounds": 3, "topology": "line", "members": SOME, "faults": FAULTS[::2]}),
@@ -28,6 +46,8 @@ RIDES = {
     "all": (ALL, {}),
     "all, late and lossy": (ALL, {"body": {"message_delay": 3}, "link_success": 0.7, "faults": FAULTS}),
     "all, steering": (ALL + STEER, {}),
+    "all, passing": (ALL, {"faults": [*PASSING, {"at": 2, "robots": 3, "stop": "moving", "until": 9}]}),
+    "all, steering, passing": (ALL + STEER, {"faults": [{"at": 2, "robots": 3, "stop": "moving", "until": 9}]}),
     "adds": (ADDS, {"body": {"message_delay": 1}}),
     "adds, failing": (ADDS, {"faults": FAULTS}),
     "mixed": (ALL, {"members": SOME, "body": {"message_delay": 2}}),

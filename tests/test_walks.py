@@ -53,6 +53,7 @@ def test_robots_walk_as_in_the_reference(name):
     side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
     lame = np.full((3, robots), 1 << 62)
     lame[0, 0] = 7
+    stands = [[(7, 1 << 62)], *([] for _ in range(robots - 1))]
     chunks = list(walk(robots, side, body, key, trial, ticks, GO, poses=True, stops=lame))
     swarm = reference_walks.placed(robots, side, body, key, trial)
     if robots > 48:  # numbered by strips as wide as robots reach, and from left to right within
@@ -64,7 +65,7 @@ def test_robots_walk_as_in_the_reference(name):
         assert chunk.tick == tick + 1
         for k in range(len(chunk.looked)):
             tick += 1
-            now = reference_walks.step(swarm, side, body, key, trial, tick, lame[0].tolist(), [None] * robots)
+            now = reference_walks.step(swarm, side, body, key, trial, tick, stands, [None] * robots)
             assert chunk.poses[k] == pytest.approx(np.array(now.poses), abs=1e-9)
             assert chunk.looked[k].tolist() == now.looked
             assert chunk.tiles[k].tolist() == [list(tile) for tile in now.tiles]
@@ -87,7 +88,7 @@ def test_the_walks_above_have_all_that_there_is(monkeypatch):
         side = math.sqrt(robots * math.pi * body.radio_range**2 / density)
         swarm = reference_walks.placed(robots, side, body, key, 2)
         for tick in range(1, ticks + 1 if robots < 20 else 1):
-            now = reference_walks.step(swarm, side, body, key, 2, tick, [reference.FOREVER] * robots, [None] * robots)
+            now = reference_walks.step(swarm, side, body, key, 2, tick, [[]] * robots, [None] * robots)
             seen |= {("avoids", me.turn > 0, me.avoiding > 30) for me in swarm if me.avoiding}
             seen |= {"60 ticks" for me, looks in zip(swarm, now.looked, strict=True) if me.avoiding == 1 and tick > 60}
             seen |= {("moves", me.move) for me, looks in zip(swarm, now.looked, strict=True) if looks}

@@ -13,10 +13,11 @@ from swarmcensus.engine.modes import PHASES
 from swarmcensus.engine.modules import LOCK, is_kept, module, source
 from swarmcensus.metrics import GIVEN, Metric
 
-WALK = ("motion.py", "neighbours.py")
+WALK = ("motion.py", "neighbours.py", "failures.py")
+MINDS = ("minds.py", "failures.py")
 PARTS = {  # what a file imports from its own folder
-    "kernel": ("rounds.py", "minds.py"),
-    "riding": ("minds.py",),
+    "kernel": ("rounds.py", *MINDS),
+    "riding": MINDS,
     "walk": WALK,
     "steering": ("riding.py", "minds.py", "walk.py", *WALK),
 }

@@ -47,7 +47,7 @@ from .rounds import advance, advance_alone, bounds_of, most_links
 @entry
 def simulate(
     minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    memory, outbox, rows, snapshots, first_trial, b, w, drift, assumed_b, assumed_w, course, local,
+    memory, outbox, rows, snapshots, said_before, delay, first_trial, b, w, drift, assumed_b, assumed_w, course, local,
     looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
     delta, bins, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
     truths, room, all_sure, all_wrong, extremes, first_step, last_step, stop,
@@ -55,8 +55,10 @@ def simulate(
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
     Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
-    those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. `memory` (robot, field),
-    `outbox` (2 robots, message), `rows` (index, robot) and `snapshots` (segment, robot, field) are room to work in.
+    those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. What is heard was said
+    `delay` rounds ago. `memory` (robot, field), `outbox` (delay + 2 times robots, message), `rows` (index, robot),
+    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in; the last has
+    none where messages are not late, or no segment is run again.
     With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
     right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
@@ -106,7 +108,7 @@ def simulate(
             if flag < 0 and (links == FULL or (threshold == 0 and stops.shape[1] == 0 and links != PAIRS)):
                 for i in range(all_counts.shape[2]):
                     degree = robots - 1 if links == FULL else bounds[i + 1] - bounds[i]
-                    all_counts[trial, HEARD, i] = rounds * degree
+                    all_counts[trial, HEARD, i] = max(rounds - delay, 0) * degree
             for i in range(robots):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -116,8 +118,12 @@ def simulate(
             s = step if forward else 2 * segments - 2 - step
             if forward and segments > 1:
                 put(snapshots[s], memory)
+                if said_before.shape[0] > 0:
+                    put(said_before[s], outbox)
             elif not forward and undecided:
                 put(memory, snapshots[s])
+                if said_before.shape[0] > 0:
+                    put(outbox, said_before[s])
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
@@ -134,8 +140,8 @@ def simulate(
                         if asked:
                             end = checkpoints[c] + 1
                         advance(
-                            swarm, memory, outbox, beside, blacks, bits, luck, source, begun, end, looks, number,
-                            read_key, link_key, links, receivers, senders, bounds, arrivals, threshold,
+                            swarm, memory, outbox, beside, blacks, bits, luck, source, delay, begun, end, looks,
+                            number, read_key, link_key, links, receivers, senders, bounds, arrivals, threshold,
                             rows[begun - first :], stops,
                             all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
                             agreed[trial], stop,

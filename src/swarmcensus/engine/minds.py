@@ -18,6 +18,7 @@ from swarmcensus.engine.modes import (
     IS_DONE,
     JUDGE,
     NOISE,
+    PARTS,
     SAID,
     SENSING,
     SENT,
@@ -26,6 +27,8 @@ from swarmcensus.engine.modes import (
     WRONG,
 )
 from swarmcensus.engine.random import word_of
+
+from .failures import works
 
 ZERO = np.uint64(0)
 ONE = np.uint64(1)
@@ -64,12 +67,6 @@ def put(into, minds):
     for i in range(minds.shape[0]):
         for j in range(minds.shape[1]):
             into[i, j] = minds[i, j]
-
-
-@loop(forceinline=True)
-def works(stops, part, i, tick):
-    """Whether a part of robot i has not failed yet; `stops` (part, robot) is empty where nothing ever fails."""
-    return stops.shape[1] == 0 or tick < stops[part, i]
 
 
 @loop(forceinline=True)
@@ -126,12 +123,15 @@ def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
 
 @loop()
 def count_known(swarm, counts, stops, rounds):
-    """What robots send that are never silent, one message a round until they fail; that of others is not known yet."""
+    """What robots send that are never silent, one message a round while they work; that of others is not known yet."""
     for i in range(counts.shape[1]):
         last = rounds
         if stops.shape[1] > 0 and stops[TALKING, i] - 1 < last:
             last = stops[TALKING, i] - 1
-        counts[SENT, i] = last if swarm.flag < 0 else 0
+        sent = last
+        for tick in range(last + 1, rounds + 1 if stops.shape[0] > PARTS else 0):
+            sent += works(stops, TALKING, i, tick)
+        counts[SENT, i] = sent if swarm.flag < 0 else 0
         counts[HEARD, i] = 0
 
 

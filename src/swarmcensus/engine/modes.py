@@ -14,6 +14,7 @@ SAID, NOISE = 1.0, 2.0
 
 # what of a robot may fail
 MOVING, SENSING, TALKING = 0, 1, 2
+PARTS = 3
 NEVER = 1 << 62
 
 TILE_ZERO = 1 << 30  # tiles are counted from the arena's centre, addresses from zero

@@ -92,14 +92,14 @@ def take_drowned_away(swarm, outbox, said, senders, bounds, arrivals, count, sto
 @loop()
 def hear_what_arrives(
     swarm, group, memory, outbox, said, receivers, senders, bounds, first, last, arrivals, luck, key, trial, tick,
-    threshold, stops, counts,
+    said_at, threshold, stops, counts,
 ):  # fmt: skip
-    """Messages pass along links first ... last - 1, but for those that are lost and robots that do not talk."""
+    """What was said at `said_at` passes along links first ... last - 1, but for what is lost and who did not talk."""
     count = 0
     for link in range(first, last):
         to, by = np.int64(receivers[link]), np.int64(senders[link])
         if is_said(outbox, said + np.uint64(by), swarm.flag) and arrives(
-            key, trial, tick, tick, to, by, threshold, stops
+            key, trial, tick, said_at, to, by, threshold, stops
         ):
             arrivals[0, count] = to
             arrivals[1, count] = by
@@ -107,7 +107,7 @@ def hear_what_arrives(
             if counts.shape[1] > 0:
                 counts[HEARD, to] += 1
     if swarm.jams:
-        count = take_drowned_away(swarm, outbox, said, senders, bounds, arrivals, count, stops, tick, counts)
+        count = take_drowned_away(swarm, outbox, said, senders, bounds, arrivals, count, stops, said_at, counts)
     if swarm.luck.size > 0:
         luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
     call(
@@ -117,26 +117,28 @@ def hear_what_arrives(
 
 
 @loop()
-def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, threshold, stops, counts, stop):
-    """Everyone hears everyone, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
+def hear_pairs(
+    swarm, memory, outbox, said, arrivals, luck, key, trial, tick, said_at, threshold, stops, counts, stop
+):  # fmt: skip
+    """All hear what all said at `said_at`, one by one: O(N^2), for a lossy radio or a brain that does not only add."""
     robots = memory.shape[0]
     noises = 0
     if swarm.jams:
         for j in range(robots):
-            noises += is_noise(swarm, outbox, said, j, stops, tick)
+            noises += is_noise(swarm, outbox, said, j, stops, said_at)
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
         for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
             if stop[0] != 0:
                 return
             count = 0
-            if noises > 0 and noises > is_noise(swarm, outbox, said, i, stops, tick):  # of another one
+            if noises > 0 and noises > is_noise(swarm, outbox, said, i, stops, said_at):  # of another one
                 continue
             for j in range(robots):
                 if (
                     i != j
                     and is_said(outbox, said + np.uint64(j), swarm.flag)
-                    and arrives(key, trial, tick, tick, i, j, threshold, stops)
+                    and arrives(key, trial, tick, said_at, i, j, threshold, stops)
                 ):
                     arrivals[0, count] = i
                     arrivals[1, count] = j
@@ -153,19 +155,21 @@ def hear_pairs(swarm, memory, outbox, said, arrivals, luck, key, trial, tick, th
 
 @loop()
 def advance(
-    swarm, memory, outbox, sums_beside, readings, bits, luck, source, first, last, looks, trial,
+    swarm, memory, outbox, sums_beside, readings, bits, luck, source, delay, first, last, looks, trial,
     read_key, link_key, links, receivers, senders, bounds, arrivals, threshold, rows, stops,
     counts, verdicts, agreed, stop,
 ):  # fmt: skip
     """Run rounds first ... last - 1; their estimates go to `rows`.
 
     But for pairs a robot ends one round and observes for the next in one go, block by block, so that a
-    swarm larger than the processor's cache passes through it once a round. Hence the outbox has two halves:
-    `said` is where this round's messages begin. `luck` (what for, robot or message) is empty where none is asked for;
-    `counts` (what, robot) and `verdicts` where nothing is to be counted or judged. `source` is one of `changes.py`.
+    swarm larger than the processor's cache passes through it once a round. Hence the outbox has two parts, and one more
+    for each round that messages are late (`delay`), which take turns: `said` is where those begin that are heard in
+    this round. `luck` (what for, robot or message) is empty where none is asked for; `counts` (what, robot) and
+    `verdicts` where nothing is to be counted or judged. `source` is one of `changes.py`.
     """
     n = np.uint64(memory.shape[0])
-    said, next_said = ZERO, n
+    ring = np.uint64(delay + 2) * n
+    said, next_said = np.uint64((first + 1) % (delay + 2)) * n, np.uint64(first % (delay + 2)) * n
     sound = threshold == 0 and stops.shape[1] == 0
     in_sums = links == LISTED and sound and swarm.additive
     one_by_one = links == LISTED and not (sound and swarm.flag < 0)
@@ -181,29 +185,31 @@ def advance(
         here = np.uint64(max(r, 0)) * n
         if source.changes and k + 1 < last:
             renew(source, looks, k + 1)
-        if r >= 0 and links == FULL:
+        hears = r >= 0 and k > delay
+        if hears and links == FULL:
             call(minds[ADD_UP], outbox, said, sums_beside, n if at_once else np.uint64(BLOCK), n)
             if at_once:
                 if lucky:
                     words(swarm.luck, trial, k, LUCK_FUSE, ZERO, n, luck[1])
                 call(minds[HEAR_ALL], memory, outbox, said, sums_beside, ZERO, rows, here, ZERO, n, place(luck, fused))
-        elif r >= 0 and links != LISTED:
+        elif hears and links != LISTED:
             hear_pairs(
-                swarm, memory, outbox, said, arrivals, luck[2], link_key, trial, k, threshold, stops, counts, stop
+                swarm, memory, outbox, said, arrivals, luck[2], link_key, trial, k, k - delay, threshold, stops,
+                counts, stop,
             )  # fmt: skip
-        if r >= 0 and flag >= 0 and (in_sums or links == FULL):
+        if hears and flag >= 0 and (in_sums or links == FULL):
             count_said(swarm, outbox, said, bounds, senders, links, counts)
         for block in range(ZERO, np.uint64(sums_beside.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
-            if r >= 0 and lucky and not (links == FULL and at_once):
+            if r >= 0 and lucky and not (hears and links == FULL and at_once):
                 words(swarm.luck, trial, k, LUCK_FUSE, start, end - start, luck[1])
-            if r >= 0 and in_sums:
+            if hears and in_sums:
                 call(
                     minds[HEAR_SUMS], memory, outbox, said, bounds, senders, senders.size, rows, here, start, end, n,
                     place(luck, fused),
                 )  # fmt: skip
-            elif r >= 0 and links == FULL and not at_once:
+            elif hears and links == FULL and not at_once:
                 call(
                     minds[HEAR_ALL],
                     memory,
@@ -217,16 +223,16 @@ def advance(
                     end,
                     place(luck, fused),
                 )
-            elif r >= 0 and links != FULL:
+            elif r >= 0 and not (hears and links == FULL):
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
                     group, a, z = runs[run, 0], runs[run, 1], runs[run, 2]
                     base = bases[group]
-                    if one_by_one:
+                    if hears and one_by_one:
                         hear_what_arrives(
                             swarm, group, memory, outbox, said, receivers, senders, bounds, bounds[a], bounds[z],
-                            arrivals, luck[2], link_key, trial, k, threshold, stops, counts,
+                            arrivals, luck[2], link_key, trial, k, k - delay, threshold, stops, counts,
                         )  # fmt: skip
-                    elif links == LISTED:
+                    elif hears and links == LISTED:
                         if lucky:
                             luck_of_messages(swarm, trial, k, receivers, senders, bounds[a], bounds[z], luck[2])
                         call(
@@ -255,7 +261,8 @@ def advance(
             count_sent(swarm, outbox, next_said, stops, k + 1, counts)
         if r >= 0 and verdicts.shape[0] > 0:
             agree(verdicts, swarm.honest, agreed, k)
-        said, next_said = next_said, said
+        said = said + n if said + n < ring else ZERO
+        next_said = next_said + n if next_said + n < ring else ZERO
 
 
 @loop()

@@ -12,6 +12,7 @@ from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, PACE, SIN, SIN_LATE, SIN_THEN, X, Y
 from swarmcensus.engine.random import block, counter, unit
 
+from .failures import works
 from .motion import LEFT, RAYS, RIGHT, STAND, STRAIGHT, SWEEPS, decide, go, keep_inside, part, set_wheels, turn_by
 from .neighbours import cell, listen, look_around
 
@@ -93,7 +94,7 @@ def walk(
             )
         for i in range(robots):
             move, avoiding = STAND, False
-            able = stops.shape[1] == 0 or tick + k < stops[MOVING, i]
+            able = works(stops, MOVING, i, tick + k)
             if able:
                 move, avoiding = decide(
                     state, i, body, half, room[i], room[i] + around[i], gaps, rays, which, key, trial, tick + k

@@ -113,7 +113,7 @@ class Arena:
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True")
         require(trace, "estimate", "heading", dimensions=("round", "robot"))
-        trace = trace.transpose("part", "round", "robot", "axis", "link", "end", missing_dims="ignore")
+        trace = trace.transpose("edge", "fault", "part", "round", "robot", "axis", "link", "end", missing_dims="ignore")
         self.ticks = trace["round"].values
         self.position, self.heading = trace["position"].values, trace["heading"].values
         self.estimate = trace["estimate"].values
@@ -121,10 +121,7 @@ class Arena:
         links = trace["link"].values
         self.link = links[np.argsort(links[:, 0], kind="stable")]
         self.robots = self.position.shape[1]
-        self.stops: dict[str, NDArray[np.int64]] = {}  # of the parts that fail in this trial
-        if "stops" in trace:
-            first = zip(trace["part"].values.tolist(), trace["stops"].values, strict=True)
-            self.stops = {part: ticks for part, ticks in first if (ticks >= 0).any()}
+        self.stops = _spells(trace) if "stops" in trace else {}
         check_robot(robot, self.robots)
         self.robot = robot
         self.half = float(trace.attrs["side"]) / 2.0
@@ -178,10 +175,10 @@ class Arena:
         self.right.set_text(f"{right:,} of {self.honest.sum():,}" + " honest ones" * (not self.honest.all()))
 
     def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
-        """Two lines (end, axis), on opposite sides, for each part of each robot that has stopped by this tick."""
+        """Two lines (end, axis), on opposite sides, for each part of each robot that does not work in this tick."""
         lines: list[NDArray[np.float64]] = []
-        for part, ticks in self.stops.items():
-            places = xy[(ticks >= 0) & (ticks <= tick)]
+        for part, (since, until) in self.stops.items():
+            places = xy[((since >= 0) & (since <= tick) & ((until < 0) | (tick < until))).any(axis=0)]
             angle = np.deg2rad(STROKES[part])
             for side in (-1.0, 1.0):
                 away = side * self.drawn_radius * np.array([np.cos(angle), np.sin(angle)])
@@ -236,3 +233,11 @@ class Arena:
         for collection in (self.links, self.discs, self.headings, self.failed):
             self.axes.add_collection(collection, autolim=False)
         self.axes.add_patch(self.range)
+
+
+def _spells(trace: xr.Dataset) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
+    """When parts that fail in this trial stop, and when they work again, (fault, robot) each; -1: never."""
+    parts, first = trace["part"].values.tolist(), trace["stops"].values
+    never = np.full((1, *first.shape), -1)
+    since, until = trace["outages"].values if "outages" in trace else (first[np.newaxis], never)
+    return {part: (since[:, k], until[:, k]) for k, part in enumerate(parts) if (first[k] >= 0).any()}

@@ -104,13 +104,14 @@ def _rivals(mine: int, others: list[int], score: Score, names: list[str]) -> lis
 def told(world: World) -> str:
     """A world in a few words."""
     change = world.get("fill_ratio_change", "")
-    liars, lost = world.get("liars", 0), float(world["link_success"]) < 1.0
+    liars, late, lost = world.get("liars", 0), world.get("message_delay", 0), float(world["link_success"]) < 1.0
     words = [
         str(world["topology"]),
         f"accuracy {world['accuracy']}",
         f"f = {change or world['fill_ratio']}",
         f"floor {world['floor']}" if world["floor"] not in ("", "tiles") else "",
         f"{1 - world['link_success']:.0%} of messages lost" if lost else "",
+        f"messages {late:.0f} round{'s' * (late > 1)} late" if late else "",
         f"{liars:.0f} liars" if liars else "",
     ]
     return ", ".join(filter(None, words))

@@ -29,8 +29,8 @@ class Column:
 
 
 def _plain(world: World) -> bool:
-    """Whether nothing makes it harder: no liars, no lost messages, independent tiles that stay as they are."""
-    return _honest(world) and not _lossy(world) and not _clustered(world) and not _changing(world)
+    """Whether nothing makes it harder: no liars, no lost or late messages, independent tiles that stay as they are."""
+    return _honest(world) and not _lossy(world) and not _late(world) and not _clustered(world) and not _changing(world)
 
 
 def _honest(world: World) -> bool:
@@ -39,6 +39,10 @@ def _honest(world: World) -> bool:
 
 def _lossy(world: World) -> bool:
     return float(world["link_success"]) < 1.0
+
+
+def _late(world: World) -> bool:
+    return bool(world.get("message_delay", 0))
 
 
 def _clustered(world: World) -> bool:
@@ -55,7 +59,7 @@ def _moves(world: World) -> bool:
 
 def _lying(share: float) -> Callable[[World], bool]:
     def holds(world: World) -> bool:
-        same = _lossy(world), _clustered(world), _changing(world)
+        same = _lossy(world), _late(world), _clustered(world), _changing(world)
         return not any(same) and abs(world.get("liars", 0) / world["robots"] - share) < 0.01
 
     return holds

@@ -17,6 +17,7 @@ from swarmcensus.engine.modes import LISTED
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.summaries import done
 from swarmcensus.studies.settings import Setting
+from swarmcensus.theory.late_mixing import fits
 from swarmcensus.theory.matrices import from_links
 from swarmcensus.worlds.ground import reachable
 from swarmcensus.worlds.patterns import Floor
@@ -48,7 +49,7 @@ class Expectation(NamedTuple):
     absent: dict[str, str]
     setting: Setting
     stationary: float  # variance of mixed sums at the last time, were all news round; NaN where that is not known
-    relaxation: float  # rounds, the longest of the graphs; NaN likewise
+    relaxation: float  # rounds, the longest of the graphs; NaN likewise, and where messages are late
     graphs: int  # that were looked at
     floor: float  # variance that the floor's own share of black has about f
 
@@ -108,6 +109,7 @@ def reasons(found: Setting, knows: bool) -> dict[str, str]:
         (NEAR, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
         (MIXED, "messages are lost", found.link_success < 1.0 and not found.brain.is_oracle),
+        (MIXED, "messages are late, in too large a network", not moves and not _fits(found)),
         (MIXED, "robots are wrong about their sensors", not knows),
         (MIXED, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
     ):
@@ -160,7 +162,7 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
     variances, late, slow = [], [], []
     looks, f = found.observations_per_round, found.fill_ratio
     for k, matrix in enumerate(graphs):
-        variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k]))
+        variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k], found.message_delay))
         try:
             law = theory.stationary_law(matrix)
         except InputError:  # it falls apart
@@ -171,7 +173,7 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights > 0.0
         late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * out.times[-1]))
-        slow.append(theory.relaxation_time(matrix))
+        slow.append(np.nan if found.message_delay else theory.relaxation_time(matrix))
     out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
     return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(slow)))
 
@@ -179,7 +181,7 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
 def _graphs(found: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
     """The mixing matrices of the first trials, as many as may be decomposed; one where all trials have the same."""
     same = not found.topology.varies or found.brain.is_oracle
-    most = max(1, int(WORK / found.robots**3))
+    most = max(1, int(WORK / (found.robots**3 if not found.message_delay else found.robots**2 * found.rounds * 10)))
     alike = found.accuracy.black.is_number and not found.members
     kept = trials[:1] if same and alike and (found.accuracy.white or found.accuracy.black).is_number else trials[:most]
     matrices: list[Floats] = []
@@ -189,6 +191,10 @@ def _graphs(found: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]
         one = from_links(found.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
         matrices.append(matrices[0] if same and matrices else one)
     return matrices
+
+
+def _fits(found: Setting) -> bool:
+    return not found.message_delay or fits(found.robots, found.message_delay)
 
 
 def _sensing(readings: Floats, f: float, b: Floats, w: Floats) -> Floats:

@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.modes import LISTED, NEVER
+from swarmcensus.engine.modes import LISTED, NEVER, PARTS
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
@@ -17,7 +17,7 @@ from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds import arena
-from swarmcensus.worlds.faults import PARTS
+from swarmcensus.worlds.faults import NAMES, outages
 
 
 def replay(
@@ -28,7 +28,8 @@ def replay(
     Of robots that move also `position` (axis; metres, the arena's centre at 0), `heading` (radians), `looked`
     (whether an observation was made), `tile` (the true colour under the sensor, 1 black), `reading` (NaN where
     none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot;
-    where robots fail, `stops` (part, robot), the first tick without moving, sensing or talking, -1 for never.
+    where robots fail, `stops` (part, robot), the first tick without moving, sensing or talking, -1 for never; where
+    parts work again, `outages` (fault, edge, part, robot), the first tick without and the first one with it again.
 
     `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not
     shipped with swarmcensus must be given as a file. The curves are those that the run measured, to the last
@@ -116,8 +117,12 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
         stops = found.stops(seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
         name, part = free("stops", trace), free("part", trace)
-        trace[name] = ((part, "robot"), np.where(stops == NEVER, -1, stops), says)
-        trace = trace.assign_coords({part: sorted(PARTS, key=PARTS.__getitem__)})
+        shown = np.where(stops == NEVER, -1, stops)
+        trace[name] = ((part, "robot"), shown[:PARTS], says)
+        if len(stops) > PARTS:
+            says = {"units": "ticks", "long_name": "of each fault: first tick without, first one with it again"}
+            trace[free("outages", trace)] = (("fault", "edge", part, "robot"), outages(shown), says)
+        trace = trace.assign_coords({part: sorted(NAMES, key=NAMES.__getitem__)})
     trace = trace.assign_coords(axis=["x", "y"])
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
@@ -144,7 +149,7 @@ def recording(
         raise InputError("a recording is for one brain, and robots of this setting have several")
     if found.brain.is_oracle and found.body is not None:
         raise InputError("a recording of robots that move tells whom they met, and an oracle hears all")
-    if found.link_success < 1.0 or found.faults or (found.body is not None and found.body.message_delay > 0):
+    if found.link_success < 1.0 or found.faults or found.message_delay > 0:
         raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
     if found.body is not None:
         ride = record_ride(found, study.seed, trial)

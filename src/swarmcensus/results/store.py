@@ -66,7 +66,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
 
 def filled(column: list[Any], key: str) -> list[Any]:
     """A coordinate of all settings: a parameter is missing where the brain has none of its name."""
-    if key == "liars":
+    if key in ("liars", "message_delay"):
         return [value or 0 for value in column]
     if any(isinstance(value, str) for value in column):
         return ["" if value is None else str(value) for value in column]

@@ -85,7 +85,7 @@ def _tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, se
             stretches = [(0, wanted.shape[1])] if every[number] else _stretches(wanted[number])
             yield from _split("batch", (number,), setting, stretches, seconds)
     if local is not None:
-        for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0)):
+        for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0, delay=0)):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
             yield from _split("local", numbers, settings[numbers[0]], _stretches(lacking), seconds)
     for numbers in _alike(settings, lambda s: s.walk_group if s.body else None):

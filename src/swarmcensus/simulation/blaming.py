@@ -37,6 +37,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
 
 def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) -> None:
     """The trial's minds, step by step, as the engine runs them."""
+    from swarmcensus.engine.failures import works
     from swarmcensus.engine.minds import heard_by
 
     alone = tuple(replace(member, brain=None) for member in setting.members)
@@ -48,10 +49,8 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     b, w = (belief[0] for belief in given.beliefs)
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay
+    first_heard = delay + (setting.body is None)  # robots that move hear what was said before the first tick, too
     looks, threshold, key = setting.observations_per_round, given.loss_threshold, given.losses
-
-    def works(part: int, robot: int, tick: int) -> bool:
-        return stops.shape[1] == 0 or bool(tick < stops[part, robot])
 
     def luck(tick: int, part: int) -> np.ndarray:
         words_ = np.zeros(setting.robots, np.uint64)
@@ -69,7 +68,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     for tick, (blacks, pairs) in enumerate(_lived(known, seed, trial), start=1):
         seen, fused, steered = (luck(tick, part) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER))
         for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
-            if not np.isnan(blacks[i]) and works(SENSING, i, tick) and not oracle.is_done(one, me):
+            if not np.isnan(blacks[i]) and works(stops, SENSING, i, tick) and not oracle.is_done(one, me):
                 oracle.give(one, me, seen, i)
                 one.functions.observe(me, float(blacks[i]), float(looks))
         said.append(say())
@@ -77,14 +76,15 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
         for message in said[-1] if setting.additive else ():  # what it adds is found when it is said
             if message is not None:
                 setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
-        talking = [works(TALKING, i, tick - delay) for i in range(setting.robots)]
-        drowned = (
-            {int(to) for to, by in pairs if loud[-1 - delay][by] and talking[by]} if any(loud[-1 - delay]) else set()
-        )
-        for receiver, sender in pairs if tick >= delay else ():
+        if tick < first_heard:
+            pairs = pairs[:0]
+        news, noises = said[max(tick - delay, 0) - tick - 1], loud[max(tick - delay, 0) - tick - 1]
+        talking = [works(stops, TALKING, i, tick - delay) for i in range(setting.robots)]
+        drowned = {int(to) for to, by in pairs if noises[by] and talking[by]} if any(noises) else set()
+        for receiver, sender in pairs:
             if int(receiver) in drowned:
                 continue
-            message = said[-1 - delay][sender]
+            message = news[sender]
             lost = threshold > 0 and not heard_by(key, trial, tick, receiver, sender, threshold)
             if not lost and talking[sender] and message is not None:
                 if brain[receiver].uses.luck:

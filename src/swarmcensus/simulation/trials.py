@@ -122,14 +122,19 @@ def _live(
     with blaming(setting, first, trials):
         made = swarm_of(setting, given, "alone" if local else "network")
     numbers = int(made.fields.sum())
-    segment = segment_length(setting.robots, rounds, 8 * numbers, looks if local else 1)
+    delay = 0 if local else setting.message_delay
+    outbox = outbox_of(made, setting, delay + 2)
+    kept_words = (delay + 2) * outbox.shape[1] if delay else 0  # a robot's, where a segment may be run again
+    segment = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1)
     segments = -(-rounds // segment)
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
         np.empty((setting.robots, numbers)),
-        outbox_of(made, setting, 2),
+        outbox,
         rows,
         np.empty((segments, setting.robots if segments > 1 else 0, numbers)),
+        np.empty((segments if delay and segments > 1 else 0, *outbox.shape)),
+        delay,
     )
     counts = np.zeros((trials, 2, setting.robots), np.int64)
     verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
@@ -236,8 +241,10 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
         made = swarm_of(setting, given, "network")
         numbers = int(made.fields.sum())
         history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
+        delay = setting.message_delay
+        outbox = outbox_of(made, setting, delay + 2)
         kernel.simulate(
-            *made, history[-1], outbox_of(made, setting, 2), np.empty((1, robots)), history[:-1], trial,
+            *made, history[-1], outbox, np.empty((1, robots)), history[:-1], np.empty((0, *outbox.shape)), delay, trial,
             *given.sensors, given.drift, *given.beliefs, setting.course, False,
             looks, rounds, given.readings, given.order, given.losses,
             links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,

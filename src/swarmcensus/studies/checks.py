@@ -44,6 +44,11 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     for grid in grids:
         if grid.moves:
             _check_moving(grid)
+            if "message_delay" in grid.world.model_fields_set:
+                raise ValueError(
+                    f"{grid.key('message_delay')} counts rounds of fixed networks: how late robots that move hear each "
+                    "other is world.body.message_delay, in ticks"
+                )
     _check_faults(tables, grids, all_used)
     for grid in grids:
         _check_changes(grid, all_used)
@@ -106,12 +111,21 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
             useless += [grid for grid in grids if key in grid.given and not getattr(grid, kind)]
             for grid in useless:
                 raise ValueError(f"{grid.key(key)} is of {MEANING[kind]}")
-    for grid in (grid for grid in grids if grid.moves and "message_delay" in grid.world.body.model_fields_set):
-        delay, last = grid.world.body.message_delay, max(grid.schedule.ticks)
-        if delay >= last:
-            raise ValueError(f"world.body.message_delay = {delay}: no message is heard within {last} ticks")
+    _check_late(grids)
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise ValueError(f'measure.truth = "floor" is of {MEANING["moves"]}')
+
+
+def _check_late(grids: Sequence[Grid]) -> None:
+    for grid in grids:
+        body, last = grid.world.body, max(grid.schedule.ticks)
+        if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
+            raise ValueError(
+                f"world.body.message_delay = {body.message_delay}: no message is heard within {last} ticks"
+            )
+        longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
+        if grid.stands and longest >= last:
+            raise ValueError(f"{grid.key('message_delay')} = {longest}: no message is heard within {last} rounds")
 
 
 MEANING = {
@@ -202,6 +216,8 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
             raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {min(sizes)} robots")
         if "moving" in fault.stop and not any(grid.moves for grid in grids):
             raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
+        if fault.until is not None and fault.until <= fault.at:
+            raise ValueError(f"faults[{n}].until = {fault.until}: should come after at = {fault.at}")
         if all_used and fault.at > last_round(grids):
             raise ValueError(f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}")
         if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):

@@ -150,6 +150,7 @@ _Listed, _Some = BeforeValidator(_listed), Field(min_length=1)
 Wholes = Annotated[list[Whole], _Listed, _Some]
 Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
 Shares = Annotated[list[Share], _Listed, _Some]
+Delays = Annotated[list[Annotated[int, Field(strict=True, ge=0, le=1000)]], _Listed, _Some]
 FillRatios = Annotated[list[Annotated[Share, OR_CHANGE]], _Listed, _Some]
 Positives = Annotated[list[Positive], _Listed, _Some]
 Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep)]], _Listed, _Some, AfterValidator(_joined)]

@@ -60,7 +60,7 @@ class Grid:
         swarm, world = self.swarm, self.world
         return [
             swarm.brain, world.topology, swarm.robots, swarm.accuracy, [*(swarm.assumed_accuracy or (None,))],
-            world.fill_ratio, world.link_success,
+            world.fill_ratio, world.link_success, world.message_delay,
         ]  # fmt: skip
 
     def _mixes(self, robots: int) -> list[tuple[Member, ...]]:
@@ -97,13 +97,15 @@ class Grid:
             for robots in self.swarm.robots
         }
         mixes = {robots: self._mixes(robots) for robots in self.swarm.robots}
-        for brain, topology, robots, *sensors, fill, success in itertools.product(*self._lists):
+        for brain, topology, robots, *sensors, fill, success, delay in itertools.product(*self._lists):
             lengths = moving[robots] if topology.moves else fixed
             change = fill if isinstance(fill, Change) else None
             for mix, (rounds, *length) in itertools.product(mixes[robots], lengths):
                 end = change.ends_in(rounds) if change else fill  # type: ignore[arg-type]
                 of_world = (end, success, rounds, *length)
-                yield Setting(brain, topology, robots, *sensors, *of_world, members=mix, change=change)  # type: ignore
+                yield Setting(  # type: ignore[misc]
+                    brain, topology, robots, *sensors, *of_world, members=mix, change=change, delay=delay
+                )
 
 
 def grids_of(

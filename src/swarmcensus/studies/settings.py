@@ -48,6 +48,7 @@ class Setting:
     floor: Floor | None = None  # of robots that move; None: independent tiles
     members: tuple[Member, ...] = ()  # robots that differ from the others
     change: Change | None = None  # of the fill ratio, while robots look
+    delay: int = 0  # rounds from saying to hearing on fixed networks
 
     def __str__(self) -> str:
         """The setting in a line, for messages."""
@@ -117,7 +118,7 @@ class Setting:
             self.observations_per_round,
             self.density,
             self.body and self.body.model_dump(),
-            [fault.model_dump() for fault in self.faults],
+            [fault.content for fault in self.faults],
             self.floor and [str(self.floor), self.floor.content],
         )
         if self.members:
@@ -126,6 +127,8 @@ class Setting:
             content = (*content, [*self.brain.parameters.items()])
         if self.change:
             content = (*content, str(self.change))
+        if self.delay:
+            content = (*content, "message_delay", self.delay)
         if self.editions:
             content = (*content, self.editions)
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
@@ -166,7 +169,7 @@ class Setting:
         if self.steers:
             return self.fingerprint(0)
         paces = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
-        lame = [(n, f.at, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
+        lame = [(n, f.at, f.until, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
         return repr((self.walk_content, self.rounds, lame, *paces))
 
     def walk_key(self, seed: int) -> np.ndarray:
@@ -265,8 +268,10 @@ class Setting:
 
     @property
     def message_delay(self) -> int:
-        """How many ticks ago was said what robots that move hear."""
-        return 0 if self.body is None or self.brain.is_oracle else self.body.message_delay
+        """How many rounds ago, or ticks where robots move, was said what robots hear."""
+        if self.brain.is_oracle:
+            return 0
+        return self.delay if self.body is None else self.body.message_delay
 
     @property
     def additive(self) -> bool:

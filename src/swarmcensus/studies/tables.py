@@ -14,6 +14,7 @@ from swarmcensus.studies.fields import (
     Accuracies,
     Beliefs,
     Brains,
+    Delays,
     FillRatios,
     Floors,
     Metrics,
@@ -48,14 +49,16 @@ class Swarm(_Table):
 
 
 class World(_Table):
-    """What the robots live in: who hears whom, how much is black, how often a message gets through.
+    """What the robots live in: who hears whom, how much is black, how often a message gets through, and how late.
 
-    `density` or `side`, `floor` and `body` are those of robots that move (topology "moving").
+    `density` or `side`, `floor` and `body` are those of robots that move (topology "moving"), and `message_delay`, in
+    rounds, is that of fixed networks.
     """
 
     topology: Topologies
     fill_ratio: FillRatios
     link_success: Shares = [1.0]
+    message_delay: Delays = [0]
     density: Positives | None = None
     side: Positives | None = None
     floor: Floors | None = None
@@ -80,6 +83,7 @@ class Case(_Table):
     topology: Topologies | None = None
     fill_ratio: FillRatios | None = None
     link_success: Shares | None = None
+    message_delay: Delays | None = None
     density: Positives | None = None
     side: Positives | None = None
     floor: Floors | None = None
@@ -134,9 +138,11 @@ class Tables(_Table):
             told = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
             return table.model_copy(update={"fill_ratio": told})
 
-        faults = (
-            f.model_copy(update={"at": in_ticks(f.at, common, f"faults[{n}].at")}) for n, f in enumerate(self.faults)
-        )
+        def times_of(fault: Fault, where: str) -> dict[str, int]:
+            times = {"at": fault.at} | ({} if fault.until is None else {"until": fault.until})
+            return {key: in_ticks(value, common, f"{where}.{key}") for key, value in times.items()}
+
+        faults = (f.model_copy(update=times_of(f, f"faults[{n}]")) for n, f in enumerate(self.faults))
         return self.model_copy(
             update={
                 "schedule": converted(self.schedule, "ticks", "schedule", tick),

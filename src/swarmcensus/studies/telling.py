@@ -14,8 +14,9 @@ def line(of: Any) -> str:
     assumed = "" if of.assumed_accuracy is None else f", assumed accuracy {of.assumed_accuracy}"
     lossy = "" if of.link_success == 1.0 else f", link success {of.link_success}"
     mixed = "".join(f", of them {member}" for member in of.members)
+    late = "" if not of.delay else f", messages {of.delay} round{'s' * (of.delay > 1)} late"
     told = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(of))
-    what = f"accuracy {of.accuracy}{assumed}, f = {of.change or of.fill_ratio}{lossy}{told}{mixed}"
+    what = f"accuracy {of.accuracy}{assumed}, f = {of.change or of.fill_ratio}{lossy}{late}{told}{mixed}"
     if of.body is not None:
         floor = f", floor {of.floor}" if of.floor not in (None, Floor()) else ""
         return f"{where}, {_room(of)}, {what}{floor}, {of.rounds} ticks"
@@ -52,6 +53,7 @@ def coordinates(of: Any) -> dict[str, object]:
         **{name: _shown(value) for name, value in of.brain.parameters.items()},
         **_mixed(of),
         **({"fill_ratio_change": str(of.change)} if of.change else {}),
+        **({"message_delay": of.delay} if of.delay else {}),
     }
 
 

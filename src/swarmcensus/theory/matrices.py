@@ -1,5 +1,6 @@
 """Mixing matrices: how much of each robot's number goes into each other's in a round."""
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -44,6 +45,15 @@ def checked(matrix: ArrayLike) -> Floats:
     if wrong.size:
         raise InputError(f"matrix: the weights of row {wrong[0]} sum to {found[wrong[0]].sum():g}: should be 1")
     return found
+
+
+def product_with(matrix: Floats) -> Callable[[Floats], Floats]:
+    """What multiplies other matrices by this one, from the left: link by link where it has few."""
+    rows, columns = np.nonzero((matrix != 0.0) | np.eye(len(matrix), dtype=np.bool_))  # no row is empty
+    if 20 * len(rows) >= matrix.size:
+        return lambda other: matrix @ other
+    starts, weights = np.searchsorted(rows, np.arange(len(matrix))), matrix[rows, columns][:, np.newaxis]
+    return lambda other: np.add.reduceat(weights * other[columns], starts)
 
 
 class Spectrum(NamedTuple):

@@ -12,7 +12,8 @@ the ratio s / v is unbiased for f whatever W, and, given W, with R readings a ro
 
 Of equal sensors that is the variance of one corrected reading, over R, times (1 / t^2) sum_m |e_i' W^m|^2: the factor
 of the network. It is 1 / (N t) where all is shared at once, and 1 / t where nothing is. Estimates are taken as they
-are, not cut to [0, 1]; messages are neither lost nor late, and W is the same in every round.
+are, not cut to [0, 1]; no message is lost, and W is the same in every round. With messages that are late there are
+other weights in place of W^m: see `late_mixing.py`.
 """
 
 from collections.abc import Sequence
@@ -22,7 +23,8 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import BLIND, Floats, count, sensors, shares, times
-from swarmcensus.theory.matrices import Spectrum, checked, geometric, spectrum_of
+from swarmcensus.theory.late_mixing import late_moments
+from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of
 
 SETTLED = 1e-15  # a power of W differs from the one before by rounding alone
 
@@ -49,11 +51,13 @@ def mixing_variance(
     fill_ratio: float,
     b: ArrayLike,
     w: ArrayLike | None = None,
+    delay: int = 0,
 ) -> Floats:
     """The variance of each robot's estimate after round t, also of unequal sensors: b and w are numbers or (robot,).
 
-    (robot,) for one number of rounds, (rounds, robot) for several; infinite for a robot that only knows of sensors with
-    b + w = 1. Raises InputError, also where all sensors are such.
+    What is heard was said `delay` rounds ago, and nobody hears anything in the rounds before. (robot,) for one number
+    of rounds, (rounds, robot) for several; infinite for a robot that only knows of sensors with b + w = 1. Raises
+    InputError, also where all sensors are such.
     """
     found = checked(matrix)
     at, single = times("rounds", rounds)
@@ -65,7 +69,8 @@ def mixing_variance(
     if (np.abs(slope) < BLIND).all():
         raise InputError("b + w = 1 for all robots: their readings say nothing of the floor")
     q = slope * float(shares("fill_ratio", fill_ratio)) + 1.0 - white
-    squares, sums = moments(found, at, slope**2 * q * (1.0 - q), slope**2)
+    late, parts = count("delay", delay, 0), (slope**2 * q * (1.0 - q), slope**2)
+    squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(sums > 0.0, squares / (looks * sums**2), np.inf)
     return variance[0] if single else variance
@@ -92,17 +97,14 @@ def _by_spectrum(spectrum: Spectrum, at: list[int], squared: Floats, summed: Flo
 
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """The same for any W, power by power: O(links N t), or O(N^3 t) where nearly all hear all."""
-    rows, columns = np.nonzero(matrix)
-    starts = np.searchsorted(rows, np.arange(len(matrix)))
-    sparse = 20 * len(rows) < matrix.size
-    weights = matrix[rows, columns][:, np.newaxis]
+    mixed = product_with(matrix)
     squares, sums = np.zeros((2, len(at), len(matrix)))
     square, total = np.zeros((2, len(matrix)))
     power, settled = np.eye(len(matrix)), False
     for m in range(1, max(at) + 1):
         if not settled:
             before = power
-            power = np.add.reduceat(weights * before[columns], starts) if sparse else matrix @ before
+            power = mixed(before)
             settled = bool(np.abs(power - before).max() < SETTLED)
             more_square, more = power**2 @ squared, power @ summed
         square, total = square + more_square, total + more

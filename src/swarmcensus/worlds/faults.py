@@ -1,4 +1,4 @@
-"""Robots that fail: from a given round or tick on, some of them stop moving, sensing or talking."""
+"""Robots that fail: from a given round or tick on, or for some time, some of them stop moving, sensing or talking."""
 
 from typing import Annotated, Literal, Self
 
@@ -8,9 +8,9 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from swarmcensus.basics.times import OR_TIME
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.modes import MOVING, NEVER, SENSING, TALKING
+from swarmcensus.engine.modes import MOVING, NEVER, PARTS, SENSING, TALKING
 
-PARTS = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
+NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"
 
 
@@ -27,6 +27,7 @@ def _number(value: object) -> object:
 class Fault(BaseModel):
     """From round (or tick) `at` on, `robots` of a swarm, a number or a fraction, stop what `stop` says.
 
+    With `until` they do it again from that round on; with `at` 1 they come late.
     A robot that stops talking still hears; one that stops moving is still heard, seen and bumped into.
     """
 
@@ -35,6 +36,12 @@ class Fault(BaseModel):
     at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME]
     robots: Annotated[int | float, BeforeValidator(_number)]
     stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
+    until: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME] | None = None
+
+    @property
+    def content(self) -> dict[str, object]:
+        """All that it says, for addresses."""
+        return self.model_dump(exclude_none=True)
 
     @model_validator(mode="after")
     def _right(self) -> Self:
@@ -50,19 +57,30 @@ class Fault(BaseModel):
 def stops(faults: tuple[Fault, ...], seed: int, trial: int, robots: int) -> np.ndarray:
     """The first round or tick at which a part of a robot does not work, (part, robot); no robots where none fail.
 
-    Which robots fail is drawn afresh for each trial and each fault.
+    Where parts work again there are more rows, as in `swarmcensus.engine.failures`: by fault, when they stop and when
+    they begin again. Which robots fail is drawn afresh for each trial and each fault.
     """
     if not faults:
-        return np.zeros((3, 0), np.int64)
-    out = np.full((3, robots), NEVER, np.int64)
+        return np.zeros((PARTS, 0), np.int64)
+    passing = any(fault.until is not None for fault in faults)
+    out = np.full((PARTS + passing * 2 * PARTS * len(faults), robots), NEVER, np.int64)
     for number, fault in enumerate(faults):
         key = address(seed, "faults", number=number, robots=robots)
         lots = np.empty((1, robots))
         compile_world().spread_uniform(key, trial, 0.0, 1.0, lots)
         failing = np.argsort(lots[0], kind="stable")[: fault.count(robots)]
-        for part in fault.stop:
-            out[PARTS[part], failing] = np.minimum(out[PARTS[part], failing], fault.at)
+        for part in map(NAMES.__getitem__, fault.stop):
+            out[part, failing] = np.minimum(out[part, failing], fault.at)
+            if passing:
+                row = PARTS + 2 * PARTS * number + part
+                out[row, failing] = fault.at
+                out[row + PARTS, failing] = NEVER if fault.until is None else fault.until
     return out
+
+
+def outages(found: np.ndarray) -> np.ndarray:
+    """Of `stops` when each fault's parts do not work, (fault, end, part, robot); no faults where none work again."""
+    return found[PARTS:].reshape(-1, 2, PARTS, found.shape[1])
 
 
 def as_to_an_oracle(found: np.ndarray, lies: np.ndarray) -> np.ndarray:
@@ -72,4 +90,8 @@ def as_to_an_oracle(found: np.ndarray, lies: np.ndarray) -> np.ndarray:
     out = found.copy() if found.size else np.full((len(found), lies.size), NEVER, np.int64)
     out[SENSING, lies] = 0
     out[TALKING] = NEVER
+    spells = outages(out)  # of the very same numbers
+    spells[:, 0, SENSING, lies] = 0
+    spells[:, 1, SENSING, lies] = NEVER
+    spells[:, 0, TALKING] = NEVER
     return out
