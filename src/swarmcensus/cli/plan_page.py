@@ -128,12 +128,13 @@ def _minutes(value: float) -> str:
 def _meaning(found: Plan, theory: bool) -> str:
     mission, trials = found.mission, max(row.trials for row in found.rows)
     fewer = min((row.trials for row in found.rows if row.trials), default=trials)
-    few = f", {fewer:,} where it surely is not reached" if fewer < trials else ""
     who = "share of robots that are honest and work" if mission.known.lying else "share of robots"
     lines = [
         f"right: {who} at that time, at the worst f of the range; "
-        f"[ ]: 95 % intervals over {trials:,} trials{few}, seed {mission.seed}"
+        f"[ ]: 95 % intervals over {trials:,} trials, seed {mission.seed}"
     ]
+    if fewer < trials:
+        lines.append(f"not reached: so surely that {fewer:,} trials told")
     if theory:
         lines.append(
             "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; "
