@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation
+from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, names_of
@@ -20,6 +23,7 @@ SIZE = 5.0  # points: a dot
 BESIDE = 7.0  # apart, where there is one size
 NEXT, FEW = 2.5, 2  # apart where there are several sizes, and more lines than these
 WIDE = 310.0  # and the panel
+ALIKE = 0.02  # of theory's minutes: a line for both
 
 Line = tuple[str, str, float | None]
 
@@ -42,7 +46,11 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
     coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT)
     looks, entries = _looks(found), dict[str, Artist]()
-    step = BESIDE if len({row.robots for row in found.rows}) == 1 else NEXT * (len(looks) > FEW)
+    step = np.array([NEXT * (len(looks) > FEW), 0.0])  # to the right, and up
+    if found.question == "how many":
+        step = np.array([0.0, BESIDE / 2.0])
+    elif len({row.robots for row in found.rows}) == 1:
+        step = np.array([BESIDE, 0.0])
     for k, (of, look) in enumerate(looks.items()):
         aside = step * (k - (len(looks) - 1) / 2.0)
         _draw(axes, [row for row in found.rows if _line(row) == of], look, aside)
@@ -53,9 +61,8 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
         hollow = Line2D([], [], linestyle="", marker="o", markersize=SIZE, color="0.3", markerfacecolor="white")
         entries["hollow: theory alone, or not reached by then"] = hollow
     for which, style, told in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
-        for world in dict.fromkeys(_line(row)[1:] for row in found.rows):
-            there = [row for row in found.rows if _line(row)[1:] == world]
-            line = _line_of_theory(axes, {row.robots: getattr(row.theory, which) for row in there})
+        for minutes in _theories(found, which):
+            line = _line_of_theory(axes, minutes)
             line.set(linestyle=style)
             entries[f"theory: {told}"] = line
     name_axes(axes, "robots", "minutes")
@@ -91,6 +98,19 @@ def _looks(found: Plan) -> dict[Line, Look]:
     return found_looks
 
 
+def _theories(found: Plan, which: str) -> list[dict[int, float]]:
+    """What theory says of worlds, minutes by robots: one for all that agree."""
+    every: list[dict[int, float]] = []
+    for world in dict.fromkeys(_line(row)[1:] for row in found.rows):
+        told = {row.robots: float(getattr(row.theory, which)) for row in found.rows if _line(row)[1:] == world}
+        alike = [one for one in every if all(math.isclose(one.get(n, m), m, rel_tol=ALIKE) for n, m in told.items())]
+        if not alike:
+            every.append(told)
+        else:
+            alike[0].update(told)
+    return every
+
+
 def _line_of_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
     """Minutes by robots; of one size, from wall to wall."""
     sizes, line = sorted(minutes), Line2D([], [], color="0.5", linewidth=1.0, zorder=1)
@@ -101,12 +121,12 @@ def _line_of_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
     return line
 
 
-def _draw(axes: Axes, rows: list[Row], look: Look, aside: float) -> None:
-    """One brain's line, `aside` points beside where it belongs: through what is reached, in order of size."""
+def _draw(axes: Axes, rows: list[Row], look: Look, aside: NDArray[np.float64]) -> None:
+    """One line, `aside` points (right, up) beside where it belongs: through what is reached, in order of size."""
     rows = sorted(rows, key=lambda row: row.robots)
     there = [row for row in rows if row.answer == "reached"]
     place: dict[str, Any] = {
-        "transform": axes.transData + ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
+        "transform": axes.transData + ScaledTranslation(aside[0] / 72, aside[1] / 72, axes.figure.dpi_scale_trans)
     }
     bar: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "zorder": 2.5, **place}
     axes.plot([r.robots for r in there], [r.minutes for r in there], color=look.colour, lw=1.0, zorder=2, **place)
