@@ -89,14 +89,14 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
         name, equals, text = pair.partition("=")
         if not equals:
             raise InputError(f"--body {pair}: should be such as speed=0.1")
-        put("body", name, _value(name, text))
+        put("body", name, _value(name, text, f"--body {pair}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             found[key] = getattr(options, key)
     return found
 
 
-def _value(key: str, text: str) -> Any:
+def _value(key: str, text: str, told: str = "") -> Any:
     """A value as in a mission file: a range has a colon, and plain words need no quotation marks. Raises InputError."""
     import tomllib
 
@@ -112,7 +112,8 @@ def _value(key: str, text: str) -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        raise InputError(f"--{key.replace('_', '-')} {text}: should be a number, or a range such as 10:100") from None
+        told = told or f"--{key.replace('_', '-')} {text}"
+        raise InputError(f"{told}: should be a number, or a range such as 10:100") from None
 
 
 def _number(text: str) -> float:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.planning.sites import capacity, fewest
-from swarmcensus.planning.starts import REFERENCE, Start, limit_of, readings_needed, start_of, worst
+from swarmcensus.planning.starts import MOST_READINGS, REFERENCE, Start, limit_of, readings_needed, start_of, worst
 from swarmcensus.planning.trying import Case, Curve, Show, affordable, curves, study_of
 from swarmcensus.runs.working import Progress
 
@@ -64,6 +64,8 @@ class Search:
         if math.isfinite(readings_needed(mission, fill_ratio)):
             return
         goal, side = mission.goal, mission.side
+        if side is None or mission.on_floor:
+            raise Beyond(f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}")
         off = 100 * (1 - goal.normal_share(limit_of(mission, fill_ratio), fill_ratio))
         far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
         raise Beyond(

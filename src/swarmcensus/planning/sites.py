@@ -5,12 +5,19 @@ from typing import Any
 
 from swarmcensus.worlds import arena
 
+MOST_ROBOTS = 1_000_000
+YEAR = 366 * 24 * 60  # minutes
+CONNECTED = ("full", "ring", "line", "scale-free")  # networks of any size
 MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
 
 
 def check_sites(mission: Any) -> None:
     """Raise ValueError where the area is missing, too many, too small or large, or means nothing."""
     area, free = mission.area, mission.free
+    if free.robots is not None and free.robots[1] > MOST_ROBOTS:
+        raise ValueError(f"free.robots = {free.robots[1]}: a plan is of {MOST_ROBOTS:,} robots at the most")
+    if free.minutes is not None and free.minutes[1] > YEAR:
+        raise ValueError(f"free.minutes = {free.minutes[1]:g}: a plan is for a year at the most, {YEAR:,} min")
     moving, fixed = (any(topology.moves == moves for topology in free.topology) for moves in (True, False))
     sized = area.side is not None or area.area is not None
     if area.side is not None and area.area is not None:
@@ -93,10 +100,12 @@ def check_network(world: Any) -> None:
     import networkx as nx
 
     topology, sizes = world.free.topology[0], world.free.robots
+    if topology.named in CONNECTED:
+        return
     for robots in dict.fromkeys(sizes or ()):
         topology.check(robots)
         links = topology.links(robots, world.seed, 0, 1, lossless=False, sums=False)
-        if not links.receivers.size and topology.edges is None and topology.generator is None:
+        if not links.receivers.size and topology.named:
             continue  # everyone hears everyone
         graph = nx.DiGraph()
         graph.add_nodes_from(range(robots))
