@@ -13,6 +13,8 @@ KEYS = {
     "fill_ratio": ("known", "F", "or a range LOW:HIGH; the worst one in it is planned for (default: 0:1)"),
     "link_success": ("known", "SHARE", "of messages that get through (default: 1)"),
     "failing": ("known", "SHARE", "of robots that may fail before they begin (default: 0)"),
+    "lying": ("known", "SHARE", "of robots that may lie (default: 0)"),
+    "lie": ("known", "NAME", "what liars do, an adversary (default: shouter)"),
     "half_width": ("wanted", "H", "how near robots should be to the truth, as 0.02"),
     "right": ("wanted", "WHAT", "or majority, or a number of bins of which to find the right one"),
     "margin": ("wanted", "M", "how far f is from the edges of these, as 0.02"),
@@ -21,22 +23,33 @@ KEYS = {
     "robots": ("free", "N", "or a range LOW:HIGH"),
     "minutes": ("free", "T", "or a range LOW:HIGH"),
     "topology": ("free", "NAME", "moving (default), ring, scale-free, or {networkx = ..., k = 4}"),
+    "density": ("free", "D", "swarm density, in place of a side or an area, which follow from it and the robots"),
     "observations_per_round": ("free", "R", "of fixed networks (default: 10)"),
     "round_seconds": ("free", "S", "how long a round of fixed networks takes (default: 0.1 a reading)"),
 }  # the table that each key is in, what stands for its value, and its meaning
-TEXTS = ("right", "truth", "accuracy", "floor", "topology")  # that need no quotation marks
+TEXTS = ("right", "truth", "accuracy", "floor", "topology", "lie")  # that need no quotation marks
+SEVERAL = ("accuracy", "lie", "topology", "density")  # of which there may be more than one
+INSTEAD = {  # what a file says of the same, and an option replaces
+    "side": ("area", "density"),
+    "area": ("side", "density"),
+    "density": ("side", "area"),
+    "half_width": ("right", "margin"),
+    "right": ("half_width",),
+}
 
 
 def add_plan_options(sub: argparse.ArgumentParser, whole: Callable[[str], int], from_one: Callable[[str], int]) -> None:
     """Add them to the command's parser."""
     sub.add_argument("mission", type=Path, nargs="?", metavar="MISSION.toml")
     for key, (_, shown, meaning) in KEYS.items():
-        sub.add_argument(f"--{key.replace('_', '-')}", metavar=shown, help=meaning)
+        more = "; several: once for each" if key in SEVERAL else ""
+        action = "append" if key in SEVERAL else "store"
+        sub.add_argument(f"--{key.replace('_', '-')}", action=action, metavar=shown, help=meaning + more)
     sub.add_argument(
         "--brain",
         action="append",
         metavar="NAME",
-        help="a brain; several: once for each (default: commons, minimalistic)",
+        help="a brain; several: once for each (default: commons, minimalistic; among liars: steadfast, minimalistic)",
     )
     sub.add_argument(
         "--body", action="append", default=[], metavar="KEY=VALUE", help="of the robot, as speed=0.1 or radio_range=2"
@@ -61,31 +74,29 @@ def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, 
         there[key] = value
 
     for key, (table, *_) in KEYS.items():
-        text = getattr(options, key)
-        if text is not None:
-            put(table, key, _value(key, text))
-            for other in {
-                "side": ["area"],
-                "area": ["side"],
-                "half_width": ["right", "margin"],
-                "right": ["half_width"],
-            }.get(key, []):
-                if getattr(options, other) is None:  # what the file says of the same is replaced
-                    found[table].pop(other, None)
+        given = getattr(options, key)
+        if given is None:
+            continue
+        values = [_value(key, text) for text in (given if key in SEVERAL else [given])]
+        put(table, key, values if len(values) > 1 else values[0])
+        for other in INSTEAD.get(key, ()):
+            there = found.get(KEYS[other][0])
+            if getattr(options, other) is None and isinstance(there, dict):
+                there.pop(other, None)
     if options.brain:
         put("free", "brain", options.brain)
     for pair in options.body:
         name, equals, text = pair.partition("=")
         if not equals:
             raise InputError(f"--body {pair}: should be such as speed=0.1")
-        put("body", name, _value(name, text))
+        put("body", name, _value(name, text, f"--body {pair}"))
     for key in ("trials", "seed"):
         if getattr(options, key) is not None:
             found[key] = getattr(options, key)
     return found
 
 
-def _value(key: str, text: str) -> Any:
+def _value(key: str, text: str, told: str = "") -> Any:
     """A value as in a mission file: a range has a colon, and plain words need no quotation marks. Raises InputError."""
     import tomllib
 
@@ -101,7 +112,8 @@ def _value(key: str, text: str) -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        raise InputError(f"--{key.replace('_', '-')} {text}: should be a number, or a range such as 10:100") from None
+        told = told or f"--{key.replace('_', '-')} {text}"
+        raise InputError(f"{told}: should be a number, or a range such as 10:100") from None
 
 
 def _number(text: str) -> float:

@@ -90,11 +90,13 @@ def random_tree(key, trial, robots):
 @entry
 def paint_tiles(tiles, key, trial, fill_ratio, black):
     """Fill `black` (tick, robot) for tiles (tick, robot, 2) that are black independently, with this probability."""
+    k0, k1, c0 = key[0], key[1], counter(trial, 0)
+    place = np.empty(tiles.shape[1], np.uint64)  # apart from their ciphers, or these are not made several at a time
     for k in range(tiles.shape[0]):
         for i in range(tiles.shape[1]):
-            word, _ = block(
-                key[0], key[1], counter(trial, 0), counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1])
-            )
+            place[i] = counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1])
+        for i in range(tiles.shape[1]):
+            word, _ = block(k0, k1, c0, place[i])
             black[k, i] = unit(word) < fill_ratio
 
 

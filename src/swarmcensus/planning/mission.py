@@ -1,5 +1,7 @@
 """A mission: the area, what is known of robots and floor, what is wanted, and what is free."""
 
+import functools
+import math
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -7,14 +9,32 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.planning.wishes import Goal, check_sizes, check_wishes
-from swarmcensus.studies.fields import LARGEST, Brains, Floors, Name, Share, Topologies, Whole
+from swarmcensus.brains import Adversary, Brain, adversary, load
+from swarmcensus.planning.liars import check_liars
+from swarmcensus.planning.sites import check_sites
+from swarmcensus.planning.wishes import Goal, check_wishes
+from swarmcensus.studies.fields import (
+    LARGEST,
+    Accuracies,
+    Brains,
+    BrainsOrAdversaries,
+    Floors,
+    Name,
+    Positives,
+    Share,
+    Topologies,
+    Whole,
+)
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
+from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body, Number, Positive
-from swarmcensus.worlds.sensors import Accuracy, parse_accuracy
+from swarmcensus.worlds.sensors import Accuracy
 
 FEWEST_TRIALS = 40  # of a first look: with fewer, it is no help
+COMPARED = ("commons", "minimalistic")  # brains, where the mission names none
+AMONG_LIARS = ("steadfast", "minimalistic")  # for one liar that shouts owns commons
+LIE = "shouter"
 
 
 def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, Any]:
@@ -39,6 +59,7 @@ RANGE = WrapValidator(_range)
 Wholes = Annotated[tuple[Whole, Whole], RANGE]
 Times = Annotated[tuple[Positive, Positive], RANGE]
 Shares = Annotated[tuple[Share, Share], RANGE]
+SomeButNotAll = Annotated[Number, Field(ge=0.0, lt=1.0)]
 
 
 class _Table(BaseModel):
@@ -54,12 +75,17 @@ class Area(_Table):
 
 
 class Known(_Table):
-    """What is known: sensors, the range of fill ratios, how often messages get through, the share that may fail."""
+    """What is known: sensors, the range of fill ratios, how often messages get through, the shares that fail or lie.
 
-    accuracy: Annotated[Accuracy, BeforeValidator(parse_accuracy)]
+    Of several accuracies, or lies, the worst is planned for.
+    """
+
+    accuracy: Accuracies
     fill_ratio: Shares = (0.0, 1.0)
     link_success: Share = 1.0
-    failing: Annotated[Number, Field(ge=0.0, lt=1.0)] = 0.0
+    failing: SomeButNotAll = 0.0
+    lying: SomeButNotAll = 0.0
+    lie: BrainsOrAdversaries | None = None
 
 
 class Wanted(_Table):
@@ -73,18 +99,19 @@ class Wanted(_Table):
 
 
 class Free(_Table):
-    """What is to be found, or is given: numbers of robots, minutes, brains; and the network."""
+    """What is to be found, or is given: numbers of robots, minutes; what is compared: brains, networks, densities."""
 
     robots: Wholes | None = None
     minutes: Times | None = None
-    brain: Brains = Field(default=["commons", "minimalistic"], validate_default=True)
-    topology: Topologies = Field(default=["moving"], validate_default=True, max_length=1)
+    brain: Brains | None = None
+    topology: Topologies = Field(default=["moving"], validate_default=True)
+    density: Positives | None = None
     observations_per_round: Whole | None = None
     round_seconds: Positive | None = None
 
 
 class Mission(_Table):
-    """A mission file as a whole."""
+    """A mission file as a whole. What depends on the network is said of its `worlds`, which have one each."""
 
     name: Name = "mission"
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
@@ -105,17 +132,60 @@ class Mission(_Table):
             if ends is not None and ends[0] > ends[1]:
                 raise ValueError(f"{key} = [{ends[0]:g}, {ends[1]:g}]: the lower end of a range comes first")
         check_wishes(self)
-        check_sizes(self)
+        check_liars(self)
+        check_sites(self)
         return self
 
     @property
+    def brains(self) -> list[Brain]:
+        """Those that are compared."""
+        return self.free.brain or [shipped_brain(name) for name in (AMONG_LIARS if self.known.lying else COMPARED)]
+
+    @property
+    def lies(self) -> list[Adversary]:
+        """What liars may be like, of which the worst is planned for; none where nobody lies."""
+        if not self.known.lying:
+            return []
+        return self.known.lie or [shipped_adversary(LIE)]
+
+    @property
+    def worlds(self) -> list[Self]:
+        """The mission in each of the networks, and at each of the densities, that are compared."""
+        found = []
+        for topology in self.free.topology:
+            densities: list[float | None] = [None]
+            if topology.moves and self.free.density:
+                densities = [*self.free.density]
+            for density in densities:
+                world = {"topology": [topology], "density": None if density is None else [density]}
+                found.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
+        return found
+
+    def sized(self, robots: int) -> Self:
+        """The mission of a swarm of this size: where a density is given, with the area that follows from it."""
+        if self.density is None:
+            return self
+        side = arena.side(robots, self.density, self.body)
+        return self.model_copy(update={"area": self.area.model_copy(update={"side": side})})
+
+    @property
+    def accuracy(self) -> Accuracy:
+        """The accuracy that is planned for: the first."""
+        return self.known.accuracy[0]
+
+    @property
+    def density(self) -> float | None:
+        """The swarm density of a world, where that is given and no area."""
+        return self.free.density[0] if self.free.density and self.moves else None
+
+    @property
     def moves(self) -> bool:
-        """Whether its robots move."""
+        """Whether the robots of a world move."""
         return self.free.topology[0].moves
 
     @property
     def side(self) -> float | None:
-        """The inner side of the area in metres; None on fixed networks."""
+        """The inner side of the area in metres; None on fixed networks, and where it follows from a density."""
         return self.area.side if self.area.area is None else self.area.area**0.5
 
     @property
@@ -133,7 +203,7 @@ class Mission(_Table):
     @property
     def on_floor(self) -> bool:
         """Whether estimates are held against the floor's own share of black: by default where robots move."""
-        return self.moves if self.wanted.truth is None else self.wanted.truth == "floor"
+        return self.moves and self.wanted.truth != "nominal"
 
     @property
     def goal(self) -> Goal:
@@ -142,12 +212,19 @@ class Mission(_Table):
         return Goal(self.wanted.half_width, bins, self.wanted.margin, self.wanted.confidence)
 
     def failing(self, robots: int) -> int:
-        """How many of so many robots fail; one at least works."""
-        return min(round(self.known.failing * robots), robots - 1)
+        """How many of so many robots fail; one at least works that does not lie."""
+        return min(round(self.known.failing * robots), robots - self.lying(robots) - 1)
+
+    def lying(self, robots: int) -> int:
+        """How many of so many robots lie: no fewer than their share; one at least is honest."""
+        return min(math.ceil(self.known.lying * robots - 1e-9), robots - 1)
 
     def rounds(self, minutes: float) -> int:
         """How many whole rounds fit into so many minutes."""
         return min(int(minutes / self.round_minutes + 1e-9), LARGEST)
+
+
+shipped_brain, shipped_adversary = functools.cache(load), functools.cache(adversary.load)
 
 
 def mission_of(tables: Mapping[str, Any], where: str = "mission", base: Path | None = None) -> Mission:

@@ -9,9 +9,9 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
-from swarmcensus.planning.search import Search
+from swarmcensus.planning.search import BEGUN, Beyond, Search
 from swarmcensus.planning.sizes import enough, smallest
-from swarmcensus.planning.starts import limit_of, readings_needed, worst
+from swarmcensus.planning.starts import hardest
 from swarmcensus.planning.times import shortest
 from swarmcensus.runs.pools import threads
 from swarmcensus.runs.working import Progress
@@ -40,13 +40,14 @@ def plan(
     else:
         tables = dict(mission)
     checked = mission_of(tables, where, base)
-    asked = question_of(checked)
-    fill_ratios = worst(checked)
-    readings = readings_needed(checked, fill_ratios[0])
-    if not np.isfinite(readings):
-        raise InputError(_beyond(checked, fill_ratios[0], where))
-    search = Search(checked, threads(jobs), progress or (lambda _: None), fill_ratios, readings)
-    rows = _rows(search, asked)
+    asked, rows, so_far = question_of(checked), [], BEGUN
+    for world in hardest(checked).worlds:
+        search = Search(world, threads(jobs), progress or (lambda _: None), so_far)
+        try:
+            rows += _rows(search, asked)
+        except Beyond as beyond:
+            raise InputError(f"{where}: the goal cannot be reached, because {beyond}") from None
+        so_far = search.so_far
     if asked != "enough" and all(row.answer == "not reached" for row in rows):
         raise InputError(f"{where}: the goal cannot be reached, because {_short_of(checked, rows)}")
     return Plan(asked, checked, rows, text_of(tables))
@@ -69,24 +70,12 @@ def _rows(search: Search, asked: Question) -> list[Row]:
     if asked == "enough":
         assert robots is not None
         assert minutes is not None
-        return [enough(search, brain, robots[0], minutes[0]) for brain in search.mission.free.brain]
+        return [enough(search, brain, robots[0], minutes[0]) for brain in search.mission.brains]
     if asked == "how many":
         assert minutes is not None
-        return [smallest(search, brain, minutes[0]) for brain in search.mission.free.brain]
+        return [smallest(search, brain, minutes[0]) for brain in search.mission.brains]
     sizes = np.unique(np.geomspace(*search.sizes, SIZES).round().astype(int)).tolist()
     return [row for size in sizes for row in shortest(search, size)]
-
-
-def _beyond(mission: Mission, fill_ratio: float, where: str) -> str:
-    """Why not even all readings in the world are enough."""
-    off = 100 * (1 - mission.goal.normal_share(limit_of(mission, fill_ratio), fill_ratio))
-    goal = mission.goal
-    far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
-    return (
-        f"{where}: the goal cannot be reached, because in so small an area {off:.2g} % of floors "
-        f"with f = {fill_ratio:g} have a share of black of their own that is {far}: hold estimates against it by "
-        'wanted.truth = "floor"'
-    )
 
 
 def _short_of(mission: Mission, rows: list[Row]) -> str:
@@ -94,8 +83,10 @@ def _short_of(mission: Mission, rows: list[Row]) -> str:
     best = max(rows, key=lambda row: row.share.value if row.share else 0.0)
     assert best.share is not None
     value, low, high = (100 * one for one in best.share)
+    among = f" among {100 * mission.known.lying:g} % of liars ({best.lie})" if best.lie else ""
     longer = "" if mission.free.minutes else ": free.minutes allows more"
     return (
         f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {best.robots:,} robots with "
-        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}, not {100 * mission.wanted.confidence:g} %{longer}"
+        f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}{among}, not "
+        f"{100 * mission.wanted.confidence:g} %{longer}"
     )

@@ -2,7 +2,7 @@
 
 import dataclasses
 import json
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal
 
@@ -10,8 +10,10 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.starts import Start
-from swarmcensus.planning.trying import Share
+from swarmcensus.planning.trying import Curve, Share
 from swarmcensus.studies.toml_text import to_toml_value
+
+MOST_LINES = 8  # of a figure
 
 Question = Literal["how long", "how many", "trade-off", "enough"]
 Answer = Literal["reached", "not reached", "not simulated"]
@@ -19,7 +21,7 @@ Answer = Literal["reached", "not reached", "not simulated"]
 
 @dataclass(frozen=True)
 class Row:
-    """One brain in a swarm of one size: what it needs, and how sure that is.
+    """One brain in a swarm of one size, in one world: what it needs, and how sure that is.
 
     Ends of intervals are None where nothing that was looked at is surely enough, or where a number was given. `theory`
     is in minutes, and stands for what was not simulated.
@@ -30,13 +32,32 @@ class Row:
     answer: Answer
     minutes: float
     theory: Start
+    topology: str
+    accuracy: str  # that is planned for
+    density: float | None = None  # of robots that move, where it is given
+    side: float | None = None  # of their area, in metres
     robots_low: int | None = None
     robots_high: int | None = None
     minutes_low: float | None = None
     minutes_high: float | None = None
     share: Share | None = None
     fill_ratio: float | None = None  # the worst one of the range
+    lie: str | None = None  # the worst one
     trials: int = 0
+
+
+def row_of(mission: Mission, brain: str, robots: int, minutes: float, theory: Start) -> Row:
+    """A row in a world of the mission, of which nothing was simulated yet."""
+    return Row(
+        brain, robots, "not simulated", minutes, theory, str(mission.free.topology[0]), str(mission.accuracy),
+        density=mission.density, side=mission.sized(robots).side,
+    )  # fmt: skip
+
+
+def of_case(row: Row, curve: Curve) -> Row:
+    """The row with the case and the trials that a curve is of."""
+    lie = None if curve.case.lie is None else curve.case.lie.told
+    return replace(row, fill_ratio=curve.case.fill_ratio, lie=lie, trials=curve.shares.shape[1])
 
 
 @dataclass(frozen=True)
@@ -82,6 +103,16 @@ class Plan:
             text = "\n".join(lines) + "\n"
         with whole(path) as beside:
             beside.write_text(text, encoding="utf-8")
+
+
+def check_lines(mission: Mission) -> None:
+    """Raise InputError where a figure of the plan would have more lines than can be told apart."""
+    lines = len(mission.brains) * len(mission.worlds)
+    if lines > MOST_LINES:
+        raise InputError(
+            f"--plot: a line a brain, network and density would be {lines} lines, and {MOST_LINES} is the most: "
+            "name fewer of them"
+        )
 
 
 def check_out(path: str | Path, *inputs: Path) -> None:

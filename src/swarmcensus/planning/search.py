@@ -1,13 +1,14 @@
 """What all searches share: the mission, its worst fill ratios, and runs of so many robots for so long."""
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.planning.starts import Start, start_of
-from swarmcensus.planning.trying import Curve, Show, affordable, curves, study_of
-from swarmcensus.planning.wishes import capacity
+from swarmcensus.planning.sites import capacity, fewest
+from swarmcensus.planning.starts import MOST_READINGS, REFERENCE, Start, limit_of, readings_needed, start_of, worst
+from swarmcensus.planning.trying import Case, Curve, Show, affordable, curves, study_of
 from swarmcensus.runs.working import Progress
 
 MOST_ROBOTS = 1000  # that are looked for where the mission says no number
@@ -17,44 +18,72 @@ MOST_SECONDS = 3600.0  # of one core, predicted, for one run
 BEGUN = Progress(0, 0, 0.0, 0.0)
 
 
+class Beyond(Exception):
+    """Not even all readings in the world are enough, and why."""
+
+
 class TooLong(Exception):
     """A run would take longer than anybody waits."""
 
 
 @dataclass
 class Search:
-    """A mission, threads, whom to tell, fill ratios of which the first is theory's worst, and the readings it takes."""
+    """A mission in one world, threads, whom to tell, and cases, of whose fill ratios the first is theory's worst."""
 
     mission: Mission
     jobs: int
     show: Show
-    fill_ratios: list[float]
-    readings: float
-    worst: dict[str, list[float]] = field(default_factory=dict)  # fill ratios that may be it, by brain, as simulated
     so_far: Progress = BEGUN  # of all runs: what is told goes on from there
+    cases: list[Case] = field(init=False)
+    worst: dict[str, list[Case]] = field(default_factory=dict)  # cases that may be it, by brain, as simulated
+
+    def __post_init__(self) -> None:
+        """Find the cases."""
+        fill_ratios, lies = worst(self.mission.sized(REFERENCE)), self.mission.lies
+        self.cases = [Case(fill_ratio, lie) for fill_ratio in fill_ratios for lie in lies or (None,)]
 
     @property
     def sizes(self) -> tuple[int, int]:
         """The least and the largest swarm."""
         if self.mission.free.robots is not None:
             return self.mission.free.robots
-        return 1, min(MOST_ROBOTS, capacity(self.mission)) if self.mission.moves else MOST_ROBOTS
+        if not self.mission.moves:
+            return 1, MOST_ROBOTS
+        if self.mission.density is not None:
+            return fewest(self.mission), MOST_ROBOTS
+        return 1, min(MOST_ROBOTS, capacity(self.mission))
 
     def start(self, robots: int) -> Start:
-        """What theory says of so many robots, in rounds."""
-        return start_of(self.mission, robots, self.readings)
+        """What theory says of so many robots, in rounds; infinite where no readings are enough."""
+        mission = self.mission.sized(robots)
+        return start_of(mission, robots, readings_needed(mission, self.cases[0].fill_ratio))
+
+    def check_reach(self, robots: int) -> None:
+        """Raise Beyond where the floor under so many robots is too small for the goal."""
+        mission, fill_ratio = self.mission.sized(robots), self.cases[0].fill_ratio
+        if math.isfinite(readings_needed(mission, fill_ratio)):
+            return
+        goal, side = mission.goal, mission.side
+        if side is None or mission.on_floor:
+            raise Beyond(f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}")
+        off = 100 * (1 - goal.normal_share(limit_of(mission, fill_ratio), fill_ratio))
+        far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
+        raise Beyond(
+            f"in so small an area, {side:.3g} m x {side:.3g} m, {off:.2g} % of floors with f = {fill_ratio:g} have a "
+            f'share of black of their own that is {far}: hold estimates against it by wanted.truth = "floor"'
+        )
 
     def run(
-        self, robots: int, brains: Sequence[Brain], fill_ratios: Sequence[float], times: Sequence[int], trials: int
+        self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int
     ) -> list[Curve]:
         """Run so many trials, or fewer where they would take too long. Raises TooLong where that is next to none."""
         mission = self.mission
-        study = study_of(mission, robots, brains, fill_ratios, times, trials, mission.seed)
+        study = study_of(mission, robots, brains, cases, times, trials, mission.seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:
             raise TooLong
         if most < trials:
-            study = study_of(mission, robots, brains, fill_ratios, times, most, mission.seed)
+            study = study_of(mission, robots, brains, cases, times, most, mission.seed)
         label = f"{robots:,} robots, up to {times[-1] * mission.round_minutes:.3g} min"
         ended = before = self.so_far
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS
-from swarmcensus.planning.plans import Row
+from swarmcensus.planning.plans import Answer, Row, of_case, row_of
 from swarmcensus.planning.search import Search, TooLong
 from swarmcensus.planning.trying import LEVEL, Share
 
@@ -16,6 +16,7 @@ NEAR = 0.05  # of the size: as exactly as it is found
 
 def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     """The share of so many robots that are right at that time."""
+    search.check_reach(robots)
     try:
         return _row(search, brain, robots, minutes, search.mission.trials)
     except TooLong:
@@ -29,6 +30,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
     as the mission asks for do.
     """
     low, high = search.sizes
+    search.check_reach(high)
     rows: dict[int, Row] = {}
 
     def holds(robots: int) -> bool:
@@ -100,20 +102,15 @@ def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
 def _row(search: Search, brain: Brain, robots: int, minutes: float, trials: int, level: float = LEVEL) -> Row:
     """What so many trials say, at the worst of the fill ratios that may be it; those that are not are dropped."""
     mission = search.mission
-    fill_ratios = search.worst.get(brain.told, search.fill_ratios)
-    every = search.run(robots, [brain], fill_ratios, [mission.rounds(minutes)], trials)
+    cases = search.worst.get(brain.told, search.cases)
+    every = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
     curve = min(every, key=lambda one: float(one.shares.mean()))
-    search.worst[brain.told] = [one.fill_ratio for one in every if one.at(0).low <= curve.at(0).high]
+    search.worst[brain.told] = [one.case for one in every if one.at(0).low <= curve.at(0).high]
     share = curve.at(0, level)
-    return replace(
-        _of_theory(search, brain, robots, minutes),
-        answer="reached" if share.value >= mission.wanted.confidence else "not reached",
-        share=share,
-        fill_ratio=curve.fill_ratio,
-        trials=curve.shares.shape[1],
-    )
+    answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
+    return replace(of_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
 
 
 def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     theory = search.start(robots).minutes(search.mission)
-    return Row(brain.told, robots, "not simulated", minutes, theory)
+    return row_of(search.mission, brain.told, robots, minutes, theory)

@@ -18,11 +18,13 @@ from swarmcensus.studies.fields import LARGEST
 from swarmcensus.theory.matrices import from_links, spectrum_of
 from swarmcensus.theory.mixing import variance_factors
 from swarmcensus.worlds.patterns import Floor
+from swarmcensus.worlds.sensors import Accuracy
 
 SENSORS = 1001  # that stand for all of a spread
 MOST_MIXED = 400  # robots of a network whose mixing is computed: a second
 POINTS = 80  # of time at which mixing is looked at
 MOST_READINGS = 1e15
+REFERENCE = 100  # robots: whose area stands for others where it follows from their density
 
 
 class Start(NamedTuple):
@@ -58,7 +60,7 @@ def tiles_of(mission: Mission) -> float:
 def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
     """The variance of an estimate from so many readings anywhere on the floor, about what it is held against."""
     f, tiles = fill_ratio, tiles_of(mission)
-    whole = _reading(mission.known.accuracy, f)
+    whole = _reading(mission.accuracy, f)
     floor = mission.area.floor[0] if mission.area.floor else Floor()
     if math.isinf(tiles):
         return whole / readings
@@ -103,9 +105,21 @@ def worst(mission: Mission) -> list[float]:
     return list(dict.fromkeys([first, float(every[0]), float(every[-1])]))
 
 
+def hardest(mission: Mission) -> Mission:
+    """The mission with that one of its accuracies which takes most readings in the first of its worlds."""
+
+    def readings(accuracy: Accuracy) -> float:
+        known = mission.known.model_copy(update={"accuracy": [accuracy]})
+        world = mission.model_copy(update={"known": known}).worlds[0].sized(REFERENCE)
+        return readings_needed(world, worst(world)[0])
+
+    accuracy = max(mission.known.accuracy, key=readings)
+    return mission.model_copy(update={"known": mission.known.model_copy(update={"accuracy": [accuracy]})})
+
+
 def start_of(mission: Mission, robots: int, readings: float) -> Start:
-    """How many rounds so many robots need for so many readings' worth, each."""
-    working = robots - mission.failing(robots)
+    """How many rounds so many robots need for so many readings' worth, each, were those that lie or fail not there."""
+    working = robots - mission.lying(robots) - mission.failing(robots)
     alone, pooled = readings / mission.looks, readings / mission.looks / working
     alone, pooled = max(1.0, alone), max(1.0, pooled)
     if working == 1 or not math.isfinite(readings):
@@ -125,7 +139,7 @@ def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> 
         rate = meeting_rate(working, mission.side, mission.body)
         return meeting_factors(working, rate, times)
     topology = mission.free.topology[0]
-    if topology.name == "full" or robots > MOST_MIXED or mission.known.failing:
+    if topology.name == "full" or robots > MOST_MIXED or working < robots:
         return 1.0 / (working * times) if topology.name == "full" else None
     links = topology.links(robots, mission.seed, 0, 1, lossless=False, sums=False)
     matrix = from_links(robots, links.receivers, links.senders)

@@ -6,11 +6,11 @@ from dataclasses import replace
 from typing import NamedTuple
 
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.planning.plans import Row
+from swarmcensus.planning.plans import Row, of_case, row_of
 from swarmcensus.planning.reaching import Reached, reached
 from swarmcensus.planning.search import Search, TooLong
 from swarmcensus.planning.starts import Start
-from swarmcensus.planning.trying import Curve, times_until
+from swarmcensus.planning.trying import Case, Curve, times_until
 from swarmcensus.studies.fields import LARGEST
 from swarmcensus.worlds.patterns import Floor
 
@@ -19,17 +19,23 @@ SLOWER = 2.0  # than theory's time: how long the first look is
 GIVE_UP = 4.0  # times what theory says of a robot alone, where no longest time is given
 GIVE_UP_LATE = 30.0  # the same on floors of which theory knows less: there readings tell of their neighbours too
 LEAST = 10  # rounds of a run
+SURE = 0.99  # the level at which few trials say that a goal is never reached
 
 
 class Look(NamedTuple):
-    """What few trials say of a brain: the fill ratios of which any may be the worst, and when the goal is reached."""
+    """What few trials say of a brain: the cases of which any may be the worst, and when the goal is reached.
 
-    fill_ratios: tuple[float, ...]
+    `never` is a curve that surely does not reach it.
+    """
+
+    cases: tuple[Case, ...]
     rounds: int
+    never: Curve | None = None
 
 
 def shortest(search: Search, robots: int) -> list[Row]:
     """A row for each brain."""
+    search.check_reach(robots)
     mission, start = search.mission, search.start(robots)
     minutes = mission.free.minutes
     times = GIVE_UP_LATE if mission.area.floor and mission.area.floor[0] != Floor() else GIVE_UP
@@ -38,16 +44,16 @@ def shortest(search: Search, robots: int) -> list[Row]:
         return _confirmed(search, robots, start, _first_look(search, robots, start, most), most)
     except TooLong:
         told = start.minutes(mission)
-        return [Row(brain.told, robots, "not simulated", told.mixed, told) for brain in mission.free.brain]
+        return [row_of(mission, brain.told, robots, told.mixed, told) for brain in mission.brains]
 
 
 def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[str, Look]:
     """What few trials say of each brain, run longer and longer until all reach the goal, or the longest time."""
     last = min(most, max(LEAST, int(SLOWER * start.mixed)))
-    left = list(search.mission.free.brain)
+    left = list(search.mission.brains)
     found: dict[str, Look] = {}
     while left:
-        every = search.run(robots, left, search.fill_ratios, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
+        every = search.run(robots, left, search.cases, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
         for brain in list(left):
             look = _look(search, [curve for curve in every if curve.brain == brain.told], last)
             if look.rounds <= last or last == most:
@@ -58,26 +64,33 @@ def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[st
 
 
 def _look(search: Search, curves: Sequence[Curve], last: int) -> Look:
-    """Of one brain: a fill ratio may be the worst unless it is surely reached before that which takes longest."""
+    """Of one brain: a case may be the worst unless it is surely reached before that which takes longest."""
     confidence = search.mission.wanted.confidence
-    when = {curve.fill_ratio: reached(curve, confidence) for curve in curves}
+    when = {curve.case: reached(curve, confidence) for curve in curves}
     slowest = max((one.rounds if one else last + 1) for one in when.values())
     surely = max(
         (one.low if one else last + 1) for one in when.values() if (one.rounds if one else last + 1) == slowest
     )
-    kept = (f for f, one in when.items() if one is None or one.high is None or one.high >= surely)
-    return Look(tuple(kept), slowest)
+    kept = (case for case, one in when.items() if one is None or one.high is None or one.high >= surely)
+    lowest = min(curves, key=lambda one: float(one.shares[-1].mean()))
+    hopeless = slowest > last and lowest.at(-1, SURE).high < confidence
+    return Look(tuple(kept), slowest, lowest if hopeless else None)
 
 
 def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look], most: int) -> list[Row]:
     """A row for each brain, from as many trials as were asked, run long enough for the intervals of their times."""
-    mission, brains = search.mission, search.mission.free.brain
-    fill_ratios = [f for f in search.fill_ratios if any(f in look.fill_ratios for look in looked.values())]
-    soon: float = min(look.rounds for look in looked.values())
-    last = min(most, max(LEAST, int(LONGER * max(look.rounds for look in looked.values()))))
+    mission, told = search.mission, start.minutes(search.mission)
+    rows = {name: _row(mission, look.never, None, robots, told) for name, look in looked.items() if look.never}
+    brains = [brain for brain in mission.brains if brain.told not in rows]
+    if not brains:
+        return list(rows.values())
+    hopeful = [looked[brain.told] for brain in brains]
+    cases = [case for case in search.cases if any(case in look.cases for look in hopeful)]
+    soon: float = min(look.rounds for look in hopeful)
+    last = min(most, max(LEAST, int(LONGER * max(look.rounds for look in hopeful))))
     while True:
         times = times_until(soon / 2.0, last, robots)
-        every = search.run(robots, brains, fill_ratios, times, mission.trials)
+        every = search.run(robots, brains, cases, times, mission.trials)
         mine = {brain.told: [curve for curve in every if curve.brain == brain.told] for brain in brains}
         found = {name: _slowest(curves, mission.wanted.confidence) for name, curves in mine.items()}
         early = any(one is not None and 1 < one.rounds == times[0] for _, one in found.values())
@@ -85,8 +98,8 @@ def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look
         if not early and not late:
             break
         soon, last = (soon / 2 if early else soon), (min(most, int(LONGER * last)) if late else last)
-    told = start.minutes(mission)
-    return [_row(mission, *found[brain.told], robots, last, told) for brain in brains]
+    rows |= {name: _row(mission, *one, robots, told) for name, one in found.items()}
+    return [rows[brain.told] for brain in mission.brains]
 
 
 def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached | None]:
@@ -95,11 +108,11 @@ def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached
     return max(found, key=lambda one: (one[1].rounds if one[1] else math.inf, -float(one[0].shares[-1].mean())))
 
 
-def _row(mission: Mission, curve: Curve, found: Reached | None, robots: int, last: int, theory: Start) -> Row:
-    minute, trials = mission.round_minutes, curve.shares.shape[1]
-    row = Row(curve.brain, robots, "not reached", last * minute, theory, fill_ratio=curve.fill_ratio, trials=trials)
+def _row(mission: Mission, curve: Curve, found: Reached | None, robots: int, theory: Start) -> Row:
+    minute = mission.round_minutes
+    row = of_case(row_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
     if found is None:
-        return replace(row, share=curve.at(len(curve.rounds) - 1))
+        return replace(row, answer="not reached", share=curve.at(-1))
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
     return replace(
         row,

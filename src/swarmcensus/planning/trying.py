@@ -1,19 +1,23 @@
 """Missions simulated: the share of robots that are right, at many times of one run, with its interval over trials."""
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.statistics import interval_of
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine.modes import NEVER, SENSING
 from swarmcensus.planning.mission import Mission
+from swarmcensus.results.summaries import failed_trials
 from swarmcensus.runs.running import run, work_of
 from swarmcensus.runs.working import Progress
+from swarmcensus.simulation.trials import NOT_FINITE
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -22,6 +26,13 @@ MANY = 200  # robots, for the sake of memory
 LEVEL = 0.95
 Floats = NDArray[np.float64]
 Show = Callable[[Progress], None]
+
+
+class Case(NamedTuple):
+    """What a swarm may meet: a fill ratio, and a kind of liar, None where nobody lies."""
+
+    fill_ratio: float
+    lie: Adversary | None = None
 
 
 class Share(NamedTuple):
@@ -34,10 +45,10 @@ class Share(NamedTuple):
 
 @dataclass(frozen=True)
 class Curve:
-    """The shares of robots that are right, (time, trial), of one brain at one fill ratio."""
+    """The shares of robots that are right, (time, trial), of one brain in one case."""
 
     brain: str
-    fill_ratio: float
+    case: Case
     rounds: list[int]
     shares: Floats
 
@@ -50,56 +61,87 @@ def study_of(
     mission: Mission,
     robots: int,
     brains: Sequence[Brain],
-    fill_ratios: Sequence[float],
+    cases: Sequence[Case],
     times: Sequence[int],
     trials: int,
     seed: int,
 ) -> Study:
-    """The study that tells how many of so many robots are right at these times. Raises InputError."""
+    """The study that tells how many of so many robots are right at these times, in every case. Raises InputError."""
     known, topology = mission.known, mission.free.topology[0]
-    world = {"topology": topology, "fill_ratio": list(fill_ratios), "link_success": known.link_success}
+    fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
+    world = {"topology": topology, "fill_ratio": fill_ratios, "link_success": known.link_success}
     schedule = {"ticks": times[-1]}
     if mission.moves:
-        world |= {"side": mission.side, "body": mission.body}
+        wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
+        world |= {**wide, "body": mission.body}
         world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
     else:
         schedule = {"rounds": times[-1], "observations_per_round": mission.looks}
     stop = ["moving"] * mission.moves + ["sensing", "talking"]
-    fails = mission.failing(robots)
+    fails, liars = mission.failing(robots), mission.lying(robots)
     return Study(
         name=mission.name,
         seed=seed,
         trials=trials,
-        swarm={"robots": robots, "accuracy": known.accuracy, "brain": list(brains)},
+        swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains)},
         world=world,
         schedule=schedule,
         measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},
         faults=[{"at": 1, "robots": fails, "stop": stop}] if fails else [],
+        members=[{"robots": liars, "brain": lies, "honest": False}] if liars else [],
     )
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list[Curve]:
-    """Run it, and count: a curve for each brain and fill ratio. Raises InputError."""
-    data = run(study, jobs, show)
-    if "failed" in data.attrs:
-        raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
+    """Run it, and count: a curve for each brain and case. Raises InputError.
+
+    Among liars a trial whose numbers run away to infinity is one in which nobody is right.
+    """
+    if mission.known.lying:
+        data = _among_liars(study, jobs, show)
+    else:
+        data = run(study, jobs, show)
+        if "failed" in data.attrs:
+            raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
     found = []
     for number, setting in enumerate(study.settings()):
-        estimates = data["estimates"].values[number]
-        truths = np.full(study.trials, setting.fill_ratio)
-        if mission.on_floor:
-            truths = data["true_fill_ratio"].values[number]
-        right = mission.goal.right(estimates, truths)
+        if data is None:
+            right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
+        else:
+            truths = np.full(study.trials, setting.fill_ratio)
+            if mission.on_floor:
+                truths = data["true_fill_ratio"].values[number]
+            right = mission.goal.right(data["estimates"].values[number], truths)
         shares = _of_working(setting, study.seed, right)
-        found.append(Curve(setting.brain.told, setting.fill_ratio, study.checkpoints, shares))
+        lies = next((member.brain for member in setting.members), None)
+        assert not isinstance(lies, Brain)
+        found.append(Curve(setting.brain.told, Case(setting.fill_ratio, lies), study.checkpoints, shares))
     return found
 
 
+def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | None:
+    """Run it, where numbers may run away in some trials, which are left empty; None where they do in all."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", ".*failed", UserWarning)
+        try:
+            data = run(study, jobs, show)
+        except InputError as error:
+            if NOT_FINITE in str(error):
+                return None
+            raise
+    for one in failed_trials(data):
+        if NOT_FINITE not in one["why"]:
+            raise InputError(f"some trials of the plan failed: {one['why'][:200]}")
+    return data
+
+
 def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
-    """The share of the robots that did not fail, (time, trial)."""
+    """The share of the honest robots that did not fail, (time, trial)."""
     if not setting.faults:
         return np.asarray(right.mean(axis=2))
-    works = np.array([setting.stops(seed, trial)[SENSING] == NEVER for trial in range(right.shape[1])])
+    trials = range(right.shape[1])
+    honest = setting.who(seed, 0, len(trials)) == 0
+    works = np.array([(setting.stops(seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
     return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
 
 

@@ -1,6 +1,7 @@
 """Which estimates are right, and which wishes contradict one another."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
 from typing import Any
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.bins import right_bin
-from swarmcensus.worlds import arena
+from swarmcensus.worlds.sensors import Accuracy
 
 POINTS = 51  # of the range of fill ratios that are looked at
 NORMAL = NormalDist()
@@ -35,7 +36,7 @@ class Goal:
     def right(self, estimates: NDArray[np.float64], truths: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Which estimates (..., trial, robot) are right, by the truths of trials (trial,)."""
         if self.bins is not None:
-            ends = np.array([right_bin(float(truth), self.bins) for truth in truths])
+            ends = np.array([right_bin(float(truth), self.bins) for truth in np.nan_to_num(truths)])
             low, high = ends[:, 0, np.newaxis], ends[:, 1, np.newaxis]
             return np.asarray((estimates >= low) & (estimates < high))
         return np.asarray(np.abs(estimates - truths[:, np.newaxis]) <= self.half_width)
@@ -78,15 +79,21 @@ def check_wishes(mission: Any) -> None:
         raise ValueError(f"wanted.margin = {wanted.margin:g}: it goes with right, for a half_width has no edges")
     if free.robots is None and free.minutes is None:
         raise ValueError("free: should have robots, or minutes, or both: a number or a range, such as [10, 100]")
-    if known.accuracy.drift is not None:
-        raise ValueError("known.accuracy: a plan is for sensors that do not drift")
-    if known.accuracy.is_blind:
-        raise ValueError(
-            f"the goal cannot be reached, because an accuracy of {known.accuracy} says the same of black and white"
-        )
-    for brain in free.brain if wanted.half_width is not None else ():
+    _check_accuracies(known.accuracy)
+    for brain in mission.brains if wanted.half_width is not None else ():
         if brain.is_opinion:
             raise ValueError(f"free.brain = {brain.name!r}: its robots have opinions of 0 or 1: right goes with it")
+    for key, values in (
+        ("known.accuracy", known.accuracy),
+        ("known.lie", [lie.told for lie in known.lie or ()]),
+        ("free.brain", [brain.told for brain in mission.brains]),
+        ("free.topology", free.topology),
+        ("free.density", free.density or ()),
+    ):
+        told = [str(value) for value in values]
+        for one in told:
+            if told.count(one) > 1:
+                raise ValueError(f"{key}: {one} is there twice")
     low, high = known.fill_ratio
     if not mission.goal.candidates(low, high).size:
         raise ValueError(
@@ -102,62 +109,18 @@ def check_wishes(mission: Any) -> None:
             )
 
 
-def check_sizes(mission: Any) -> None:
-    """Raise ValueError where the area is missing, too many, too small, or means nothing."""
-    area, free = mission.area, mission.free
-    if area.side is not None and area.area is not None:
-        raise ValueError("area.side and area.area both say how large the area is: give one of them")
-    if not mission.moves:
-        for key in ("side", "area", "floor"):
-            if getattr(area, key) is not None:
-                raise ValueError(f'area.{key} is of robots that move: it goes with topology = "moving"')
-        if mission.wanted.truth == "floor":
+def _check_accuracies(accuracies: Sequence[Accuracy]) -> None:
+    """Raise ValueError where sensors tell nothing, or may."""
+    for accuracy in accuracies:
+        if accuracy.drift is not None:
+            raise ValueError("known.accuracy: a plan is for sensors that do not drift")
+        if accuracy.is_blind:
             raise ValueError(
-                'wanted.truth = "floor" is of robots that move: on fixed networks each reading is of another tile'
+                f"the goal cannot be reached, because an accuracy of {accuracy} says the same of black and white"
             )
-        check_network(mission)
-    elif mission.side is None:
-        raise ValueError("area: should have a side in metres, or an area in square metres")
-    else:
-        for key in ("observations_per_round", "round_seconds"):
-            if getattr(free, key) is not None:
-                raise ValueError(f"free.{key} is of fixed networks: robots that move observe once a tick at most")
-        most = capacity(mission)
-        if free.robots is not None and free.robots[1] > most:
-            raise ValueError(
-                f"free.robots = {free.robots[1]}: a square of {mission.side:g} m holds {most:,} robots at the most"
-            )
-        if most < 1:
-            raise ValueError(f"a square of {mission.side:g} m cannot hold a robot")
-    if free.minutes is not None and mission.rounds(free.minutes[0]) < 1:
+    numbers = [one.black.numbers[0] for one in accuracies if one.white is None and one.black.is_number]
+    if numbers and min(numbers) < 0.5 < max(numbers):
         raise ValueError(
-            f"free.minutes = {free.minutes[0]:g}: that is less than one round of {60 * mission.round_minutes:g} s"
+            f"known.accuracy: between {min(numbers):g} and {max(numbers):g} lies 0.5, "
+            "at which a sensor says the same of black and white"
         )
-
-
-def capacity(mission: Any) -> int:
-    """How many robots the area holds, with room to move."""
-    if mission.side < arena.smallest_side(1, mission.body):
-        return 0
-    return int(arena.COVERED * mission.side**2 / (math.pi * mission.body.radius**2) + 1e-9)
-
-
-def check_network(mission: Any) -> None:
-    """Raise ValueError where a network of some of these sizes falls apart."""
-    import networkx as nx
-
-    topology, sizes = mission.free.topology[0], mission.free.robots
-    for robots in dict.fromkeys(sizes or ()):
-        topology.check(robots)
-        links = topology.links(robots, mission.seed, 0, 1, lossless=False, sums=False)
-        if not links.receivers.size and topology.edges is None and topology.generator is None:
-            continue  # everyone hears everyone
-        graph = nx.DiGraph()
-        graph.add_nodes_from(range(robots))
-        graph.add_edges_from(zip(links.senders.tolist(), links.receivers.tolist(), strict=True))
-        if not nx.is_strongly_connected(graph):
-            parts = nx.number_strongly_connected_components(graph)
-            raise ValueError(
-                f"the goal cannot be reached, because topology {topology.name!r} of {robots} robots is not connected: "
-                f"it has {parts} parts, and no news of one ever reaches another"
-            )

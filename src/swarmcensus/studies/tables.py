@@ -174,6 +174,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
         return f"{name}: {key} is missing{more}"
     message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
     message = message.replace("should be a valid boolean", "should be true or false")
+    message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
     if not key:
         return f"{name}: {message}{more}"

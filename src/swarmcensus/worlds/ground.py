@@ -16,7 +16,7 @@ from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.patterns import Floor
 
-BLOCK = 1 << 20  # tiles that are painted at a time
+BLOCK = 1 << 16  # tiles that are painted at a time: as many as a core holds near
 
 
 class Ground:

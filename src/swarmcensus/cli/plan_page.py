@@ -1,0 +1,147 @@
+"""A plan on a terminal: what was asked, a row a brain, world and size, and what the columns mean."""
+
+import math
+
+from swarmcensus.basics import terminal
+from swarmcensus.planning.mission import Mission
+from swarmcensus.planning.plans import Plan, Row
+
+HEADS = {
+    "how long": "the shortest time",
+    "how many": "the smallest swarm",
+    "trade-off": "robots against minutes",
+    "enough": "are they enough?",
+}
+OF_THEORY = [("theory: all", True), ("mixed", True), ("alone", True)]
+
+
+def show(found: Plan) -> None:
+    """Print it; on a narrow terminal without the columns of theory."""
+    out, mission = terminal.console(), found.mission
+    out.print(f"{mission.name}: {HEADS[found.question]}; {_world(found)}")
+    out.print(f"wanted: {100 * mission.wanted.confidence:g} % of robots {mission.goal}")
+    out.print()
+    heads = [*_heads(mission), *OF_THEORY]
+    cells = [_cells(found, row) for row in found.rows]
+    rows = terminal.table(heads, cells)
+    narrow = rows.__rich_measure__(out, out.options.update(max_width=terminal.UNFOLDED)).maximum > out.width
+    if narrow:  # theory's columns are left to --out
+        rows = terminal.table(heads[:-3], [row[:-3] for row in cells])
+    out.print(rows)
+    out.print(_meaning(found, theory=not narrow), style="dim")
+
+
+def _world(found: Plan) -> str:
+    """What the mission says of the world, in a line."""
+    mission, known = found.mission, found.mission.known
+    low, high = known.fill_ratio
+    told = [", ".join(_places(mission)), f"accuracy {found.rows[0].accuracy}"]
+    if len(known.accuracy) > 1:
+        told[-1] += f", the worst of {', '.join(map(str, known.accuracy))}"
+    told.append(f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}")
+    if known.link_success < 1.0:
+        told.append(f"link success {known.link_success:g}")
+    if known.failing:
+        told.append(f"{100 * known.failing:g} % of robots fail")
+    if known.lying:
+        told.append(f"{100 * known.lying:g} % lie ({', '.join(lie.told for lie in mission.lies)})")
+    moving = [world for world in mission.worlds if world.moves]
+    if not moving:
+        return ", ".join(told)
+    truth = "the floor's own share of black" if moving[0].on_floor else "the nominal f"
+    where = " where robots move" if len(moving) < len(mission.worlds) and moving[0].on_floor else ""
+    return f"{', '.join(told)}; the truth is {truth}{where}"
+
+
+def _places(mission: Mission) -> list[str]:
+    """The networks, and how large the area is."""
+    if [topology.moves for topology in mission.free.topology] == [True]:
+        names = [""]
+    else:
+        names = [topology.name for topology in mission.free.topology]
+    size = f"{mission.side:.4g} m x {mission.side:.4g} m" if mission.side is not None else ""
+    if mission.free.density:
+        size = f"density {', '.join(f'{density:g}' for density in mission.free.density)}"
+    moves = (topology.moves for topology in mission.free.topology)
+    return [f"{name} {size}".strip() if moving else name for name, moving in zip(names, moves, strict=True)]
+
+
+def _several(mission: Mission) -> tuple[bool, bool, bool, bool]:
+    """Whether there are several networks, several densities, any density, and several lies."""
+    densities = mission.free.density or []
+    return len(mission.free.topology) > 1, len(densities) > 1, bool(densities), len(mission.lies) > 1
+
+
+def _heads(mission: Mission) -> list[tuple[str, bool]]:
+    networks, densities, sides, lies = _several(mission)
+    heads = [("brain", False)]
+    heads += [("topology", False)] * networks + [("density", True)] * densities
+    heads += [("robots", True)] + [("side, m", True)] * sides
+    heads += [("minutes", True), ("right %", True), ("f", True)] + [("lie", False)] * lies
+    return [*heads, ("", False)]
+
+
+def _cells(found: Plan, row: Row) -> list[str]:
+    networks, densities, sides, lies = _several(found.mission)
+    share = ""
+    if row.share:
+        value, low, high = (100.0 * one for one in row.share)
+        share = f"{value:.1f} [{low:.1f}, {high:.1f}]"
+    robots, minutes = f"{row.robots:,}", _minutes(row.minutes)
+    if row.robots_low is not None:
+        robots += f" [{row.robots_low:,}, {'more' if row.robots_high is None else f'{row.robots_high:,}'}]"
+    if row.minutes_low is not None:
+        high_end = "more" if row.minutes_high is None else _minutes(row.minutes_high)
+        minutes += f" [{_minutes(row.minutes_low)}, {high_end}]"
+    worst = "" if row.fill_ratio is None else f"{row.fill_ratio:g}"
+    return [
+        row.brain,
+        *[row.topology] * networks,
+        *["" if row.density is None else f"{row.density:g}"] * densities,
+        robots,
+        *["" if row.side is None else f"{row.side:.3g}"] * sides,
+        minutes,
+        share,
+        worst,
+        *[row.lie or ""] * lies,
+        _answer(found, row),
+        *map(_minutes, reversed(row.theory)),
+    ]
+
+
+def _answer(found: Plan, row: Row) -> str:
+    if found.question != "enough" or not row.share:
+        return {"reached": "", "not reached": "not reached", "not simulated": "theory alone"}[row.answer]
+    answer = "enough" if row.answer == "reached" else "not enough"
+    if row.share.low < found.mission.wanted.confidence <= row.share.high:
+        answer += ", as far as trials tell"
+    return answer
+
+
+def _minutes(value: float) -> str:
+    """In three digits, or all before the point."""
+    if value >= 100.0 or not math.isfinite(value):
+        return f"{value:,.0f}"
+    return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
+
+
+def _meaning(found: Plan, theory: bool) -> str:
+    mission, trials = found.mission, max(row.trials for row in found.rows)
+    fewer = min((row.trials for row in found.rows if row.trials), default=trials)
+    who = "share of robots that are honest and work" if mission.known.lying else "share of robots"
+    lines = [
+        f"right: {who} at that time, at the worst f of the range; "
+        f"[ ]: 95 % intervals over {trials:,} trials, seed {mission.seed}"
+    ]
+    if fewer < trials:
+        lines.append(f"not reached: so surely that {fewer:,} trials told")
+    if theory:
+        lines.append(
+            "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; "
+            "a robot alone" + (": all as if nobody lied" if mission.known.lying else "")
+        )
+    if mission.free.density:
+        lines.append("side: of the square that follows from the density and the robots")
+    if any(not row.trials for row in found.rows):
+        lines.append("theory alone: to simulate it would take hours")
+    return "\n".join(lines)
