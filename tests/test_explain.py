@@ -193,7 +193,8 @@ def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
     [
         (["--setting", "99"], "setting 99: these results hold setting 0 to 7"),
         (["--setting", "-1"], "should be a whole number from 0"),
-        ([], "the following arguments are required: --setting"),
+        (["--setting", "1", "--json"], "--json is of all settings: it does not go with --setting"),
+        (["--where", "robots == 7"], "where"),
     ],
 )
 def test_a_setting_that_is_not_there_is_named(results, arguments, said, tmp_path, monkeypatch, capsys):

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from swarmcensus.basics.errors import InputError, Interrupted
     from swarmcensus.figures import plot
     from swarmcensus.planning.planning import plan
+    from swarmcensus.results.agreeing import explain
     from swarmcensus.results.comparing import compare
-    from swarmcensus.results.explaining import explain
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -35,7 +35,7 @@ _HOME = {
     "Interrupted": "basics.errors",
     "Study": "studies.study",
     "compare": "results.comparing",
-    "explain": "results.explaining",
+    "explain": "results.agreeing",
     "frame": "results.store",
     "infer": "simulation.inferring",
     "load": "results.store",

@@ -1,7 +1,8 @@
-"""The command `explain`: a setting's measured figures beside theory's. Imports wait until needed."""
+"""The command `explain`: a setting's measured figures beside theory's, or all settings'. Imports wait until needed."""
 
 import argparse
 import math
+import shlex
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -24,14 +25,41 @@ MOST_CHECKPOINTS = 6  # that are shown
 
 
 def explain(options: argparse.Namespace) -> int:
-    """Explain a setting."""
+    """Explain a setting, or hold all against theory."""
+    from swarmcensus.basics.errors import InputError
     from swarmcensus.results import explaining
     from swarmcensus.results.early import opened, say_partial
 
+    if options.setting is None:
+        return _all(options)
+    for name in ("where", "limit", "json"):
+        if getattr(options, name) not in (None, False):
+            raise InputError(f"--{name} is of all settings: it does not go with --setting")
     data = opened(options.results)
     found = explaining.explain(data, options.setting)
     say_partial(data, options.results)
     show(found, str(options.results))
+    return 0
+
+
+def _all(options: argparse.Namespace) -> int:
+    from swarmcensus.cli import agreement_page
+    from swarmcensus.cli.options import MOST_ROWS
+    from swarmcensus.cli.tables import head
+    from swarmcensus.results import selecting
+    from swarmcensus.results.agreeing import agreement
+    from swarmcensus.results.early import opened
+
+    stored = opened(options.results)
+    data = selecting.where(stored, options.where)
+    found = agreement(data)
+    if options.json:
+        print(agreement_page.as_json(found))
+        return 0
+    again = ["swarmcensus", "explain", str(options.results)]
+    again += ["--where", options.where] if options.where is not None else []
+    limit = MOST_ROWS if options.limit is None else options.limit
+    agreement_page.show(found, data, head(stored, options.results), shlex.join(again), limit)
     return 0
 
 

@@ -116,9 +116,14 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
     sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
 
-    sub = command("explain", "Set what a setting measured beside theory, and say what limits it.")
+    sub = command(
+        "explain", "Hold all settings against theory, or set what one measured beside it and say what limits it."
+    )
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--setting", type=_from_zero, required=True, metavar="N", help="as 'show' numbers them")
+    sub.add_argument("--setting", type=_from_zero, metavar="N", help="one, as 'show' numbers them (default: all)")
+    sub.add_argument("--where", metavar="EXPR", help="settings to hold against theory, as 'topology == \"ring\"'")
+    sub.add_argument("--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS})")
+    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
     sub = command("leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.")
     sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")

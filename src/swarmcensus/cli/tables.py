@@ -53,22 +53,22 @@ def settings(
     `again` is the command that showed them. In a terminal that is too narrow, intervals stand below their values, and
     what a setting is in one column; in one that is narrower still, each setting has some lines.
     """
-    columns = _coordinates(data)
+    columns = coordinates(data)
     varied = [k for k, values in columns.items() if (values != values[0]).any()]
     same = [f"{k} {v[0]}" for k, v in columns.items() if k not in varied and v[0] != NOTHING]
     frame = summary(data.isel(setting=slice(limit or None)), checkpoint=checkpoint)
     out = console()
     unfolded = out.options.update(max_width=UNFOLDED)
-    coordinates = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
-    rows: Table | Text = _rows(coordinates, _numbers(data, frame))
+    named = {"setting": frame["setting"].astype(str).tolist()} | {k: columns[k][: len(frame)] for k in varied}
+    rows: Table | Text = _rows(named, _numbers(data, frame))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
-        rows = _rows(coordinates, _numbers(data, frame, below=True))
+        rows = _rows(named, _numbers(data, frame, below=True))
     if rows.__rich_measure__(out, unfolded).maximum > out.width:
         each = zip(*(columns[k][: len(frame)] for k in varied), strict=True)
         joined = [", ".join(f"{k} {v}" for k, v in zip(varied, values, strict=True) if v != NOTHING) for values in each]
         numbers = _numbers(data, frame, below=True)
-        rows = _rows({"setting": coordinates["setting"], "with": joined}, numbers)
-        bare = _rows({"setting": coordinates["setting"]}, numbers)
+        rows = _rows({"setting": named["setting"], "with": joined}, numbers)
+        bare = _rows({"setting": named["setting"]}, numbers)
         if bare.__rich_measure__(out, unfolded).maximum + FOLDED > out.width:
             rows = _blocks(frame, joined, numbers)
     if title:
@@ -87,7 +87,7 @@ def settings(
 NOTHING = "-"  # what a setting is where a coordinate says nothing
 
 
-def _coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
+def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
     columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
     del columns["setting"]

@@ -17,12 +17,14 @@ from swarmcensus.engine.modes import LISTED
 from swarmcensus.results.origins import setting_of
 from swarmcensus.results.summaries import done
 from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
 from swarmcensus.theory.late_mixing import fits
 from swarmcensus.theory.matrices import from_links
 from swarmcensus.worlds.ground import reachable
 from swarmcensus.worlds.patterns import Floor
 
 Floats = NDArray[np.float64]
+Origin = tuple[Study, Setting]
 ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
 MOST_ROBOTS = 1000  # of a network whose mixing is computed
 WORK = 1e9  # of decompositions: the cube of the robots, times graphs
@@ -54,9 +56,20 @@ class Expectation(NamedTuple):
     floor: float  # variance that the floor's own share of black has about f
 
 
-def expect(data: xr.Dataset, number: int, times: Sequence[int], names: Sequence[str] = ()) -> Expectation:
-    """What theory says of a setting after these rounds, or ticks; of some lines only, or of all. Raises InputError."""
-    study, found = setting_of(data, number, run=False)
+def expect(
+    data: xr.Dataset,
+    number: int,
+    times: Sequence[int],
+    names: Sequence[str] = (),
+    origin: Origin | None = None,
+    graphs_of: int | None = None,
+) -> Expectation:
+    """What theory says of a setting after these rounds, or ticks; of some lines only, or of all.
+
+    `origin` is its study and itself, where they are found already. Graphs are looked at of the first `graphs_of`
+    trials, or of as many as time allows. Raises InputError.
+    """
+    study, found = origin or setting_of(data, number, run=False)
     trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
     if not trials.size:
         raise InputError(f"setting {number}: none of its trials has been run")
@@ -79,7 +92,7 @@ def expect(data: xr.Dataset, number: int, times: Sequence[int], names: Sequence[
             bound = _sensing(readings, f, b, w) + floor_variance(data, found, readings * found.robots)[:, np.newaxis]
         out.lines[SWARM] = normal_line(bound, f, bins)
     if NEAR in wanted or MIXED in wanted:
-        graphs = _graphs(found, study.seed, trials)
+        graphs = mixing_of(found, study.seed, trials[:graphs_of])
         if NEAR in wanted:
             near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
             out.lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
@@ -161,24 +174,24 @@ def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: i
     found = out.setting
     variances, late, slow = [], [], []
     looks, f = found.observations_per_round, found.fill_ratio
+    law, relaxation = np.zeros(0), np.nan
     for k, matrix in enumerate(graphs):
         variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k], found.message_delay))
-        try:
-            law = theory.stationary_law(matrix)
-        except InputError:  # it falls apart
-            late.append(np.nan)
-            slow.append(np.nan)
-            continue
+        if k == 0 or matrix is not graphs[k - 1]:
+            try:
+                law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
+            except InputError:  # it falls apart
+                law, relaxation = np.full(found.robots, np.nan), np.nan
+        slow.append(np.nan if found.message_delay else relaxation)
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
-        known = weights > 0.0
+        known = weights != 0.0
         late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * out.times[-1]))
-        slow.append(np.nan if found.message_delay else theory.relaxation_time(matrix))
     out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
     return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(slow)))
 
 
-def _graphs(found: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
+def mixing_of(found: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
     """The mixing matrices of the first trials, as many as may be decomposed; one where all trials have the same."""
     same = not found.topology.varies or found.brain.is_oracle
     most = max(1, int(WORK / (found.robots**3 if not found.message_delay else found.robots**2 * found.rounds * 10)))

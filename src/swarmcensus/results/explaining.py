@@ -1,4 +1,4 @@
-"""A setting's measured figures beside theory's, and what limits it: `sc.explain`."""
+"""A setting's measured figures beside theory's, and what limits it."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -68,11 +68,11 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
     reached = one["checkpoint"].values <= rounds
     checkpoints = one["checkpoint"].values[reached].tolist()
     found = expect(data, setting, [*checkpoints, rounds])
-    off = _errors(one, ran, robots)
-    squared = _mean(np.square(off).mean(axis=1))
+    off = errors_of(one, ran, robots)
+    squared = mean_of(np.square(off).mean(axis=1))
     when = one["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
     correct = one["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
-    terms = _terms(found, squared[0])
+    terms = terms_of(found, squared[0])
     k, low, high = interval_of(when, "median")
     return Explanation(
         setting=setting,
@@ -89,26 +89,27 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
         right=[interval_of(share[:, np.newaxis], "mean", share=True) for share in correct],
         theory=found.lines,
         absent=found.absent,
-        efficiency=_efficiency(found, squared),
+        efficiency=efficiency_of(found, squared),
         terms=terms,
         relaxation=found.relaxation,
         limit=_words(found, terms),
     )
 
 
-def _errors(one: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
+def errors_of(one: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
     """x - f after the last round, (trial, robot), of the trials that ran."""
     final = one["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
     return np.asarray(final - measures.truth(one)[0][ran][:, np.newaxis], np.float64)
 
 
-def _mean(by_trial: NDArray[np.float64]) -> Interval:
+def mean_of(by_trial: NDArray[np.float64]) -> Interval:
     """The mean over trials, and its interval by bootstrap over them, which is not below 0 for what cannot be."""
     low, high = bootstrap.intervals(by_trial[np.newaxis], "mean")
     return float(by_trial.mean()), max(float(low[0]), 0.0), float(high[0])
 
 
-def _efficiency(found: Expectation, squared: Interval) -> Interval:
+def efficiency_of(found: Expectation, squared: Interval) -> Interval:
+    """The bound of the whole swarm over the mean squared error; NaN where theory has no bound."""
     if SWARM not in found.lines:
         return NONE
     bound = float(found.lines[SWARM].variance[-1])
@@ -116,8 +117,8 @@ def _efficiency(found: Expectation, squared: Interval) -> Interval:
     return value, low, high
 
 
-def _terms(found: Expectation, squared: float) -> dict[str, float]:
-    """The parts of the mean squared error, in the order in which they come off."""
+def terms_of(found: Expectation, squared: float) -> dict[str, float]:
+    """The parts of the mean squared error, in the order in which they come off; none where theory has no bound."""
     if SWARM not in found.lines:
         return {}
     floor = found.floor

@@ -44,6 +44,18 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
     raise InputError(f"setting {number}: it is not of the study that these results name{': ' * bool(why)}{why}")
 
 
+def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
+    """The settings of these numbers and their studies, with no brain run: as `setting_of`, reading studies once. Raises
+    InputError."""
+    known = {
+        setting.fingerprint(study.seed): (study, setting)
+        for study in studies_of(data, run=False)
+        for setting in study.settings()
+    }
+    marks = {number: str(data["fingerprint"].sel(setting=number).values) for number in map(int, numbers)}
+    return {n: known[mark] if mark in known else setting_of(data, n, run=False) for n, mark in marks.items()}
+
+
 def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> list[Study]:
     """The studies that a dataset holds, as they were run: one, but for merged results.
 

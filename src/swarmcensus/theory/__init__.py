@@ -26,7 +26,7 @@ from swarmcensus.theory.floor import (
 )
 from swarmcensus.theory.local import Law, error_law, local_law, mixed_law
 from swarmcensus.theory.matrices import mixing_matrix
-from swarmcensus.theory.mixing import mixing_variance, variance_factors
+from swarmcensus.theory.mixing import Mixed, mixed_sums, mixing_variance, variance_factors
 from swarmcensus.theory.spectra import (
     alike_factors,
     factor_bounds,
@@ -41,15 +41,18 @@ from swarmcensus.theory.spectra import (
     stationary_law,
     torus_spectrum,
 )
+from swarmcensus.theory.squared import cut_off, local_squared_error, pulled_squared_error
 
 __all__ = [
     "Law",
+    "Mixed",
     "Truth",
     "alike_factors",
     "bin_shares",
     "cluster_covariance",
     "concentration",
     "covariance_variance",
+    "cut_off",
     "error_law",
     "even_concentration",
     "factor_bounds",
@@ -57,8 +60,10 @@ __all__ = [
     "full_spectrum",
     "information",
     "local_law",
+    "local_squared_error",
     "median_error",
     "mixed_law",
+    "mixed_sums",
     "mixing_matrix",
     "mixing_time",
     "mixing_time_bound",
@@ -66,6 +71,7 @@ __all__ = [
     "neighbourhood_bound",
     "normal_median_error",
     "normal_right_share",
+    "pulled_squared_error",
     "reading_variance",
     "relaxation_of",
     "relaxation_time",

@@ -1,5 +1,6 @@
 """Mixing matrices: how much of each robot's number goes into each other's in a round."""
 
+import functools
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ from swarmcensus.theory.checks import Floats, numbers
 from swarmcensus.worlds.graphs import network
 
 MOST = 4096  # robots of a matrix: 128 MB
+SMALL = 100  # robots, and rows, of matrices whose decompositions are remembered: 512 of them are 80 MB
 
 
 def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = False) -> Floats:
@@ -78,7 +80,36 @@ def balance(matrix: Floats) -> Floats | None:
 
 
 def spectrum_of(matrix: Floats) -> Spectrum | None:
-    """The decomposition of a W that has a `balance` d, for then D^(1/2) W D^(-1/2) is symmetric; None of another."""
+    """The decomposition of a W that has a `balance` d, for then D^(1/2) W D^(-1/2) is symmetric; None of another.
+
+    The last ones of small matrices are remembered, for the settings of a study share their graphs.
+    """
+    return _decomposed(matrix) if len(matrix) > SMALL else _remembered(_raw(matrix), len(matrix))
+
+
+def summed_products(matrix: Floats, spectrum: Spectrum, terms: int) -> Floats:
+    """`geometric` of the products of all pairs of eigenvalues, (robot, robot); likewise remembered."""
+    if len(matrix) > SMALL:
+        return geometric(np.multiply.outer(spectrum.values, spectrum.values), terms)
+    return _products(_raw(matrix), len(matrix), terms)
+
+
+def _raw(matrix: Floats) -> bytes:
+    return np.ascontiguousarray(matrix).tobytes()
+
+
+@functools.lru_cache(maxsize=512)
+def _remembered(raw: bytes, robots: int) -> Spectrum | None:
+    return _decomposed(np.frombuffer(raw).reshape(robots, robots))
+
+
+@functools.lru_cache(maxsize=512)
+def _products(raw: bytes, robots: int, terms: int) -> Floats:
+    values = _remembered(raw, robots)[0]  # type: ignore[index]
+    return geometric(np.multiply.outer(values, values), terms)
+
+
+def _decomposed(matrix: Floats) -> Spectrum | None:
     d = balance(matrix)
     if d is None:
         return None

@@ -17,6 +17,7 @@ other weights in place of W^m: see `late_mixing.py`.
 """
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,7 +25,7 @@ from numpy.typing import ArrayLike
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import BLIND, Floats, count, sensors, shares, times
 from swarmcensus.theory.late_mixing import late_moments
-from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of
+from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
 
 SETTLED = 1e-15  # a power of W differs from the one before by rounding alone
 
@@ -44,7 +45,14 @@ def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
     return factors[0] if single else factors
 
 
-def mixing_variance(
+class Mixed(NamedTuple):
+    """What running sums hold after some rounds, each (robot,) or (rounds, robot)."""
+
+    variance: Floats  # of s / v; infinite where v is 0
+    evidence: Floats  # v
+
+
+def mixed_sums(
     matrix: ArrayLike,
     rounds: int | Sequence[int],
     observations_per_round: int,
@@ -52,12 +60,12 @@ def mixing_variance(
     b: ArrayLike,
     w: ArrayLike | None = None,
     delay: int = 0,
-) -> Floats:
-    """The variance of each robot's estimate after round t, also of unequal sensors: b and w are numbers or (robot,).
+) -> Mixed:
+    """The variance of each robot's estimate after round t, and its v, of unequal sensors too: b, w numbers or (robot,).
 
     What is heard was said `delay` rounds ago, and nobody hears anything in the rounds before. (robot,) for one number
-    of rounds, (rounds, robot) for several; infinite for a robot that only knows of sensors with b + w = 1. Raises
-    InputError, also where all sensors are such.
+    of rounds, (rounds, robot) for several; the variance is infinite of a robot that only knows of sensors with
+    b + w = 1. Raises InputError, also where all sensors are such.
     """
     found = checked(matrix)
     at, single = times("rounds", rounds)
@@ -73,7 +81,20 @@ def mixing_variance(
     squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)
     with np.errstate(divide="ignore", invalid="ignore"):
         variance = np.where(sums > 0.0, squares / (looks * sums**2), np.inf)
-    return variance[0] if single else variance
+    return Mixed(variance[0], looks * sums[0]) if single else Mixed(variance, looks * sums)
+
+
+def mixing_variance(
+    matrix: ArrayLike,
+    rounds: int | Sequence[int],
+    observations_per_round: int,
+    fill_ratio: float,
+    b: ArrayLike,
+    w: ArrayLike | None = None,
+    delay: int = 0,
+) -> Floats:
+    """The variance of `mixed_sums` alone. Raises InputError."""
+    return mixed_sums(matrix, rounds, observations_per_round, fill_ratio, b, w, delay).variance
 
 
 def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
@@ -81,16 +102,17 @@ def moments(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> t
     spectrum = spectrum_of(matrix)
     if spectrum is None:
         return by_powers(matrix, at, squared, summed)
-    return _by_spectrum(spectrum, at, squared, summed)
+    return _by_spectrum(matrix, spectrum, at, squared, summed)
 
 
-def _by_spectrum(spectrum: Spectrum, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
+def _by_spectrum(
+    matrix: Floats, spectrum: Spectrum, at: list[int], squared: Floats, summed: Floats
+) -> tuple[Floats, Floats]:
     """With S = D^(1/2) W D^(-1/2) = U L U', sum_j [W^m]_ij^2 c_j is [S^m diag(D c) S^m]_ii / d_i, and L^m is summed."""
     values, vectors, root = spectrum
     inner = vectors.T @ ((root**2 * squared)[:, np.newaxis] * vectors)
-    products = np.multiply.outer(values, values)
     along = vectors.T @ (root * summed)
-    squares = [((vectors @ (inner * geometric(products, t))) * vectors).sum(axis=1) / root**2 for t in at]
+    squares = [((vectors @ (inner * summed_products(matrix, spectrum, t))) * vectors).sum(axis=1) / root**2 for t in at]
     sums = [vectors @ (geometric(values, t) * along) / root for t in at]
     return np.maximum(squares, 0.0), np.maximum(sums, 0.0)
 

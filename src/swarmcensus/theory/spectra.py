@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import Floats, count, numbers, shares, times
-from swarmcensus.theory.matrices import balance, checked, geometric
+from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
 
 MOST_SQUARED = 60  # doublings of a power
 
@@ -169,9 +169,8 @@ def _second(matrix: Floats) -> float:
     """The size of the eigenvalue that is second in size; 0 of one robot."""
     if len(matrix) == 1:
         return 0.0
-    d = balance(matrix)
-    root = None if d is None else np.sqrt(d)
-    values = np.linalg.eigvals(matrix) if root is None else np.linalg.eigvalsh(root[:, np.newaxis] * matrix / root)
+    found = spectrum_of(matrix)
+    values = np.linalg.eigvals(matrix) if found is None else found.values
     second = float(np.sort(np.abs(values))[-2])
     return 0.0 if second < 1e-12 else second
 

@@ -1,0 +1,100 @@
+"""What the terminal shows of all settings beside theory: a row each, why some have no verdict, and how many agree."""
+
+import json
+import math
+from typing import TYPE_CHECKING, Any
+
+import xarray as xr
+from rich.table import Table
+
+from swarmcensus.basics.terminal import UNFOLDED, console, table
+from swarmcensus.cli.tables import NOTHING, coordinates
+
+if TYPE_CHECKING:
+    from swarmcensus.results.agreeing import Agreement, Held
+    from swarmcensus.results.explaining import Interval
+
+MEANS = (
+    "measured: the root of the mean squared error |x - f| after the last round; theory: what it should be, exactly",
+    "ratio: of both, robot by robot, with its 99.9 % interval over trials; theory agrees where that holds 1",
+    "efficiency: the bound of the whole swarm over the mean squared error; limit: where most of it comes from",
+)
+
+
+def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
+    """Print the first `limit` settings (0: all) of `data`, and what all come to; `again` is the command that does."""
+    from swarmcensus.results.agreeing import UNKNOWN
+
+    shown = found.settings[: limit or None]
+    some = data.sel(setting=[row.setting for row in shown])
+    all_of = coordinates(data.sel(setting=[row.setting for row in found.settings]))
+    varied = [name for name, values in all_of.items() if (values != values[0]).any()]
+    same = [f"{name} {values[0]}" for name, values in all_of.items() if name not in varied and values[0] != NOTHING]
+    texts = coordinates(some)
+    left = {name: texts[name].tolist() for name in varied if name in texts}
+    reasons = list(dict.fromkeys(row.why for row in shown if row.verdict == UNKNOWN))
+    out = console()
+    page = _rows(left, shown, reasons)
+    if page.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
+        each = zip(*left.values(), strict=True)
+        joined = [", ".join(f"{k} {v}" for k, v in zip(left, one, strict=True) if v != NOTHING) for one in each]
+        page = _rows({"with": joined} if left else {}, shown, reasons, narrow=True)
+    out.print(title)
+    out.print(page)
+    for line in (*MEANS, *([f"all with {', '.join(same)}"] if same else [])):
+        out.print(line, style="dim")
+    for number, why in enumerate(reasons, start=1):
+        out.print(f"[{number}] no verdict: {why}")
+    if len(shown) < len(found.settings):
+        out.print(f"{len(shown):,} of {len(found.settings):,} settings; all of them: {again} --limit 0", soft_wrap=True)
+    out.print(verdict_of(found))
+
+
+def verdict_of(found: "Agreement") -> str:
+    """How many settings agree, and how many would differ by chance."""
+    if not found.exact:
+        return "in none of these settings theory is exact and trials are enough to tell"
+    return (
+        f"{found.agree:,} of {found.exact:,} settings where theory is exact agree, at 1 in 1,000 each "
+        f"({found.by_chance:.2g} expected to differ by chance; that any does: at most {100 * found.by_chance:.2g} %)"
+    )
+
+
+def as_json(found: "Agreement") -> str:
+    """All of it as one JSON document; what is not known is null."""
+    rows = [{name: _plain(value) for name, value in row._asdict().items()} for row in found.settings]
+    about = {**{name: getattr(found, name) for name in ("exact", "agree", "by_chance")}, "settings": rows}
+    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _rows(left: dict[str, list[str]], shown: "list[Held]", reasons: list[str], narrow: bool = False) -> Table:
+    heads = [("setting", True), *((name, False) for name in left)]
+    heads += [(name, True) for name in ("measured", "theory", "ratio", *([] if narrow else ["[99.9 %]"]))]
+    heads += [("efficiency", True), ("limit", False), ("verdict", False)]
+    rows = []
+    for k, row in enumerate(shown):
+        numbers = [_number(row.measured), _number(row.expected), _ratio(row.ratio[0])]
+        numbers += [] if narrow else [_ends(row.ratio)]
+        said = f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict
+        efficiency = f"{row.efficiency[0]:.3g}" if math.isfinite(row.efficiency[0]) else NOTHING
+        what = [values[k] for values in left.values()]
+        rows.append([str(row.setting), *what, *numbers, efficiency, row.limit or NOTHING, said])
+    return table(heads, rows)
+
+
+def _number(value: float) -> str:
+    return f"{value:.5f}" if math.isfinite(value) else NOTHING
+
+
+def _ratio(value: float) -> str:
+    return f"{value:.3f}" if math.isfinite(value) else NOTHING
+
+
+def _ends(interval: "Interval") -> str:
+    return f"[{interval[1]:.3f}, {interval[2]:.3f}]" if math.isfinite(interval[1]) else ""
