@@ -137,8 +137,8 @@ def _meaning(found: Plan, theory: bool) -> str:
         lines.append(f"not reached: so surely that {fewer:,} trials told")
     if theory:
         lines.append(
-            "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; "
-            "a robot alone" + (": all as if nobody lied" if mission.known.lying else "")
+            f"theory, in minutes{', as if nobody lied' * bool(mission.known.lying)}: were all readings everywhere at once; "
+            "sums mixed by who meets or hears whom; a robot alone"
         )
     if mission.free.density:
         lines.append("side: of the square that follows from the density and the robots")
