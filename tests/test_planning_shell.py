@@ -155,7 +155,10 @@ def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options,
         (["--density", "x"], "--density x: should be a number"),
         (["--density", "40", "--robots", "1"], "at a density of 40 fewer than 3 robots have no room to move"),
         (["--density", "5", "--side", "3"], "free.density and area.side both say how large the area is"),
-        (["--density", "9", "--half-width", "0.004", "--truth", "nominal"], "1.31 m x 1.31 m, "),
+        (
+            ["--density", "9", "--half-width", "0.004", "--truth", "nominal"],
+            "0.925 m x 0.925 m, 47 % of floors with f = 0.5",
+        ),
         (["--side", "0.1"], "robots = 5: a square of 0.1 m holds 0 robots at the most"),
         (["--robots", "500"], "free.robots = 500: a square of 3 m holds 260 robots at the most"),
         (["--round-seconds", "2"], "free.round_seconds is of fixed networks"),
@@ -197,9 +200,8 @@ def test_a_file_that_is_no_mission(content, said, here, capsys):
 
 
 def test_a_density_replaces_the_side_of_a_file(here, capsys):
-    Path("yard.toml").write_text(
-        "[area]\nside = 3\n[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
-    )
+    wishes = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
+    Path("yard.toml").write_text("[area]\nside = 3\n" + wishes)
     options = ["--minutes", "0.5", "--trials", "40", "--brain", "commons", "--lying", "0.1", "--accuracy", "0.85:0.9"]
     assert main(["plan", "yard.toml", "--density", "3", "--density", "6", *options]) == 0
     out = " ".join(capsys.readouterr().out.split())

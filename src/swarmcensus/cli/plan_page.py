@@ -136,9 +136,10 @@ def _meaning(found: Plan, theory: bool) -> str:
     if fewer < trials:
         lines.append(f"not reached: so surely that {fewer:,} trials told")
     if theory:
+        honest = ", as if nobody lied" if mission.known.lying else ""
         lines.append(
-            f"theory, in minutes{', as if nobody lied' * bool(mission.known.lying)}: were all readings everywhere at once; "
-            "sums mixed by who meets or hears whom; a robot alone"
+            f"theory, in minutes{honest}: were all readings everywhere at once; sums mixed by who meets or hears whom; "
+            "a robot alone"
         )
     if mission.free.density:
         lines.append("side: of the square that follows from the density and the robots")
