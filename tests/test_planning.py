@@ -11,7 +11,7 @@ import swarmcensus as sc
 from swarmcensus.planning.mission import mission_of
 from swarmcensus.planning.planning import question_of
 from swarmcensus.planning.reaching import reached
-from swarmcensus.planning.trying import Curve, curves, study_of
+from swarmcensus.planning.trying import Case, Curve, curves, study_of
 from swarmcensus.planning.wishes import Goal
 
 QUIET = {"progress": lambda _: None}
@@ -106,7 +106,7 @@ def test_intervals_of_times_hold_the_true_time():
     for _ in range(200):
         walks = rng.normal(0, np.sqrt(0.5), (rounds[-1], 60, 5)).cumsum(axis=0)[rounds - 1]
         right = goal.right(0.5 + walks / rounds[:, np.newaxis, np.newaxis], np.full(60, 0.5))
-        found = reached(Curve("some", 0.5, rounds.tolist(), right.mean(axis=2)), 0.95)
+        found = reached(Curve("some", Case(0.5), rounds.tolist(), right.mean(axis=2)), 0.95)
         grid = 1.04  # the first round with enough is among those looked at, in steps of so much
         held += found is not None and found.low <= due <= (found.high or np.inf) * grid
     assert held >= 181
@@ -114,9 +114,9 @@ def test_intervals_of_times_hold_the_true_time():
 
 def test_a_time_is_reached_for_good():
     shares = np.repeat([[0.5], [1.0], [0.9], [0.96], [0.97]], 20, axis=1)
-    found = reached(Curve("some", 0.5, [1, 2, 3, 4, 5], shares), 0.95)
+    found = reached(Curve("some", Case(0.5), [1, 2, 3, 4, 5], shares), 0.95)
     assert found.rounds == 4
-    assert reached(Curve("some", 0.5, [1, 2, 3], shares[:3]), 0.95) is None
+    assert reached(Curve("some", Case(0.5), [1, 2, 3], shares[:3]), 0.95) is None
 
 
 def test_right_is_what_the_goal_says():
@@ -137,7 +137,7 @@ def test_right_is_what_the_goal_says():
 
 def test_only_robots_that_work_are_counted():
     mission = mission_of(RING | {"known": {"accuracy": 0.9, "fill_ratio": 0.9, "failing": 0.3}})
-    study = study_of(mission, 10, mission.free.brain, [0.9], [5, 40], 50, 3)
+    study = study_of(mission, 10, mission.brains, [Case(0.9)], [5, 40], 50, 3)
     [curve] = curves(mission, study, 1, QUIET["progress"])
     estimates = sc.run(study)["estimates"].values[0]
     [setting] = study.settings()

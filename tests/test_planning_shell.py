@@ -45,6 +45,21 @@ def test_options_replace_what_the_file_says(here, capsys):
 
 
 TWO_PARTS = '{name = "two", edges = [[0, 1], [2, 3], [3, 4]]}'
+EVERYWHERE = [f"--topology={name}" for name in ("ring", "full", "line", "scale-free", "{networkx = 'cycle_graph'}")]
+MUTE = """'''It speaks of nothing that a liar knows.'''
+MEMORY = {"t": 0.0}
+MESSAGE = ("t",)
+def observe(me, blacks, looks):
+    me.t += looks
+def broadcast(me):
+    return (me.t,)
+def receive(me, message):
+    pass
+def fuse(me):
+    pass
+def estimate(me):
+    return 0.5
+"""
 ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
 
 
@@ -81,12 +96,42 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         ((), ["--out", "m.toml"], "cannot write m.toml: it is what is read"),
         ((), ["--plot", "p.gif"], "--plot p.gif: a figure is written as .png, .svg or .pdf"),
         ((), ["--body", "speed"], "--body speed: should be such as speed=0.1"),
+        ((), ["--body", "speed=fast"], "--body speed=fast: should be a number"),
+        ((), ["--lie", "shouter"], "known.lie: nobody lies: say what share of robots may (known.lying)"),
+        ((), ["--lying", "0.5", "--failing", "0.5"], "leave no robot that works and is honest"),
+        ((), ["--lying", "1"], "known.lying = 1: should be less than 1"),
+        ((), ["--lying", "-0.1"], "known.lying = -0.1: should be greater than or equal to 0"),
+        ((), ["--lying", "0.1", "--robots", "1"], "of one robot nobody is left to lie to it"),
+        ((), ["--lying", "0.1", "--lie", "shoutr"], "did you mean 'shouter'?"),
+        ((), ["--lying", "0.1", "--lie", "commons"], "known.lie = 'commons': that is a brain, and not an adversary"),
+        ((), ["--lying", "0.1", "--lie", "random", "--lie", "random"], "known.lie: random is there twice"),
+        ((), ["--lying", "0.1", "--brain", "mute.py"], "known.lie = 'shouter': the adversary 'shouter' cannot lie"),
+        ((), ["--lying", "0.3", "--brain", "commons"], "at f = 0.55 among 30 % of liars (shouter), not 95 %"),
+        ((), ["--density", "5"], 'free.density is of robots that move: it goes with topology = "moving"'),
+        ((), ["--topology", "ring", "--topology", "moving"], "or leave it to a swarm density (free.density)"),
+        ((), ["--topology", "ring", "--topology", TWO_PARTS], "topology 'two' of 10 robots is not connected"),
+        ((), ["--topology", "ring", "--topology", "ring"], "free.topology: ring is there twice"),
+        ((), ["--brain", "commons", "--brain", "commons"], "free.brain: commons is there twice"),
+        ((), ["--accuracy", "0.4:0.6"], "known.accuracy: between 0.4 and 0.6 lies 0.5"),
+        ((), ["--accuracy", "0.8", "--accuracy", "0.8"], "known.accuracy: 0.8 is there twice"),
+        ((), ["--accuracy", "nan"], "known.accuracy = nan: a sensor accuracy lies in [0, 1]"),
+        ((), ["--accuracy", '{black = 0.5, white = "U(0.5, 0.5)"}'], "not even 1e+15 readings are enough"),
+        ((), ["--half-width", "1e-9"], "not even 1e+15 readings are enough with an accuracy of 0.8"),
+        ((), ["--half-width", "nan"], "wanted.half_width = nan: should be greater than 0"),
+        ((), ["--robots", "2000000000"], "free.robots = 2000000000: a plan is of 1,000,000 robots at the most"),
+        ((), ["--robots", "1:2:3"], "--robots 1:2:3: should be a number, or a range such as 10:100"),
+        ((), ["--minutes", "1e9"], "free.minutes = 1e+09: a plan is for a year at the most, 527,040 min"),
+        ((), ["--minutes", "inf"], "free.minutes = inf: should be less than or equal to 1000000000"),
+        ((), ["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and 8 is the most"),
+        (("[known]", "known = 3\n[other]"), [], "unknown key other"),
+        (("[known]", "body = 3\n[known]"), [], "body = 3: should be a table"),
     ],
 )
 def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options, said, here, capsys):
     if change:
         assert change[0] in RING
         Path("m.toml").write_text("trials = 40\n" + RING.replace(*change))
+    Path("mute.py").write_text(MUTE)
     out = [] if "--out" in options else ["--out", "p.json"]
     assert main(["plan", "m.toml", *options, *out]) == 2
     *progress, error = capsys.readouterr().err.splitlines()
@@ -94,7 +139,7 @@ def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options,
     assert said in error
     assert "Traceback" not in error
     assert not any(line.startswith("swarmcensus: ") for line in progress)
-    assert sorted(os.listdir()) == ["m.toml"]
+    assert sorted(os.listdir()) == ["m.toml", "mute.py"]
 
 
 @pytest.mark.parametrize(
@@ -103,6 +148,17 @@ def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options,
         (["--side", "-3"], "area.side = -3: should be greater than 0"),
         (["--area", "-4"], "area.area = -4: should be greater than 0"),
         (["--area", "9"], "area.side and area.area both say how large the area is"),
+        (["--side", "nan"], "area.side = nan: should be greater than 0"),
+        (["--side", "1e9"], "the area is 1e+11 tiles wide: 1,073,741,824 is the most"),
+        (["--density", "-3"], "free.density = -3: should be greater than 0"),
+        (["--density", "100"], "free.density = 100: bodies have room to move up to 44.49"),
+        (["--density", "x"], "--density x: should be a number"),
+        (["--density", "40", "--robots", "1"], "at a density of 40 fewer than 3 robots have no room to move"),
+        (["--density", "5", "--side", "3"], "free.density and area.side both say how large the area is"),
+        (
+            ["--density", "9", "--half-width", "0.004", "--truth", "nominal"],
+            "0.925 m x 0.925 m, 47 % of floors with f = 0.5",
+        ),
         (["--side", "0.1"], "robots = 5: a square of 0.1 m holds 0 robots at the most"),
         (["--robots", "500"], "free.robots = 500: a square of 3 m holds 260 robots at the most"),
         (["--round-seconds", "2"], "free.round_seconds is of fixed networks"),
@@ -110,8 +166,8 @@ def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options,
     ],
 )
 def test_areas_that_cannot_be_are_told_too(options, said, here, capsys):
-    both = options[0] == "--area" and "-" not in options[1]
-    given = YARD if both or options[0] != "--area" else [YARD[0], *YARD[3:]]
+    alone = options[0] == "--density" or options == ["--area", "-4"]
+    given = [YARD[0], *YARD[3:]] if alone else YARD
     assert main([*given, *options]) == 2
     assert said in capsys.readouterr().err
     assert sorted(os.listdir()) == ["m.toml"]
@@ -129,3 +185,38 @@ def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
 def test_a_mission_that_is_not_there(here, capsys):
     assert main(["plan", "none.toml"]) == 2
     assert capsys.readouterr().err == "swarmcensus: mission file none.toml: cannot be read: No such file or directory\n"
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [(b"", "known.accuracy is missing"), (b"\x00\xff\x01", "cannot be read as text"), (None, "Is a directory")],
+)
+def test_a_file_that_is_no_mission(content, said, here, capsys):
+    if content is not None:
+        Path("other.toml").write_bytes(content)
+    assert main(["plan", "other.toml" if content is not None else "."]) == 2
+    [line] = capsys.readouterr().err.splitlines()
+    assert said in line
+
+
+def test_a_density_replaces_the_side_of_a_file(here, capsys):
+    wishes = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
+    Path("yard.toml").write_text("[area]\nside = 3\n" + wishes)
+    options = ["--minutes", "0.5", "--trials", "40", "--brain", "commons", "--lying", "0.1", "--accuracy", "0.85:0.9"]
+    assert main(["plan", "yard.toml", "--density", "3", "--density", "6", *options]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "density 3, 6, accuracy 0.85, the worst of 0.85, 0.9, f from 0 to 1, 10 % lie (shouter); the truth" in out
+    assert "brain density robots side, m minutes" in out
+    assert "commons 3 4 1.43 0.500" in out
+    assert "commons 6 4 1.01 0.500" in out
+    assert "theory, in minutes, as if nobody lied" in out
+
+
+def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(here, monkeypatch, capsys):
+    def interrupted(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("swarmcensus.planning.planning.shortest", interrupted)
+    assert main(["plan", "m.toml", "--out", "p.json"]) == 130
+    assert capsys.readouterr().err == "swarmcensus: stopped\n"
+    assert sorted(os.listdir()) == ["m.toml"]

@@ -87,25 +87,25 @@ def _cells(found: Plan, row: Row) -> list[str]:
     if row.share:
         value, low, high = (100.0 * one for one in row.share)
         share = f"{value:.1f} [{low:.1f}, {high:.1f}]"
-    robots, minutes = f"{row.robots:,}", _minutes(row.minutes)
+    robots, minutes = f"{row.robots:,}", _digits(row.minutes)
     if row.robots_low is not None:
         robots += f" [{row.robots_low:,}, {'more' if row.robots_high is None else f'{row.robots_high:,}'}]"
     if row.minutes_low is not None:
-        high_end = "more" if row.minutes_high is None else _minutes(row.minutes_high)
-        minutes += f" [{_minutes(row.minutes_low)}, {high_end}]"
+        high_end = "more" if row.minutes_high is None else _digits(row.minutes_high)
+        minutes += f" [{_digits(row.minutes_low)}, {high_end}]"
     worst = "" if row.fill_ratio is None else f"{row.fill_ratio:g}"
     return [
         row.brain,
         *[row.topology] * networks,
         *["" if row.density is None else f"{row.density:g}"] * densities,
         robots,
-        *["" if row.side is None else f"{row.side:.3g}"] * sides,
+        *["" if row.side is None else _digits(row.side)] * sides,
         minutes,
         share,
         worst,
         *[row.lie or ""] * lies,
         _answer(found, row),
-        *map(_minutes, reversed(row.theory)),
+        *map(_digits, reversed(row.theory)),
     ]
 
 
@@ -118,7 +118,7 @@ def _answer(found: Plan, row: Row) -> str:
     return answer
 
 
-def _minutes(value: float) -> str:
+def _digits(value: float) -> str:
     """In three digits, or all before the point."""
     if value >= 100.0 or not math.isfinite(value):
         return f"{value:,.0f}"
@@ -136,9 +136,10 @@ def _meaning(found: Plan, theory: bool) -> str:
     if fewer < trials:
         lines.append(f"not reached: so surely that {fewer:,} trials told")
     if theory:
+        honest = ", as if nobody lied" if mission.known.lying else ""
         lines.append(
-            "theory, in minutes: were all readings everywhere at once; sums mixed by who meets or hears whom; "
-            "a robot alone" + (": all as if nobody lied" if mission.known.lying else "")
+            f"theory, in minutes{honest}: were all readings everywhere at once; sums mixed by who meets or hears whom; "
+            "a robot alone"
         )
     if mission.free.density:
         lines.append("side: of the square that follows from the density and the robots")

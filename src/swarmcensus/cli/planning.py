@@ -34,13 +34,13 @@ def plan(options: argparse.Namespace) -> int:
     with reporting(str(tables.get("name", "mission"))) as progress:
         found = plan_of(tables, options.jobs, progress, where=where, base=base)
     show(found)
-    if options.out:
-        found.save(options.out)
     if options.plot:
         from swarmcensus.figures.files import save
         from swarmcensus.figures.plan_lines import draw_plan
 
         save(draw_plan(found), options.plot)
+    if options.out:
+        found.save(options.out)
     written = ", ".join(str(path) for path in (options.out, options.plot) if path)
     print(f"{written}{': ' * bool(written)}{time.monotonic() - begun:.1f} s", file=sys.stderr)
     return 0

@@ -84,7 +84,7 @@ def _short_of(mission: Mission, rows: list[Row]) -> str:
     assert best.share is not None
     value, low, high = (100 * one for one in best.share)
     among = f" among {100 * mission.known.lying:g} % of liars ({best.lie})" if best.lie else ""
-    longer = "" if mission.free.minutes else ": free.minutes allows more"
+    longer = "" if mission.free.minutes or best.lie else ": free.minutes allows more"
     return (
         f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {best.robots:,} robots with "
         f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}{among}, not "

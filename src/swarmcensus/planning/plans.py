@@ -78,7 +78,7 @@ class Plan:
             | ({"share": list(row.share)} if row.share else {})
             for row in self.rows
         ]
-        truth = "floor" if self.mission.on_floor else "nominal"
+        truth = "floor" if any(world.on_floor for world in self.mission.worlds) else "nominal"
         return {
             "question": self.question,
             "goal": str(self.mission.goal),
