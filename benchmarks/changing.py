@@ -65,11 +65,14 @@ def draw(found, path):
     figure, axes = drawing.panels(1, 2, 7.2, 3.9)
     for one, (name, errors) in zip(axes, found.items(), strict=True):
         handles = []
-        for row, colour, dashes in zip(errors, drawing.COLOURS, ("-", "-", "--", "-", "-", "-"), strict=True):
-            handles += one.plot(np.arange(1, ROUNDS + 1), row, color=colour, lw=1.6, ls=dashes)
+        for brain, row, colour in zip(BRAINS, errors, drawing.COLOURS, strict=True):
+            broken = (
+                {"ls": "--", "zorder": 5} if brain == "commons" else {}
+            )  # it covers others, and they are to be seen
+            handles += one.plot(np.arange(1, ROUNDS + 1), row, color=colour, lw=1.6, **broken)
         one.axvline(CHANGE, color="0.6", lw=0.8, ls=":")
         one.set_title(f"floor {name}", fontsize=10)
-        one.set(yscale="log", xlim=(1, ROUNDS), ylim=(0.002, 1.0), xlabel="round of communication")
+        one.set(yscale="log", xlim=(1, ROUNDS), ylim=(0.001, 1.0), xlabel="round of communication")
     axes[0].set_ylabel("median error |x - f|")
     drawing.save(figure, path, list(BRAINS), handles)
 

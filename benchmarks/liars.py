@@ -67,9 +67,11 @@ def draw(path):
                 if value > TOP:
                     one.annotate("∞", (100 * share, TOP), (0, 3), textcoords="offset points", ha="center", fontsize=9)
         one.set_title(kind, fontsize=10)
-        one.set(yscale="log", ylim=(0.002, TOP), xticks=[0, 10, 20, 30])
-    figure.supxlabel("liars, % of 20 robots", fontsize=10)
-    figure.supylabel("median error |x - f| of honest robots", fontsize=10)
+        one.set(yscale="log", ylim=(0.002, 2.0 * TOP), xticks=[0, 10, 20, 30])
+    for one in axes[3:]:
+        one.set_xlabel("liars, % of 20 robots")
+    for one in axes[::3]:
+        one.set_ylabel("median error |x - f|")
     drawing.save(figure, path, BRAINS, handles)
 
 
