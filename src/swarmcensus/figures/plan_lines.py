@@ -37,15 +37,14 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
     """
     if not found.rows:
         raise InputError("there is nothing to draw: the plan has no rows")
-    mission = found.mission
+    mission, looks, entries = found.mission, _looks(found), dict[str, Artist]()
     caption = f"{100 * mission.wanted.confidence:g} % of robots {mission.goal}"
     [axes] = sheet(ax, [caption], title)
     every = [minutes for row in found.rows for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
     measured_axis([axes], every, [end for row in found.rows for end in (row.minutes_low, row.minutes_high) if end])
     sizes = {size for row in found.rows for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
-    coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT)
-    looks, entries = _looks(found), dict[str, Artist]()
+    coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT * (len(looks) > FEW))
     step = np.array([NEXT * (len(looks) > FEW), 0.0])  # to the right, and up
     if found.question == "how many":
         step = np.array([0.0, BESIDE / 2.0])
