@@ -147,6 +147,7 @@ NOWHERE = {ALONE, NEAR, MIXED, SWARM}
         ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
         ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),
         ({"faults": [{"at": 3, "robots": 2, "stop": "sensing"}]}, NOWHERE, "parts of robots fail"),
+        ({"swarm": {"brain": {"file": "sure", "within": 0.4}}}, NOWHERE, "some robots are done before the end"),
         ({"swarm": {"accuracy": 0.5}}, NOWHERE, "b + w = 1: readings say nothing of the floor"),
         ({"swarm": {"assumed_accuracy": 0.7}}, {ALONE, MIXED}, "robots are wrong about their sensors"),
         ({"world": {"link_success": 0.5}}, {MIXED}, "messages are lost"),
@@ -249,6 +250,21 @@ def test_decisions_carry_expected_shares(results):
     told = [text.get_text().replace("\n", " ") for text in figure.axes[1].get_legend().get_texts()]
     assert {"theory: a robot alone", "theory: bound of the whole swarm"} <= {*told}
     assert not theory_of(sc.plot.decisions(part).axes[0])
+
+
+def test_what_theory_says_of_several_brains_is_drawn_once(results):
+    """It is of sensors, and not of brains."""
+    part = results.isel(setting=(results["topology"].values == "ring") & (results["accuracy"].values == "0.8"))
+    number = only(part, brain="minimalistic")
+    for figure in (
+        sc.plot.decisions(part, color="brain", theory=True),
+        sc.plot.scatter(part, color="brain", theory=True),
+    ):
+        drawn = theory_of(figure.axes[0])
+        assert {*drawn} == {f"theory {name}" for name in (ALONE, SWARM)}
+        assert {line.get_color() for line in drawn.values()} == {"0.3"}
+    expected = sc.explain(part, number).theory[SWARM].median_error[-1]
+    assert drawn[f"theory {SWARM}"].get_ydata()[0] == expected
 
 
 def test_scatters_carry_expected_medians(results):

@@ -76,6 +76,8 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         ((), ["--robots", "0"], "free.robots = 0: should be greater than or equal to 1"),
         ((), ["--robots", "2.5"], "free.robots = 2.5: should be a valid integer"),
         ((), ["--robots", "many"], "--robots many: should be a number, or a range such as 10:100"),
+        ((), ["--density", "2:20"], "--density 2:20: should be a number; for several give --density once for each"),
+        ((), ["--density", "1,5"], "--density 1,5: should be a number; for several give --density once for each"),
         ((), ["--topology", TWO_PARTS, "--robots", "5"], "topology 'two' of 5 robots is not connected: it has 2 parts"),
         ((), ["--topology", ONE_WAY, "--robots", "3"], "topology 'relay' of 3 robots is not connected: it has 3 parts"),
         ((), ["--side", "3"], 'area.side is of robots that move: it goes with topology = "moving"'),

@@ -53,7 +53,7 @@ def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: in
 def verdict_of(found: "Agreement") -> str:
     """How many settings agree, and how many would differ by chance."""
     if not found.exact:
-        return "in none of these settings theory is exact and trials are enough to tell"
+        return "no verdict in any of these settings: theory is not exact there, or trials are too few to tell"
     return (
         f"{found.agree:,} of {found.exact:,} settings where theory is exact agree, at 1 in 1,000 each "
         f"({found.by_chance:.2g} expected to differ by chance; that any does: at most {100 * found.by_chance:.2g} %)"

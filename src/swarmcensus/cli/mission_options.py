@@ -102,8 +102,14 @@ def _value(key: str, text: str, told: str = "") -> Any:
 
     from swarmcensus.basics.errors import InputError
 
+    told = told or f"--{key.replace('_', '-')} {text}"
+    wanted = "a number" + (
+        f"; for several give --{key} once for each" if key in SEVERAL else ", or a range such as 10:100"
+    )
     try:
         ends = [_number(part) for part in text.split(":", 1)]
+        if key == "density" and len(ends) > 1:
+            raise InputError(f"{told}: should be {wanted}")
         return ends if len(ends) > 1 else ends[0]
     except ValueError:
         pass
@@ -112,8 +118,7 @@ def _value(key: str, text: str, told: str = "") -> Any:
     except tomllib.TOMLDecodeError:
         if key in TEXTS:
             return text
-        told = told or f"--{key.replace('_', '-')} {text}"
-        raise InputError(f"{told}: should be a number, or a range such as 10:100") from None
+        raise InputError(f"{told}: should be {wanted}") from None
 
 
 def _number(text: str) -> float:

@@ -93,6 +93,8 @@ def _cells(found: Plan, row: Row) -> list[str]:
     if row.minutes_low is not None:
         high_end = "more" if row.minutes_high is None else _digits(row.minutes_high)
         minutes += f" [{_digits(row.minutes_low)}, {high_end}]"
+    if row.answer == "not reached" and found.question != "enough":
+        minutes = f"> {minutes}"
     worst = "" if row.fill_ratio is None else f"{row.fill_ratio:g}"
     return [
         row.brain,

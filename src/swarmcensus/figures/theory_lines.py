@@ -20,6 +20,7 @@ from swarmcensus.results.expecting import ALONE, SWARM, Line, expect
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
 NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: bound of the whole swarm"}
 THIN = 0.9
+GREY = "0.3"
 DIFFERENT = "settings drawn as one differ in it"
 
 Curves = dict[str, dict[str, Line]]  # by the colour's value, then by the line's name
@@ -48,6 +49,14 @@ def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, name
     return found, "" if found or not why else why[0]
 
 
+def shared(curves: Curves) -> dict[str, Line]:
+    """The lines that all of several values of the colour have alike, as brains have: they are drawn once, in grey."""
+    first = next(iter(curves.values()), {}) if len(curves) > 1 else {}
+    return {
+        name: line for name, line in first.items() if all(_alike(line, lines.get(name)) for lines in curves.values())
+    }
+
+
 def told(panel: Panel, why: str) -> Panel:
     """A panel whose caption says why nothing of theory is drawn in it."""
     return panel._replace(caption=untold(panel.caption, why)) if why else panel
@@ -66,7 +75,7 @@ def entries(drawn: Sequence[Curves]) -> dict[str, Artist]:
 
 def sample(name: str) -> Line2D:
     """A line of the style of theory's."""
-    return Line2D([], [], color="0.3", linewidth=THIN, linestyle=STYLES[name])
+    return Line2D([], [], color=GREY, linewidth=THIN, linestyle=STYLES[name])
 
 
 def _alike(one: Line, other: Line | None) -> bool:

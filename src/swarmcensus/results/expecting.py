@@ -76,6 +76,8 @@ def expect(
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
     drawn = [one[trials - first] for one in found.accuracies(study.seed, first, count)]
     absent = reasons(found, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    if _stop(data.sel(setting=[number])):
+        absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end, and look no more")
     wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
     floor = float(floor_variance(data, found, np.array(np.inf)))
     out = Expectation(list(times), {}, absent, found, np.nan, np.nan, 0, floor)
@@ -100,6 +102,10 @@ def expect(
             out = _mixed(out, graphs, b, w, bins)
         out = out._replace(graphs=len(graphs))
     return out
+
+
+def _stop(one: xr.Dataset) -> bool:
+    return "done_round" in one and bool(np.isfinite(one["done_round"].values).any())
 
 
 def reasons(found: Setting, knows: bool) -> dict[str, str]:

@@ -29,7 +29,7 @@ from swarmcensus.figures.sheets import (
     say_lacking,
     sheet,
 )
-from swarmcensus.figures.theory_lines import STYLES, THIN, Curves, curves_of, told
+from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
 from swarmcensus.results.expecting import ALONE, SWARM
@@ -118,6 +118,13 @@ def _draw_shares(
     columns = min(known.size, MOST_CHECKPOINTS, max(1, int(width / widest)))
     kept = known[np.linspace(known.size - 1, 0, columns).round().astype(int)[::-1]]
     size = float(np.clip(width / columns / len(looks), 2, 7))  # the thin diamond is 0.85 times as wide
+    same = shared(expected)
+    for name, line in same.items():
+        there = np.isfinite(line.right[kept])
+        axes.plot(
+            np.arange(columns)[there], 100 * line.right[kept][there], color=GREY, linewidth=THIN,
+            linestyle=STYLES[name], label=f"theory {name}", zorder=1.5,
+        )  # fmt: skip
     for i, (text, look) in enumerate(looks.items()):
         if text not in shares:
             continue
@@ -136,6 +143,8 @@ def _draw_shares(
         diamonds.set(xdata=x[some], ydata=100 * right[some], label=f"right {text}", zorder=4, clip_on=False)
         axes.add_line(diamonds)
         for name, line in expected.get(text, {}).items():
+            if name in same:
+                continue
             axes.plot(
                 x[some], 100 * line.right[kept][some], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
                 label=f"theory {name} {text}", zorder=1.5,

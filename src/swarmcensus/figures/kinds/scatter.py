@@ -32,7 +32,7 @@ from swarmcensus.figures.sheets import (
     say_lacking,
     sheet,
 )
-from swarmcensus.figures.theory_lines import STYLES, THIN, Curves, curves_of, told
+from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.expecting import ALONE, SWARM
 
@@ -124,11 +124,14 @@ def scatter_grid(
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or bool(crosses)
         all_named &= _draw_cloud(place, cloud, crosses, looks)
-        for text, lines in curves.items():
+        same = shared(curves)
+        apart = {text: {n: line for n, line in lines.items() if n not in same} for text, lines in curves.items()}
+        for text, lines in ({"": same} | apart).items():
             for name, line in lines.items():
                 place.axhline(
-                    line.median_error[-1], color=looks[text].colour, linewidth=THIN, linestyle=STYLES[name], zorder=3.2,
-                    label=f"theory {name} {text}", path_effects=halo(THIN + 0.8),
+                    line.median_error[-1], color=looks[text].colour if text else GREY, linewidth=THIN,
+                    linestyle=STYLES[name], zorder=3.2, label=f"theory {name} {text}".rstrip(),
+                    path_effects=halo(THIN + 0.8),
                 )  # fmt: skip
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
