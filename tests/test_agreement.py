@@ -220,3 +220,19 @@ def test_nothing_that_ran_is_said(stored):
     data["convergence_round"].values[:] = -1
     with pytest.raises(InputError, match="none of these settings' trials has been run"):
         sc.explain(data)
+
+
+def test_a_swarm_of_several_brains_has_no_closed_form_and_is_shown(tmp_path, monkeypatch, capsys):
+    """Members with parameters, which are no coordinates of settings."""
+    monkeypatch.chdir(tmp_path)
+    mixed = sc.Study(
+        trials=6, seed=3, swarm={"brain": "commons", "robots": 6, "accuracy": 0.7},
+        world={"topology": "ring", "fill_ratio": 0.45}, schedule={"rounds": 20},
+        members=[{"robots": 3, "brain": "steadfast"}],
+    )  # fmt: skip
+    sc.save(sc.run(mixed), "mixed.nc")
+    for words in (["show", "mixed.nc"], ["explain", "mixed.nc"], ["plot", "mixed.nc", "--kind", "decisions"]):
+        assert main(words) == 0
+    assert "no verdict: robots have several brains" in capsys.readouterr().out
+    [held] = sc.explain("mixed.nc").settings
+    assert held.verdict == "unknown"

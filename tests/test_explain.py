@@ -216,6 +216,19 @@ def test_a_setting_of_which_nothing_ran_is_named(results):
         sc.explain(data, 2)
 
 
+def test_where_nobody_errs_nothing_limits(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    certain = run(
+        trials=6, swarm={"brain": ["alone", "commons"], "robots": 2, "accuracy": 1.0}, world={"fill_ratio": [0, 1]}
+    )
+    sc.save(certain, "some.nc")
+    for number in range(4):
+        assert main(["explain", "some.nc", "--setting", str(number)]) == 0
+        out = capsys.readouterr().out
+        assert "which nothing limits" in out
+        assert "efficiency" not in out
+
+
 def test_few_trials_have_no_interval(results):
     found = sc.explain(results.isel(trial=slice(0, 4)), 0)
     assert np.isfinite(found.efficiency[0])

@@ -21,6 +21,7 @@ MEANS = {
     "mixed": "running sums of evidence, mixed and divided on the same network",
     "swarm": "no unbiased estimate of all readings errs less",
 }
+NEGLIGIBLE = 1e-12  # a squared error that comes of rounding, or of a prior
 MOST_CHECKPOINTS = 6  # that are shown
 
 
@@ -79,11 +80,13 @@ def show(found: "Explanation", path: str) -> None:
         out.print(f"{NAMES[name]}: {MEANS[name]}", style="dim")
     k, low, high = found.convergence_round
     out.print(f"K: {k:,.0f} {found.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
-    if found.terms:
+    total = sum(found.terms.values())
+    if found.terms and total < NEGLIGIBLE:
+        out.print(f"mean squared error: {total:.3g}, which nothing limits")
+    elif found.terms:
         value, low, high = found.efficiency
         ends = f" [{low:.3g}, {high:.3g}]" if math.isfinite(low) else ""
         out.print(f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error")
-        total = sum(found.terms.values())
         parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in found.terms.items())
         out.print(f"mean squared error: {found.squared_error[0]:.3g}, of it {parts}")
         out.print(f"What limits it most is {found.limit}")

@@ -46,6 +46,8 @@ def exact(study: Study, found: Setting, trials: NDArray[np.intp]) -> Exact:
     line = ALONE if deaf else BRAINS[name]
     if line in absent:
         return _none(absent[line])
+    if any(brain.sha256 != found.brain.sha256 for brain in found.crew):
+        return _none("robots have several brains")
     if name == "minimalistic" and not deaf:
         return _none("of what minimalistic makes of what it hears no closed form is known")
     b, w = (np.broadcast_to(one, (trials.size, found.robots)) for one in drawn[:2])

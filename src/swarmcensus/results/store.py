@@ -131,8 +131,9 @@ def _adversaries(study: Study) -> dict[str, dict[str, str]]:
 
 
 def _parameters(study: Study) -> dict[str, list[str]]:
-    """The parameters of each brain that has any: coordinates of settings."""
-    return {brain.name: list(brain.parameters) for brain in study.brains if brain.parameters}
+    """The parameters of each brain that has any, and settings of its own: they are coordinates of these."""
+    named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
+    return {one.name: list(one.parameters) for one in study.brains if one.parameters and one.name in named}
 
 
 @functools.cache

@@ -95,8 +95,8 @@ def mixing_variance(
 ) -> Floats:
     """The variance of each robot's estimate after round t, also of unequal sensors: b and w are numbers or (robot,).
 
-    (robot,) for one number of rounds, (rounds, robot) for several. What is heard was said `delay` rounds ago. The same is
-    in `mixed_sums`. Raises InputError.
+    (robot,) for one number of rounds, (rounds, robot) for several. What is heard was said `delay` rounds ago. It is
+    that of `mixed_sums`. Raises InputError.
     """
     return mixed_sums(matrix, rounds, observations_per_round, fill_ratio, b, w, delay).variance
 
