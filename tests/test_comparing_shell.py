@@ -120,6 +120,13 @@ def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, caps
     assert set(sc.compare(two, against="legacy").verdict) < set(lines)
 
 
+def test_an_axis_that_is_given_twice_is_counted_once(two, capsys):
+    assert main(["compare", str(two), "--by", "topology"]) == 0
+    once = capsys.readouterr().out
+    assert main(["compare", str(two), "--by", "topology", "--by", "topology"]) == 0
+    assert capsys.readouterr().out == once
+
+
 def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch):
     monkeypatch.setattr(os, "get_terminal_size", lambda *_: os.terminal_size((70, 40)))
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)

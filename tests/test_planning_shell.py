@@ -9,7 +9,8 @@ from rich.console import Console
 
 from swarmcensus.cli.commands import main
 
-RING = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n[wanted]\nhalf_width = 0.05\n[free]\nrobots = 10\n"
+KNOWN = "[known]\naccuracy = 0.8\nfill_ratio = 0.55\n"
+RING = KNOWN + "[wanted]\nhalf_width = 0.05\n[free]\nrobots = 10\n"
 RING += 'topology = "ring"\n'
 YARD = ["plan", "--side", "3", "--accuracy", "0.8", "--half-width", "0.05", "--robots", "5"]
 
@@ -127,6 +128,8 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         ((), ["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and 8 is the most"),
         (("[known]", "known = 3\n[other]"), [], "unknown key other"),
         (("[known]", "body = 3\n[known]"), [], "body = 3: should be a table"),
+        ((KNOWN, "known = 3\n"), ["--accuracy", "0.7"], "mission file m.toml: known = 3: should be a table"),
+        (("[known]", "body = 3\n[known]"), ["--body", "speed=1"], "mission file m.toml: body = 3: should be a table"),
     ],
 )
 def test_a_mistake_is_told_in_a_sentence_and_nothing_is_written(change, options, said, here, capsys):

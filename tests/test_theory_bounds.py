@@ -71,7 +71,17 @@ def test_the_best_weights_reach_the_swarms_bound():
         (lambda: theory.swarm_bound(5, 0.5, 0.7, robots=0), "robots = 0: should be from 1"),
         (lambda: theory.neighbourhood_bound([1, 0], 5, 0.5, 0.7), "should be a square"),
         (lambda: theory.neighbourhood_bound(np.eye(2), 5, 0.5, [0.7] * 3), "should be one number, or 2, one a robot"),
-        (lambda: theory.median_error(-1), "variance: should be 0 or above"),
+        (lambda: theory.median_error(-1), "variance = -1: should be 0 or above"),
+        (
+            lambda: theory.robot_bound([1, 2, 3], [0.1, 0.2], 0.7),
+            "readings has the shape (3,), fill_ratio (2,), b (), w (): should be one shape, or a number",
+        ),
+        (lambda: theory.robot_bound([1, 2, 3], 0.5, [0.7, 0.8]), "readings has the shape (3,), fill_ratio (), b (2,)"),
+        (
+            lambda: theory.information([0.1, 0.2], [0.1, 0.2, 0.3]),
+            "fill_ratio has the shape (2,), b (3,), w (3,): should be one shape, or a number",
+        ),
+        (lambda: theory.information(0.5, 10**400), "should be a number"),
     ],
 )
 def test_bad_input_is_one_sentence(call, said):

@@ -102,6 +102,15 @@ def test_clustered_floors_by_brute_force():
     [
         (lambda: theory.sensing_variance(10, 0.5, 0.5), "b + w = 1"),
         (lambda: theory.sensing_variance(-10, 0.5, 0.7), "readings = -10: should be above 0"),
+        (lambda: theory.sensing_variance(10, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]: should be one number"),
+        (lambda: theory.sensing_variance([1, 2, 3], 0.5, [0.7, 0.8]), "readings has the shape (3,), b (2,), w (2,)"),
+        (lambda: theory.even_concentration(0.5, 10), "readings = 0.5: should be 1 or above"),
+        (lambda: theory.tiles_variance(0.2, [0.1, 0.2], 10), "fill_ratio = [0.1, 0.2]: should be one number"),
+        (
+            lambda: theory.floor_variance([1, 2, 3], [0.3, 0.4], 10, 0.5, 0.7),
+            "readings has the shape (3,), concentration (2,): should be one shape",
+        ),
+        (lambda: theory.cluster_covariance([0.1, 0.2], 0.5), "fill_ratio = [0.1, 0.2]: should be one number"),
         (lambda: theory.tiles_variance(0.01, 0.5, 10), "concentration = 0.01: should be 1/tiles or above, 0.1"),
         (lambda: theory.tiles_variance(0.5, 0.5, -4), "tiles = -4: should be from 1"),
         (lambda: theory.tiles_variance(0.5, 0.5, 4, drawn="twice"), "should be 'exactly' or 'one by one'"),

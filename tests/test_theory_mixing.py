@@ -237,6 +237,10 @@ def test_bounds_hold_the_factors(graph):
     np.testing.assert_allclose(low, high, rtol=0.05)
 
 
+def test_a_robot_alone_is_mixed_from_the_first_whatever_its_relaxation_time():
+    assert theory.mixing_time_bound([1.0], np.inf) == theory.mixing_time(np.eye(1)) == 0
+
+
 @pytest.mark.parametrize(
     ("call", "said"),
     [
@@ -267,6 +271,17 @@ def test_bounds_hold_the_factors(graph):
         (lambda: theory.ring_spectrum(2), "robots = 2: should be from 3"),
         (lambda: theory.factor_bounds([0.5, 0.6], 3.0, 5), "law: should be weights above 0"),
         (lambda: theory.factor_bounds([0.5, 0.5], -3.0, 5), "relaxation = -3: should be rounds, 0 or above"),
+        (lambda: theory.factor_bounds([0.5, 0.5], [1, 2], 5), "relaxation = [1, 2]: should be one number"),
+        (lambda: theory.mixing_time(np.eye(1), [0.1, 0.2]), "distance = [0.1, 0.2]: should be one number"),
+        (lambda: theory.mixing_time_bound([0.5, 0.5], np.inf), "relaxation = inf: such a network never mixes"),
+        (lambda: theory.mixing_time_bound([0.5, 0.5], 3.0, [0.1, 0.2]), "distance = [0.1, 0.2]: should be one number"),
+        (
+            lambda: theory.mixed_sums(np.eye(2), 10, 10, [0.1, 0.2], 0.7),
+            "fill_ratio = [0.1, 0.2]: should be one number",
+        ),
+        (lambda: theory.relaxation_of([[1, 0.5], [0.2, 0.1]]), "spectrum: should be the eigenvalues of W, one a robot"),
+        (lambda: theory.relaxation_of([1, 1.5]), "spectrum: should be the eigenvalues of W, one a robot, from -1 to 1"),
+        (lambda: theory.alike_factors([], 3), "spectrum: should be the eigenvalues of W, one a robot"),
     ],
 )
 def test_bad_input_is_one_sentence(call, said):

@@ -40,7 +40,7 @@ def compare(options: argparse.Namespace) -> int:
     limit = MOST_ROWS if options.limit is None else options.limit
     title, again = head(stored, options.results), _again(options)
     if options.by:
-        comparison_groups_page.show(found, title, again, options.by, limit)
+        comparison_groups_page.show(found, title, again, list(dict.fromkeys(options.by)), limit)
     else:
         comparison_page.show(found, title, again, limit, options.pairs)
     if options.csv:

@@ -34,7 +34,8 @@ def explain(options: argparse.Namespace) -> int:
     if options.setting is None:
         return _all(options)
     for name in ("where", "limit", "json"):
-        if getattr(options, name) not in (None, False):
+        given = getattr(options, name)
+        if given is not None and given is not False:  # a limit of 0 is given, and equals False
             raise InputError(f"--{name} is of all settings: it does not go with --setting")
     data = opened(options.results)
     found = explaining.explain(data, options.setting)
@@ -44,6 +45,7 @@ def explain(options: argparse.Namespace) -> int:
 
 
 def _all(options: argparse.Namespace) -> int:
+    from swarmcensus.basics.errors import InputError
     from swarmcensus.cli import agreement_page
     from swarmcensus.cli.options import MOST_ROWS
     from swarmcensus.cli.tables import head
@@ -51,6 +53,8 @@ def _all(options: argparse.Namespace) -> int:
     from swarmcensus.results.agreeing import agreement
     from swarmcensus.results.early import opened
 
+    if options.json and options.limit is not None:
+        raise InputError(f"--limit {options.limit} is of the table's rows: it does not go with --json, which has all")
     stored = opened(options.results)
     data = selecting.where(stored, options.where)
     found = agreement(data)

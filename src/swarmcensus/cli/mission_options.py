@@ -62,16 +62,18 @@ def add_plan_options(sub: argparse.ArgumentParser, whole: Callable[[str], int], 
 
 
 def tables_of(options: argparse.Namespace, tables: dict[str, Any]) -> dict[str, Any]:
-    """A mission's tables with the options in place of what they say. Raises InputError."""
+    """A mission's tables with the options in place of what they say. Raises InputError.
+
+    What should be a table and is none stays as it is: `mission_of` refuses it, and names the file.
+    """
     from swarmcensus.basics.errors import InputError
 
     found = {key: dict(value) if isinstance(value, dict) else value for key, value in tables.items()}
 
     def put(table: str, key: str, value: Any) -> None:
         there = found.setdefault(table, {})
-        if not isinstance(there, dict):
-            raise InputError(f"{table} = {there!r}: should be a table, as [{table}]")
-        there[key] = value
+        if isinstance(there, dict):
+            there[key] = value
 
     for key, (table, *_) in KEYS.items():
         given = getattr(options, key)

@@ -9,19 +9,19 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import Floats, count, numbers, positive, sensors, shares
+from swarmcensus.theory.checks import Floats, count, fitting, from_zero, numbers, positive, sensors, shares
 
 MEDIAN = 0.6744897501960817  # standard deviations: the middle half of a normal law lies within
 
 
 def information(fill_ratio: ArrayLike, b: ArrayLike, w: ArrayLike | None = None) -> Floats:
-    """The Fisher information of one reading about f, of the shape of the sensors; w is b by default.
+    """The Fisher information of one reading about f, of the shape of all together; w is b by default.
 
     0 with b + w = 1; infinite where the readings are certain, as those of a perfect sensor on a floor all black. Raises
     InputError.
     """
     black, white = sensors(b, w)
-    f = shares("fill_ratio", fill_ratio)
+    f, black, white = fitting(fill_ratio=shares("fill_ratio", fill_ratio), b=black, w=white)
     slope = black + white - 1.0
     q = slope * f + 1.0 - white
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -43,7 +43,10 @@ def robot_bound(readings: ArrayLike, fill_ratio: ArrayLike, b: ArrayLike, w: Arr
 
     Arrays of one shape, or numbers. Raises InputError.
     """
-    return np.asarray(reading_variance(fill_ratio, b, w) / positive("readings", readings))
+    black, white = sensors(b, w)
+    t, f = positive("readings", readings), shares("fill_ratio", fill_ratio)
+    t, f, black, white = fitting(readings=t, fill_ratio=f, b=black, w=white)
+    return np.asarray(reading_variance(f, black, white) / t)
 
 
 def swarm_bound(
@@ -93,10 +96,7 @@ def median_error(variance: ArrayLike) -> Floats:
 
     Of the variance's shape. Raises InputError.
     """
-    found = numbers("variance", variance)
-    if (found < 0.0).any():
-        raise InputError("variance: should be 0 or above")
-    return np.asarray(MEDIAN * np.sqrt(found))
+    return np.asarray(MEDIAN * np.sqrt(from_zero("variance", variance)))
 
 
 def _outer(readings: Floats, total: Floats) -> Floats:

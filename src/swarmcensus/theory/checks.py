@@ -22,6 +22,12 @@ def shares(name: str, value: ArrayLike) -> Floats:
     return found
 
 
+def one_share(name: str, value: ArrayLike) -> float:
+    """One number from 0 to 1. Raises InputError."""
+    one_number(name, value)
+    return float(shares(name, value))
+
+
 def positive(name: str, value: ArrayLike) -> Floats:
     """Numbers above 0, of any shape. Raises InputError."""
     found = numbers(name, value)
@@ -30,11 +36,27 @@ def positive(name: str, value: ArrayLike) -> Floats:
     return found
 
 
+def from_zero(name: str, value: ArrayLike) -> Floats:
+    """Numbers of 0 or above, of any shape, which may be infinite. Raises InputError."""
+    found = numbers(name, value)
+    if (found < 0.0).any():
+        raise InputError(f"{name} = {_shown(value)}: should be 0 or above")
+    return found
+
+
+def one_number(name: str, value: ArrayLike) -> float:
+    """One number. Raises InputError."""
+    found = numbers(name, value)
+    if found.ndim:
+        raise InputError(f"{name} = {_shown(value)}: should be one number")
+    return float(found)
+
+
 def numbers(name: str, value: ArrayLike) -> Floats:
     """Numbers of any shape. Raises InputError."""
     try:
         found = np.asarray(value, np.float64)
-    except (TypeError, ValueError):
+    except (TypeError, ValueError, OverflowError):
         raise InputError(f"{name} = {_shown(value)}: should be a number, or an array of numbers") from None
     if np.isnan(found).any():
         raise InputError(f"{name} = {_shown(value)}: should have no NaN in it")
@@ -65,12 +87,17 @@ def times(name: str, value: int | Sequence[int] | NDArray[Any]) -> tuple[list[in
 def sensors(b: ArrayLike, w: ArrayLike | None) -> tuple[Floats, Floats]:
     """Accuracies b and w, of one shape; w is b where it is not given. Raises InputError."""
     black = shares("b", b)
-    white = black if w is None else shares("w", w)
-    try:
-        black, white = np.broadcast_arrays(black, white)
-    except ValueError:
-        raise InputError(f"b has the shape {black.shape}, w {white.shape}: should be one shape, or a number") from None
+    black, white = fitting(b=black, w=black if w is None else shares("w", w))
     return black, white
+
+
+def fitting(**given: Floats) -> tuple[Floats, ...]:
+    """These arrays, broadcast to one shape. Raises InputError, which names them."""
+    try:
+        return tuple(np.broadcast_arrays(*given.values()))
+    except ValueError:
+        shapes = ", ".join(f"{name} {one.shape}" for name, one in given.items()).replace(" ", " has the shape ", 1)
+        raise InputError(f"{shapes}: should be one shape, or a number") from None
 
 
 def _shown(value: Any) -> str:

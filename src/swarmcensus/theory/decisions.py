@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import Floats, count, numbers, shares
+from swarmcensus.theory.checks import Floats, count, fitting, from_zero, numbers, one_share
 from swarmcensus.theory.local import Law
 
 HALVINGS = 48  # of the unit interval: to rounding
@@ -26,7 +26,7 @@ def right_share(law: Law, fill_ratio: float, bins: int = 10) -> float:
     It is the chance that one robot is right, and so the expected share whether robots depend on each other or not.
     Raises InputError.
     """
-    low, high = right_bin(float(shares("fill_ratio", fill_ratio)), count("bins", bins))
+    low, high = right_bin(one_share("fill_ratio", fill_ratio), count("bins", bins))
     return law.between(low, high)
 
 
@@ -38,14 +38,12 @@ def bin_shares(law: Law, bins: int = 10) -> Floats:
 
 
 def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, bias: ArrayLike = 0.0) -> Floats:
-    """The same where estimates are normal about f + bias with this variance, cut to [0, 1]; of the variance's shape.
+    """The same where estimates are normal about f + bias with this variance, cut to [0, 1]; of the shape of both.
 
     A variance of 0 is an estimate that lies at f + bias. Raises InputError.
     """
-    f, off = float(shares("fill_ratio", fill_ratio)), numbers("bias", bias)
-    spread = numbers("variance", variance)
-    if (spread < 0.0).any():
-        raise InputError("variance: should be 0 or above")
+    f = one_share("fill_ratio", fill_ratio)
+    spread, off = fitting(variance=from_zero("variance", variance), bias=numbers("bias", bias))
     low, high = right_bin(f, count("bins", bins))
     centre, sd = f + off, np.sqrt(spread)
     known = sd > 0.0
@@ -60,7 +58,7 @@ def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
     Estimates are cut to [0, 1]. `variances` is (..., robot), the medians (...). By bisection: the share of robots
     within e of f grows with e. Raises InputError.
     """
-    f, spread = float(shares("fill_ratio", fill_ratio)), numbers("variances", variances)
+    f, spread = one_share("fill_ratio", fill_ratio), numbers("variances", variances)
     if spread.ndim == 0 or not spread.size or (spread < 0.0).any():
         raise InputError("variances: should be numbers from 0 on, one a robot")
     known = spread > 0.0

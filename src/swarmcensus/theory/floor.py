@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import BLIND, Floats, count, numbers, positive, sensors, shares
+from swarmcensus.theory.checks import BLIND, Floats, count, fitting, numbers, one_share, positive, sensors, shares
 
 Drawn = Literal["exactly", "one by one"]
 Truth = Literal["floor", "nominal"]
@@ -35,8 +35,13 @@ def concentration(visits: ArrayLike) -> float:
 
 
 def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
-    """The expected C where each reading falls on any of the tiles alike: 1/T + (1 - 1/T)/M. Raises InputError."""
+    """The expected C where each reading falls on any of the tiles alike: 1/T + (1 - 1/T)/M.
+
+    Raises InputError, also for less than one reading.
+    """
     t = positive("readings", readings)
+    if (t < 1.0).any():
+        raise InputError(f"readings = {float(t.min()):g}: should be 1 or above")
     return np.asarray(1.0 / t + (1.0 - 1.0 / t) / count("tiles", tiles))
 
 
@@ -45,13 +50,14 @@ def sensing_variance(readings: ArrayLike, fill_ratio: float, b: float, w: float 
 
     Less than `robot_bound`, which counts the drawing of the tiles too. Raises InputError, also for b + w = 1.
     """
-    f = float(shares("fill_ratio", fill_ratio))
+    f, t = one_share("fill_ratio", fill_ratio), positive("readings", readings)
     black, white = sensors(b, w)
+    t, black, white = fitting(readings=t, b=black, w=white)
     slope = black + white - 1.0
     if (np.abs(slope) < BLIND).any():
         raise InputError("b + w = 1: such a sensor's readings say nothing of the floor")
     errs = f * black * (1.0 - black) + (1.0 - f) * white * (1.0 - white)
-    return np.asarray(errs / slope**2 / positive("readings", readings))
+    return np.asarray(errs / slope**2 / t)
 
 
 def tiles_variance(
@@ -62,7 +68,7 @@ def tiles_variance(
     `drawn` is "exactly" for a floor with exactly f M black tiles; `truth` is what the estimate is held against. Raises
     InputError, also for a C below 1/M, or above 1.
     """
-    f, m = float(shares("fill_ratio", fill_ratio)), count("tiles", tiles)
+    f, m = one_share("fill_ratio", fill_ratio), count("tiles", tiles)
     c = shares("concentration", concentrated)
     _among("drawn", drawn, get_args(Drawn))
     _among("truth", truth, get_args(Truth))
@@ -86,7 +92,8 @@ def floor_variance(
 ) -> Floats:
     """The variance of a mean of corrected readings on a finite floor: both parts above. Raises InputError."""
     of_tiles = tiles_variance(concentrated, fill_ratio, tiles, drawn=drawn, truth=truth)
-    return np.asarray(sensing_variance(readings, fill_ratio, b, w) + of_tiles)
+    of_sensors, of_tiles = fitting(readings=sensing_variance(readings, fill_ratio, b, w), concentration=of_tiles)
+    return np.asarray(of_sensors + of_tiles)
 
 
 def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Truth = "nominal") -> float:
@@ -116,7 +123,7 @@ def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
     """
     from statistics import NormalDist
 
-    f, r = float(shares("fill_ratio", fill_ratio)), numbers("correlation", correlation)
+    f, r = one_share("fill_ratio", fill_ratio), numbers("correlation", correlation)
     if (np.abs(r) > 1.0).any():
         raise InputError("correlation: should be from -1 to 1")
     if f in (0.0, 1.0):

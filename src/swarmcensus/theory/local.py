@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import BLIND, MOST_READINGS, Floats, count, sensors, shares
+from swarmcensus.theory.checks import BLIND, MOST_READINGS, Floats, count, numbers, one_share, sensors
 
 
 class Law(NamedTuple):
@@ -44,7 +44,7 @@ class Law(NamedTuple):
 
     def quantile(self, share: float) -> float:
         """The lowest value that is not exceeded with a chance of `share` or more. Raises InputError."""
-        share = float(shares("share", share))
+        share = one_share("share", share)
         upto = np.cumsum(self.chances)
         at = int(np.searchsorted(upto, share * upto[-1] * (1.0 - 1e-12)))
         return float(self.values[min(at, len(self.values) - 1)])
@@ -59,7 +59,7 @@ def local_law(readings: int, fill_ratio: float, b: float, w: float | None = None
     """
     t = count("readings", readings, 0, MOST_READINGS)
     b_, w_ = (float(one) for one in sensors(_single("b", b), None if w is None else _single("w", w)))
-    f = float(shares("fill_ratio", _single("fill_ratio", fill_ratio)))
+    f = one_share("fill_ratio", fill_ratio)
     slope = b_ + w_ - 1.0
     if t == 0 or abs(slope) < BLIND:
         return Law(np.array([0.5]), np.array([1.0]))
@@ -73,7 +73,7 @@ def error_law(law: Law, fill_ratio: float) -> Law:
 
     `error_law(law, f).quantile(0.5)` is the expected median error. Raises InputError.
     """
-    return merged(np.abs(law.values - float(shares("fill_ratio", fill_ratio))), law.chances)
+    return merged(np.abs(law.values - one_share("fill_ratio", fill_ratio)), law.chances)
 
 
 def mixed_law(laws: list[Law]) -> Law:
@@ -82,6 +82,8 @@ def mixed_law(laws: list[Law]) -> Law:
 
     Raises InputError where there is none.
     """
+    if not isinstance(laws, list | tuple) or not all(isinstance(one, Law) for one in laws):
+        raise InputError("laws: should be a list of laws, as `local_law` gives them")
     if not laws:
         raise InputError("laws = []: should hold a law")
     values, chances = (np.concatenate([law[k] for law in laws]) for k in (0, 1))
@@ -110,6 +112,6 @@ def binomial(tries: int, chance: float) -> Floats:
 
 
 def _single(name: str, value: float) -> float:
-    if np.ndim(value) != 0:
+    if numbers(name, value).ndim:
         raise InputError(f"{name} has several numbers: should be one, of one robot; `mixed_law` joins several laws")
     return value

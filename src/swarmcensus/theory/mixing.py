@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import BLIND, Floats, count, sensors, shares, times
+from swarmcensus.theory.checks import BLIND, Floats, count, one_share, sensors, times
 from swarmcensus.theory.late_mixing import late_moments
 from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
 
@@ -76,7 +76,7 @@ def mixed_sums(
     slope = np.broadcast_to(black + white - 1.0, (len(found),))
     if (np.abs(slope) < BLIND).all():
         raise InputError("b + w = 1 for all robots: their readings say nothing of the floor")
-    q = slope * float(shares("fill_ratio", fill_ratio)) + 1.0 - white
+    q = slope * one_share("fill_ratio", fill_ratio) + 1.0 - white
     late, parts = count("delay", delay, 0), (slope**2 * q * (1.0 - q), slope**2)
     squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import Floats, count, numbers, shares, times
+from swarmcensus.theory.checks import Floats, count, numbers, one_number, one_share, shares, times
 from swarmcensus.theory.matrices import balance, checked, geometric, spectrum_of
 
 MOST_SQUARED = 60  # doublings of a power
@@ -61,7 +61,7 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     mixes, and for a distance that is not between 0 and 1.
     """
     found = _connected(checked(matrix))
-    wanted = float(shares("distance", distance))
+    wanted = one_share("distance", distance)
     if not 0.0 < wanted < 1.0:
         raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
     law = stationary_law(found)
@@ -89,14 +89,19 @@ def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25)
 
     relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), and 1 at least unless all are near from the first, for networks
     of any size whose stationary `law` and relaxation time are known: the square of the total variation is at most
-    (1/pi_i - 1) l^(2m) / 4. Raises InputError.
+    (1/pi_i - 1) l^(2m) / 4. Raises InputError, also for an infinite relaxation time, where no rounds are enough.
     """
     least = float(_law(law).min())
-    wanted = float(shares("distance", distance))
+    wanted = one_share("distance", distance)
     if not 0.0 < wanted < 1.0:
         raise InputError(f"distance = {wanted:g}: should be between 0 and 1")
     need = math.log(max(math.sqrt(1.0 / least - 1.0) / (2.0 * wanted), 1.0))
-    return max(math.ceil(_time(relaxation) * need), int(need > 0.0))
+    slack = _time(relaxation)
+    if need == 0.0:
+        return 0
+    if math.isinf(slack * need):
+        raise InputError(f"relaxation = {slack:g}: such a network never mixes")
+    return max(math.ceil(slack * need), 1)
 
 
 def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Floats, Floats]:
@@ -147,7 +152,7 @@ def alike_factors(spectrum: ArrayLike, rounds: Any) -> Floats:
     Where W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has as much of it. `spectrum` holds
     all eigenvalues of W. Raises InputError.
     """
-    values = numbers("spectrum", spectrum)
+    values = _spectrum(spectrum)
     at, single = times("rounds", rounds)
     found = np.array([geometric(values**2, t).sum() / (values.size * float(t) ** 2) for t in at])
     return found[0] if single else found
@@ -158,7 +163,7 @@ def relaxation_of(spectrum: ArrayLike) -> float:
 
     Raises InputError.
     """
-    values = np.sort(np.abs(numbers("spectrum", spectrum)))
+    values = np.sort(np.abs(_spectrum(spectrum)))
     second = float(values[-2]) if values.size > 1 else 0.0
     if second < 1e-12:
         return 0.0
@@ -199,8 +204,15 @@ def _law(law: ArrayLike) -> Floats:
     return found
 
 
+def _spectrum(spectrum: ArrayLike) -> Floats:
+    found = numbers("spectrum", spectrum)
+    if found.ndim != 1 or not found.size or (np.abs(found) > 1.0 + 1e-9).any():
+        raise InputError("spectrum: should be the eigenvalues of W, one a robot, from -1 to 1")
+    return found
+
+
 def _time(relaxation: float) -> float:
-    found = float(numbers("relaxation", relaxation))
+    found = one_number("relaxation", relaxation)
     if found < 0.0:
         raise InputError(f"relaxation = {found:g}: should be rounds, 0 or above")
     return found

@@ -11,7 +11,18 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.theory.checks import BLIND, MOST_READINGS, Floats, count, numbers, sensors, shares
+from swarmcensus.basics.errors import InputError
+from swarmcensus.theory.checks import (
+    BLIND,
+    MOST_READINGS,
+    Floats,
+    count,
+    fitting,
+    from_zero,
+    one_share,
+    sensors,
+    shares,
+)
 from swarmcensus.theory.local import binomial
 
 _erf = np.vectorize(math.erf, otypes=[np.float64])
@@ -26,8 +37,8 @@ def local_squared_error(
     O(readings) for each that is another. With b + w = 1, x stays at 1/2. Raises InputError.
     """
     t = count("readings", readings, 1, MOST_READINGS)
-    f, share = float(shares("fill_ratio", fill_ratio)), shares("pull", pull)
-    black, white, share = np.broadcast_arrays(*sensors(b, w), share)
+    f, (black, white) = one_share("fill_ratio", fill_ratio), sensors(b, w)
+    black, white, share = fitting(b=black, w=white, pull=shares("pull", pull))
     kinds, which = np.unique(np.stack([black.ravel(), white.ravel(), share.ravel()]), axis=1, return_inverse=True)
     said = np.arange(t + 1) / t
     found = []
@@ -46,9 +57,9 @@ def pulled_squared_error(variance: ArrayLike, fill_ratio: float, pull: ArrayLike
 
     Of the shape of both together. Raises InputError.
     """
-    share = shares("pull", pull)
-    bias = share * (0.5 - float(shares("fill_ratio", fill_ratio)))
-    return np.asarray((1.0 - share) ** 2 * numbers("variance", variance) + bias**2)
+    spread, share = _normal(variance, pull)
+    bias = share * (0.5 - one_share("fill_ratio", fill_ratio))
+    return np.asarray((1.0 - share) ** 2 * spread + bias**2)
 
 
 def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Floats:
@@ -57,9 +68,9 @@ def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Fl
     Below 0 that is the mean of (x - f)^2 - f^2 where x < 0, and above 1 likewise. Of the shape of variance and pull
     together. Raises InputError.
     """
-    f, share = float(shares("fill_ratio", fill_ratio)), shares("pull", pull)
-    bias, sd = share * (0.5 - f), (1.0 - share) * np.sqrt(numbers("variance", variance))
-    total = np.zeros(np.broadcast_shapes(bias.shape, sd.shape))
+    f, (spread, share) = one_share("fill_ratio", fill_ratio), _normal(variance, pull)
+    bias, sd = share * (0.5 - f), (1.0 - share) * np.sqrt(spread)
+    total = np.zeros(sd.shape)
     for end, off in ((f, bias), (1.0 - f, -bias)):
         z = (end + off) / np.where(sd > 0.0, sd, np.inf)
         density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
@@ -67,3 +78,12 @@ def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Fl
         part = (off**2 - end**2 + sd**2) * beyond + (sd * z - 2.0 * off) * sd * density
         total += np.where(sd > 0.0, part, 0.0)
     return total
+
+
+def _normal(variance: ArrayLike, pull: ArrayLike) -> tuple[Floats, Floats]:
+    """Finite variances and shares, of one shape. Raises InputError."""
+    found = from_zero("variance", variance)
+    if np.isinf(found).any():
+        raise InputError("variance: should be finite")
+    found, share = fitting(variance=found, pull=shares("pull", pull))
+    return found, share
