@@ -178,6 +178,42 @@ def test_areas_that_cannot_be_are_told_too(options, said, here, capsys):
     assert sorted(os.listdir()) == ["m.toml"]
 
 
+STAR = '{name = "star", edges = [[0, 1], [0, 2]]}'
+NO_PAIRS = "swarmcensus: mission: the goal cannot be reached, because free.topology 'gnp_random_graph(p=0.0)' of "
+
+
+@pytest.mark.parametrize(
+    ("topology", "options", "said"),
+    [
+        (STAR, [], "free.topology: the edges of 'star' have 3 robots: say free.robots = 3"),
+        ("pairs.csv", [], "free.topology: the edges of 'pairs' have 4 robots: say free.robots = 4"),
+        (STAR, ["--robots", "2"], "free.topology: no network of 2 robots can be made, because edge (0, 2) of topology"),
+        ('{networkx="watts_strogatz_graph", k=4, p=0.1}', [], "free.topology: no network of 2 robots can be made"),
+        ('{networkx="grid_2d_graph", m=3, n=3}', [], "500 robots can be made, because networkx.grid_2d_graph gives 9"),
+        ('{networkx="random_regular_graph", d=3}', [], "125 robots can be made, because networkx.random_regular"),
+        ('{networkx="random_regular_graph", d=3}', ["--robots", "4:99"], "free.topology: no network of 99 robots"),
+        ('{networkx="gnp_random_graph", p=0.0}', [], NO_PAIRS + "500 robots is not connected: it has 500 parts"),
+    ],
+)  # fmt: skip
+def test_networks_that_there_are_not_of_every_size_are_told_by_their_key(topology, options, said, here, capsys):
+    Path("pairs.csv").write_text("0,1\n1,2\n2,3\n")
+    wishes = ["--accuracy", "0.9", "--half-width", "0.1", "--fill-ratio", "0.5", "--brain", "commons", "--trials", "40"]
+    assert main(["plan", *wishes, "--minutes", "1", "--topology", topology, *options]) == 2
+    *_, error = capsys.readouterr().err.splitlines()
+    assert error.startswith("swarmcensus: ")
+    assert said in error
+    assert "free.topology" in error
+
+
+def test_theory_says_what_it_leaves_out(here, capsys):
+    for options, said in (
+        (["--link-success", "0.5"], "theory, in minutes, as if no message were lost: "),
+        (["--lying", "0.1", "--link-success", "0.5"], "as if nobody lied and no message were lost: "),
+    ):
+        assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
+        assert said in " ".join(capsys.readouterr().out.split())
+
+
 def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
     monkeypatch.setattr("swarmcensus.basics.terminal.console", lambda: Console(width=80))
     assert main(["plan", "m.toml", "--minutes", "5"]) == 0

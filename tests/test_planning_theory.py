@@ -121,3 +121,13 @@ def test_a_floor_has_a_limit_of_its_own_only_against_the_nominal_fill_ratio():
     unequal = on_network("ring", known={"accuracy": "U(0.6,0.9)"})
     told = np.mean(theory.information(0.5, np.linspace(0.6, 0.9, 2001)))
     assert variance(unequal, 0.5, 10.0) == pytest.approx(1 / told / 10, rel=0.05)
+
+
+@pytest.mark.parametrize("topology", ["ring", "full", "moving"])
+def test_where_no_message_gets_through_sums_are_mixed_by_nobody(topology):
+    known = {"accuracy": 0.7, "link_success": 0.0}
+    found = mission(known=known) if topology == "moving" else on_network(topology, known=known)
+    start = start_of(found, 10, 1000.0)
+    assert start.mixed == start.alone > start.pooled
+    heard = mission() if topology == "moving" else on_network(topology)
+    assert start_of(heard, 10, 1000.0).mixed < start.alone

@@ -138,9 +138,11 @@ def _meaning(found: Plan, theory: bool) -> str:
     if fewer < trials:
         lines.append(f"not reached: so surely that {fewer:,} trials told")
     if theory:
-        honest = ", as if nobody lied" if mission.known.lying else ""
+        known = mission.known
+        left_out = ["nobody lied"] * (known.lying > 0) + ["no message were lost"] * (known.link_success < 1)
+        unreal = f", as if {' and '.join(left_out)}" if left_out else ""
         lines.append(
-            f"theory, in minutes{honest}: were all readings everywhere at once; sums mixed by who meets or hears whom; "
+            f"theory, in minutes{unreal}: were all readings everywhere at once; sums mixed by who meets or hears whom; "
             "a robot alone"
         )
     if mission.free.density:

@@ -10,6 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
 from swarmcensus.planning.search import BEGUN, Beyond, Search
+from swarmcensus.planning.sites import NoNetwork
 from swarmcensus.planning.sizes import enough, smallest
 from swarmcensus.planning.starts import hardest
 from swarmcensus.planning.times import shortest
@@ -47,6 +48,8 @@ def plan(
             rows += _rows(search, asked)
         except Beyond as beyond:
             raise InputError(f"{where}: the goal cannot be reached, because {beyond}") from None
+        except NoNetwork as error:
+            raise InputError(f"{where}: {error}") from None
         so_far = search.so_far
     if asked != "enough" and all(row.answer == "not reached" for row in rows):
         raise InputError(f"{where}: the goal cannot be reached, because {_short_of(checked, rows)}")

@@ -6,13 +6,23 @@ from dataclasses import dataclass, field, replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.planning.sites import capacity, fewest
-from swarmcensus.planning.starts import MOST_READINGS, REFERENCE, Start, limit_of, readings_needed, start_of, worst
+from swarmcensus.planning.sites import capacity, check_network, fewest
+from swarmcensus.planning.starts import (
+    MOST_READINGS,
+    REFERENCE,
+    Start,
+    between,
+    limit_of,
+    readings_needed,
+    start_of,
+    worst,
+)
 from swarmcensus.planning.trying import Case, Curve, Show, affordable, curves, study_of
 from swarmcensus.runs.working import Progress
 
 MOST_ROBOTS = 1000  # that are looked for where the mission says no number
 MOST_SECONDS = 3600.0  # of one core, predicted, for one run
+CONFIRMED = 3  # fill ratios of those that may be the worst, in all trials
 
 
 BEGUN = Progress(0, 0, 0.0, 0.0)
@@ -26,6 +36,12 @@ class TooLong(Exception):
     """A run would take longer than anybody waits."""
 
 
+def confirmed(cases: Sequence[Case]) -> list[Case]:
+    """Of cases, the worst first, those at the few fill ratios that have all trials."""
+    fill_ratios = list(dict.fromkeys(case.fill_ratio for case in cases))[:CONFIRMED]
+    return [case for case in cases if case.fill_ratio in fill_ratios]
+
+
 @dataclass
 class Search:
     """A mission in one world, threads, whom to tell, and cases, of whose fill ratios the first is theory's worst."""
@@ -35,11 +51,15 @@ class Search:
     show: Show
     so_far: Progress = BEGUN  # of all runs: what is told goes on from there
     cases: list[Case] = field(init=False)
-    worst: dict[str, list[Case]] = field(default_factory=dict)  # cases that may be it, by brain, as simulated
+    inner: list[float] = field(init=False)  # fill ratios that are neither theory's worst nor an end of the range
+    worst: dict[str, list[Case]] = field(default_factory=dict)  # cases that may be it, the worst first, by brain
+    checked: set[int] = field(default_factory=set)  # sizes whose networks hang together
 
     def __post_init__(self) -> None:
         """Find the cases."""
-        fill_ratios, lies = worst(self.mission.sized(REFERENCE)), self.mission.lies
+        sized, lies = self.mission.sized(REFERENCE), self.mission.lies
+        self.inner = between(sized)
+        fill_ratios = worst(sized) + self.inner
         self.cases = [Case(fill_ratio, lie) for fill_ratio in fill_ratios for lie in lies or (None,)]
 
     @property
@@ -55,8 +75,15 @@ class Search:
 
     def start(self, robots: int) -> Start:
         """What theory says of so many robots, in rounds; infinite where no readings are enough."""
+        self.check_network(robots)
         mission = self.mission.sized(robots)
         return start_of(mission, robots, readings_needed(mission, self.cases[0].fill_ratio))
+
+    def check_network(self, robots: int) -> None:
+        """Raise NoNetwork where so many robots cannot hear one another."""
+        if robots not in self.checked and not self.mission.moves:
+            check_network(self.mission, robots)
+            self.checked.add(robots)
 
     def check_reach(self, robots: int) -> None:
         """Raise Beyond where the floor under so many robots is too small for the goal."""
@@ -77,6 +104,7 @@ class Search:
         self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int
     ) -> list[Curve]:
         """Run so many trials, or fewer where they would take too long. Raises TooLong where that is next to none."""
+        self.check_network(robots)
         mission = self.mission
         study = study_of(mission, robots, brains, cases, times, trials, mission.seed)
         most = affordable(study, MOST_SECONDS)

@@ -11,6 +11,10 @@ CONNECTED = ("full", "ring", "line", "scale-free")  # networks of any size
 MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
 
 
+class NoNetwork(ValueError):
+    """There is no network of so many robots, or it falls apart."""
+
+
 def check_sites(mission: Any) -> None:
     """Raise ValueError where the area is missing, too many, too small or large, or means nothing."""
     area, free = mission.area, mission.free
@@ -51,7 +55,7 @@ def check_sites(mission: Any) -> None:
         if world.moves:
             _check_area(world)
         else:
-            check_network(world)
+            check_networks(world)
         if free.minutes is not None and world.rounds(free.minutes[0]) < 1:
             raise ValueError(
                 f"free.minutes = {free.minutes[0]:g}: that is less than one round of {60 * world.round_minutes:g} s"
@@ -95,24 +99,41 @@ def fewest(world: Any) -> int:
     return max(1, math.ceil(float(world.density) / alone - 1e-9))
 
 
-def check_network(world: Any) -> None:
-    """Raise ValueError where a network of some of these sizes falls apart."""
+def check_networks(world: Any) -> None:
+    """Raise NoNetwork where there is none of some of these sizes; of edges also where they have not been told."""
+    topology, sizes = world.free.topology[0], world.free.robots
+    if sizes is None and topology.edges is not None:
+        robots = 1 + max((max(pair) for pair in topology.edges), default=0)
+        raise NoNetwork(
+            f"free.topology: the edges of {topology.name!r} have {robots} robots: say free.robots = {robots}"
+        )
+    for robots in dict.fromkeys(sizes or ()):
+        check_network(world, robots)
+
+
+def check_network(world: Any, robots: int) -> None:
+    """Raise NoNetwork where the network of so many robots cannot be made, or falls apart."""
     import networkx as nx
 
-    topology, sizes = world.free.topology[0], world.free.robots
+    topology = world.free.topology[0]
     if topology.named in CONNECTED:
         return
-    for robots in dict.fromkeys(sizes or ()):
+    try:
         topology.check(robots)
         links = topology.links(robots, world.seed, 0, 1, lossless=False, sums=False)
-        if not links.receivers.size and topology.named:
-            continue  # everyone hears everyone
-        graph = nx.DiGraph()
-        graph.add_nodes_from(range(robots))
-        graph.add_edges_from(zip(links.senders.tolist(), links.receivers.tolist(), strict=True))
-        if not nx.is_strongly_connected(graph):
-            parts = nx.number_strongly_connected_components(graph)
-            raise ValueError(
-                f"the goal cannot be reached, because topology {topology.name!r} of {robots} robots is not connected: "
-                f"it has {parts} parts, and no news of one ever reaches another"
-            )
+    except ValueError as error:
+        raise NoNetwork(
+            f"free.topology: no network of {robots} robots can be made, because {error}: say as free.robots how many "
+            "robots it can have"
+        ) from None
+    if not links.receivers.size and topology.named:
+        return  # everyone hears everyone
+    graph = nx.DiGraph()
+    graph.add_nodes_from(range(robots))
+    graph.add_edges_from(zip(links.senders.tolist(), links.receivers.tolist(), strict=True))
+    if not nx.is_strongly_connected(graph):
+        parts = nx.number_strongly_connected_components(graph)
+        raise NoNetwork(
+            f"the goal cannot be reached, because free.topology {topology.name!r} of {robots} robots is not connected: "
+            f"it has {parts} parts, and no news of one ever reaches another"
+        )

@@ -5,7 +5,7 @@ from dataclasses import replace
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS
 from swarmcensus.planning.plans import Answer, Row, of_case, row_of
-from swarmcensus.planning.search import Search, TooLong
+from swarmcensus.planning.search import Search, TooLong, confirmed
 from swarmcensus.planning.trying import LEVEL, Share
 
 RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # by which sizes are tried that are surely too few, or enough
@@ -18,7 +18,9 @@ def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     """The share of so many robots that are right at that time."""
     search.check_reach(robots)
     try:
-        return _row(search, brain, robots, minutes, search.mission.trials)
+        if search.inner:
+            _row(search, brain, robots, minutes, few=True)
+        return _row(search, brain, robots, minutes)
     except TooLong:
         return _of_theory(search, brain, robots, minutes)
 
@@ -54,7 +56,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
             middle = (size + too_few) // 2
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
         while True:  # what few trials decided is held to all
-            rows[size] = _row(search, brain, size, minutes, search.mission.trials)
+            rows[size] = _row(search, brain, size, minutes)
             if rows[size].answer == "reached" or size == high:
                 break
             size = min(high, max(size + 1, int(size * (1.0 + NEAR))))
@@ -71,7 +73,7 @@ def _ends(search: Search, brain: Brain, minutes: float, size: int) -> tuple[int,
     wanted, (low, high) = search.mission.wanted.confidence, search.sizes
 
     def share(robots: int) -> Share:
-        found = _row(search, brain, robots, minutes, search.mission.trials).share
+        found = _row(search, brain, robots, minutes).share
         assert found is not None
         return found
 
@@ -92,21 +94,26 @@ def _theory_size(search: Search, minutes: float) -> int:
 
 def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     """The same as `enough`, from few trials where these decide."""
-    row = _row(search, brain, robots, minutes, FEWEST_TRIALS, level=SURE)
+    row = _row(search, brain, robots, minutes, few=True)
     assert row.share is not None
     if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
         return row
-    return _row(search, brain, robots, minutes, search.mission.trials)
+    return _row(search, brain, robots, minutes)
 
 
-def _row(search: Search, brain: Brain, robots: int, minutes: float, trials: int, level: float = LEVEL) -> Row:
-    """What so many trials say, at the worst of the fill ratios that may be it; those that are not are dropped."""
-    mission = search.mission
-    cases = search.worst.get(brain.told, search.cases)
+def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False) -> Row:
+    """What all trials say at the worst cases, or few trials at all that may be it; those that surely are not drop out.
+
+    Few trials have an interval of a level at which they decide.
+    """
+    mission, before = search.mission, search.worst.get(brain.told, search.cases)
+    cases, trials = (before, FEWEST_TRIALS) if few else (confirmed(before), mission.trials)
     every = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
-    curve = min(every, key=lambda one: float(one.shares.mean()))
-    search.worst[brain.told] = [one.case for one in every if one.at(0).low <= curve.at(0).high]
-    share = curve.at(0, level)
+    every.sort(key=lambda one: float(one.shares.mean()))  # ties stay in the order of sizes before
+    curve = every[0]
+    left = [one.case for one in every if one.at(0).low <= curve.at(0).high]
+    search.worst[brain.told] = left + [case for case in before if case not in cases]
+    share = curve.at(0, SURE if few else LEVEL)
     answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
     return replace(of_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
 

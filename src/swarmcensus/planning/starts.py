@@ -24,6 +24,7 @@ SENSORS = 1001  # that stand for all of a spread
 MOST_MIXED = 400  # robots of a network whose mixing is computed: a second
 POINTS = 80  # of time at which mixing is looked at
 MOST_READINGS = 1e15
+APART = 3  # candidates from one fill ratio to the next at which liars are looked at
 REFERENCE = 100  # robots: whose area stands for others where it follows from their density
 
 
@@ -105,6 +106,14 @@ def worst(mission: Mission) -> list[float]:
     return list(dict.fromkeys([first, float(every[0]), float(every[-1])]))
 
 
+def between(mission: Mission) -> list[float]:
+    """Other fill ratios of the range that are looked at: theory knows nothing of liars, who may do most harm inside."""
+    if not mission.known.lying:
+        return []
+    every = mission.goal.candidates(*mission.known.fill_ratio)[::APART].tolist()
+    return [f for f in every if f not in worst(mission)]
+
+
 def hardest(mission: Mission) -> Mission:
     """The mission with that one of its accuracies which takes most readings in the first of its worlds."""
 
@@ -122,7 +131,7 @@ def start_of(mission: Mission, robots: int, readings: float) -> Start:
     working = robots - mission.lying(robots) - mission.failing(robots)
     alone, pooled = readings / mission.looks, readings / mission.looks / working
     alone, pooled = max(1.0, alone), max(1.0, pooled)
-    if working == 1 or not math.isfinite(readings):
+    if working == 1 or not math.isfinite(readings) or mission.known.link_success == 0.0:
         return Start(alone, alone, pooled)
     times = np.unique(np.geomspace(pooled, min(alone, LARGEST), POINTS).round())
     factors = _factors(mission, working, robots, times)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.planning.plans import Row, of_case, row_of
 from swarmcensus.planning.reaching import Reached, reached
-from swarmcensus.planning.search import Search, TooLong
+from swarmcensus.planning.search import Search, TooLong, confirmed
 from swarmcensus.planning.starts import Start
 from swarmcensus.planning.trying import Case, Curve, times_until
 from swarmcensus.studies.fields import LARGEST
@@ -23,7 +23,7 @@ SURE = 0.99  # the level at which few trials say that a goal is never reached
 
 
 class Look(NamedTuple):
-    """What few trials say of a brain: the cases of which any may be the worst, and when the goal is reached.
+    """What few trials say of a brain: cases of which any may be the worst, these first, and when the goal is reached.
 
     `never` is a curve that surely does not reach it.
     """
@@ -50,17 +50,24 @@ def shortest(search: Search, robots: int) -> list[Row]:
 def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[str, Look]:
     """What few trials say of each brain, run longer and longer until all reach the goal, or the longest time."""
     last = min(most, max(LEAST, int(SLOWER * start.mixed)))
-    left = list(search.mission.brains)
+    left, cases = list(search.mission.brains), search.cases
     found: dict[str, Look] = {}
     while left:
-        every = search.run(robots, left, search.cases, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
+        every = search.run(robots, left, cases, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
         for brain in list(left):
             look = _look(search, [curve for curve in every if curve.brain == brain.told], last)
             if look.rounds <= last or last == most:
                 found[brain.told] = look
                 left.remove(brain)
-        last = min(most, 2 * last)
+        slow = {case for brain in left for case in _longer(search, [c for c in every if c.brain == brain.told])}
+        cases, last = [case for case in cases if case in slow], min(most, 2 * last)
     return found
+
+
+def _longer(search: Search, curves: Sequence[Curve]) -> list[Case]:
+    """Cases of a brain that are looked at for longer: of the inner fill ratios those that may be the worst so far."""
+    most = min((curve.at(-1) for curve in curves), key=lambda share: share.value).high
+    return [one.case for one in curves if one.case.fill_ratio not in search.inner or one.at(-1).low <= most]
 
 
 def _look(search: Search, curves: Sequence[Curve], last: int) -> Look:
@@ -71,10 +78,13 @@ def _look(search: Search, curves: Sequence[Curve], last: int) -> Look:
     surely = max(
         (one.low if one else last + 1) for one in when.values() if (one.rounds if one else last + 1) == slowest
     )
-    kept = (case for case, one in when.items() if one is None or one.high is None or one.high >= surely)
-    lowest = min(curves, key=lambda one: float(one.shares[-1].mean()))
+    by_share = sorted(curves, key=lambda one: float(one.shares[-1].mean()))
+    by_time = sorted(by_share, key=lambda one: -(found.rounds if (found := when[one.case]) else last + 1))
+    in_turn = ((one.case, when[one.case]) for one in by_time)
+    kept = [case for case, one in in_turn if one is None or one.high is None or one.high >= surely]
+    lowest = by_share[0]
     hopeless = slowest > last and lowest.at(-1, SURE).high < confidence
-    return Look(tuple(kept), slowest, lowest if hopeless else None)
+    return Look(tuple(confirmed(kept)), slowest, lowest if hopeless else None)
 
 
 def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look], most: int) -> list[Row]:
