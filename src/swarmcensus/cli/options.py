@@ -8,6 +8,7 @@ from typing import Any, NoReturn
 
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
+from swarmcensus.cli.comparison_options import add_compare_options
 from swarmcensus.cli.mission_options import add_plan_options
 
 DOORS = {
@@ -93,28 +94,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
     sub = command("compare", "Rank brains within each world, paired trial by trial, and say what trials tell.")
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--where", metavar="EXPR", help="settings to compare, as 'topology == \"ring\" and robots == 100'")
-    sub.add_argument(
-        "--metric",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a measure to compare by, as correct, or my_metric:low (default: the usual ones); several: once for each",
-    )
-    sub.add_argument("--against", metavar="NAME", help="hold all others against this brain alone, in fewer tests")
-    sub.add_argument(
-        "--by",
-        action="append",
-        default=[],
-        metavar="AXIS",
-        help="count worlds by their topology, robots or what else they differ in; several: once for each",
-    )
-    sub.add_argument("--pairs", action="store_true", help="each pair of brains too: difference, effect, p-values")
-    sub.add_argument("--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS})")
-    sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, a row each")
-    sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
-    sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
+    add_compare_options(sub, _from_zero, MOST_ROWS)
 
     sub = command(
         "explain", "Hold all settings against theory, or set what one measured beside it and say what limits it."
