@@ -1,5 +1,6 @@
 """Minds to hold a brain's promises against: short lives and long ones, what robots say, and what calls make of them."""
 
+import functools
 import math
 import sys
 import traceback
@@ -188,12 +189,17 @@ def some(random: np.random.Generator, said: list[Any], count: int) -> list[Any]:
     return [said[i] for i in random.integers(len(said) or 1, size=count if said else 0).tolist()]
 
 
-def messages(brain: Brain, extreme: bool = True) -> Iterator[tuple[str, Any]]:
+@functools.lru_cache(maxsize=4)  # a brain that takes its time with 100,000 readings does so once, not for every check
+def messages(brain: Brain, extreme: bool = True) -> tuple[tuple[str, Any], ...]:
     """What robots say, and where they stand: before they know anything, soon and late.
 
     Their sensors are of all kinds, or where not `extreme`, neither perfect nor blind. What is no message, which one
     check tells, is left out. Robots that may be silent are listened to for some rounds.
     """
+    return tuple(_said(brain, extreme))
+
+
+def _said(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
     luck = np.random.default_rng(SEED + 2)
     pairs = (*product(ACCURACIES, ACCURACIES), *NEARLY) if extreme else product(PLAIN, PLAIN)
     readings = ((0, 0), (1, 1), (0, 1), (5, 13), (0, 1000), (1000, 1000), (43210, 100000))
