@@ -22,6 +22,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from tests.conftest import FAILS
+from tests.slow import slow
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -207,6 +208,7 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
     assert same(killed, sc.run(study(LONG), jobs=2))
 
 
+@slow
 def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypatch):
     real = clusters.run_remotely
 
@@ -244,6 +246,7 @@ def test_a_trial_that_fails_fails_alone(here, scheduler):
     assert same(there, here_)
 
 
+@slow
 def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     def stop():
         raise KeyboardInterrupt
@@ -364,6 +367,7 @@ def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slur
     )
 
 
+@slow
 def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
     longer = study(LONG).with_(trials=400)
     refusing(here, f"! mkdir {here}/taken 2> /dev/null")

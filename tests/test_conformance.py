@@ -14,6 +14,7 @@ from swarmcensus.conformance import machine_code
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.conformance.suite import check, checks
+from tests.slow import slow
 
 GOOD = brains.load("minimalistic").source
 PAGE = Path(__file__).parents[1] / "docs" / "brain-contract.md"
@@ -482,7 +483,7 @@ def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_e
 @pytest.mark.parametrize(
     ("line", "lawful"),
     [
-        ("    me.lot = me.luck\n", True),
+        pytest.param("    me.lot = me.luck\n", True, marks=slow),
         ("    if me.luck < 0.9 ** looks:\n        me.heard += 1.0\n", False),
         ("    me.lot += me.luck\n", False),
         ("    if me.luck < 1.0 - 0.9 ** looks:\n        me.heard = 1.0\n", True),

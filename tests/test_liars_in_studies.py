@@ -16,6 +16,7 @@ from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
 from tests.second import MEANS
+from tests.slow import slow
 
 MINE = '"""Grey: it says one half, and a little more each round."""\n\nPARAMETERS = {"more": 0.01}\nMEMORY = {"k": 0.0}\n\n\ndef lie(me, x):\n    return 0.5 + me.k\n\n\ndef plot(me):\n    me.k += me.more\n'  # noqa: E501
 STUDY = """
@@ -274,6 +275,7 @@ def test_brains_shows_and_checks_adversaries(here, capsys):
     assert "FAIL" in capsys.readouterr().out
 
 
+@slow
 def test_merged_results_of_which_a_part_has_liars_are_the_same_when_run_again(tmp_path, capsys):
     """What is joined of the parts belongs to them all, whichever comes first."""
 

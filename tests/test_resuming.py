@@ -26,6 +26,7 @@ from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status import status
+from tests.slow import slow, times
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -338,18 +339,18 @@ def command(*arguments):
     return [sys.executable, "-m", "swarmcensus", *arguments]
 
 
-def test_sigkill_at_ten_random_moments(here, untraced):
+def test_sigkill_at_random_moments(here, untraced):
     """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
     often = (
         "import sys; from swarmcensus.cli.commands import main; from swarmcensus.results import shards; "
         "shards.AT_LEAST = 0.02; sys.exit(main())"
     )
-    longer = LONG.replace("trials = 150", "trials = 200")
+    longer = LONG.replace("trials = 150", f"trials = {times(200, 100)}")
     Path("s.toml").write_text(longer)
     moments = random.Random(11)
     folder = shards.folder_of(Path("a.nc"))
     found = 0
-    for more in [0, 1, 1, 1, 2, 0, 1, 1, 1, 1]:
+    for more in times([0, 1, 1, 1, 2, 0, 1, 1, 1, 1], [0, 1, 2]):
         wanted = len(shards.listed(folder)) + more
         run_again = [sys.executable, "-c", often, "run", "s.toml", "--out", "a.nc", "--jobs", "1"]
         with subprocess.Popen(run_again, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
@@ -359,7 +360,7 @@ def test_sigkill_at_ten_random_moments(here, untraced):
             assert process.poll() is None, "the study is too short for this test"
             process.send_signal(signal.SIGKILL)
             found += b"found" in process.stderr.read()
-    assert found >= 6
+    assert found >= times(6, 1)
     assert not Path("a.nc").exists()
     last = subprocess.run(command("run", "s.toml", "--out", "a.nc"), capture_output=True, text=True, check=True)
     assert "of a run that was cut off" in last.stderr
@@ -648,6 +649,7 @@ def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
     assert not Path("a.nc").exists()
 
 
+@slow
 def test_status_of_shares_and_of_what_was_merged(here):
     def lines(name):
         return status(name).lines[1:]
@@ -712,7 +714,14 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
     assert sc.load("a.nc").identical(data)
 
 
-@pytest.mark.parametrize("measure", ["local = false", "local = true", "local = false\nestimates = true"])
+@pytest.mark.parametrize(
+    "measure",
+    [
+        pytest.param("local = false", marks=slow),
+        "local = true",
+        pytest.param("local = false\nestimates = true", marks=slow),
+    ],
+)
 def test_a_run_that_was_killed_has_an_early_picture(measure, here, monkeypatch, capsys):
     """What the shards hold is shown, drawn and exported, and nothing is altered by that."""
     monkeypatch.setattr(shards, "SKETCH_AFTER", (0.0, 0.0))

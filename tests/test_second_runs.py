@@ -14,6 +14,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
 from swarmcensus.runs.running import run
 from tests.second import ADDS, ALL, STEER, TALKS
+from tests.slow import slow, times
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -180,7 +181,7 @@ def test_verified_and_merged(here, known, name):
 def test_replayed(here, known, name):
     """The trace's last round is the dataset's, of the robots that count; who lies is in the trace too."""
     data = known[name]
-    for k in range(0, data.sizes["setting"], 5):
+    for k in range(0, data.sizes["setting"], times(5, 12)):
         trace = sc.replay(data, k, 2)
         setting = load(here, name).settings()[k]
         honest = np.array([m == 0 or setting.members[m - 1].honest for m in setting.who(data.attrs["seed"], 2, 1)[0]])
@@ -192,6 +193,7 @@ def test_replayed(here, known, name):
         assert (np.isfinite(data["done_round"].values[k, 2, :n]) == ever).all()
 
 
+@slow
 def test_without_numba(here, known):
     """A study of few settings: the last bit of what CPython computes is that of machine code."""
     small = {
@@ -221,6 +223,7 @@ def test_local_estimates_are_those_of_whatever_else_a_study_runs(here, known):
             assert (one[name].values == alike[name].values)[~np.isnan(one[name].values)].all()
 
 
+@slow
 def test_on_a_cluster(here, known):
     cluster = distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"

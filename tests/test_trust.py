@@ -16,6 +16,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results.values import EVERY, MESSAGES
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
+from tests.slow import slow
 
 DATA = Path(__file__).parent / "data"
 PLAIN = """
@@ -122,7 +123,9 @@ def changes(data, but=()):
                 yield f"{key} = {other}", data.drop_attrs(deep=False).assign_attrs(kept)
 
 
-@pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged"])
+@pytest.mark.parametrize(
+    "name", [pytest.param("kinds", marks=slow), "measures", "rule", pytest.param("merged", marks=slow)]
+)
 def test_whatever_is_changed_is_noticed(name, files, quick, untraced):
     """Every variable, coordinate and attribute that is in the file, in several ways each."""
     data = sc.load(files / f"{name}.nc")

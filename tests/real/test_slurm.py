@@ -14,10 +14,10 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import queues
 from swarmcensus.runs.running import run
 from tests.real.one_node import Slurm, free_ports, missing, until
+from tests.slow import slow
 from tests.test_clusters import LONG, Once, same, study
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=f"no {', '.join(missing())} here: see tests/real/install.sh")
-slow = pytest.mark.skipif(not os.environ.get("SWARMCENSUS_SLOW"), reason="takes minutes: SWARMCENSUS_SLOW=1 runs it")
 CLUSTER = """
 jobs      = {jobs}
 cores     = {cores}
