@@ -12,3 +12,10 @@ def shipped_study(name: str) -> Path:
         if place.exists():
             return place
     raise InputError(f"study files are missing: this installation has no {package / 'shipped_studies' / name}")
+
+
+def shipped_studies() -> dict[str, Path]:
+    """All of them by their names, as ring or paper/topologies. Raises InputError where they are missing."""
+    root = shipped_study("")
+    found = {path.relative_to(root).with_suffix("").as_posix(): path for path in root.rglob("*.toml")}
+    return dict(sorted(found.items(), key=lambda item: (item[0].count("/"), item[0])))

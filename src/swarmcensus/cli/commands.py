@@ -17,6 +17,7 @@ from swarmcensus.cli.options import parser
 from swarmcensus.cli.planning import plan
 from swarmcensus.cli.plotting import plot
 from swarmcensus.cli.reading import export, merge, show, verify
+from swarmcensus.cli.starting import doctor, new, studies
 from swarmcensus.cli.tracing import infer, replay
 from swarmcensus.cli.tuning import tune
 from swarmcensus.results.presence import check_there
@@ -79,6 +80,6 @@ def _complain(what: object) -> None:
 
 RUNS = (
     run, reproduce, show, explain, compare, leaderboard, tune, plan, merge, status, verify, plot, export, replay, infer,
-    brains,
+    brains, new, studies, doctor,
 )  # fmt: skip
 COMMANDS = {one.__name__: one for one in RUNS} | {"list": choices}

@@ -10,6 +10,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.comparison_options import add_compare_options
 from swarmcensus.cli.mission_options import add_plan_options
+from swarmcensus.cli.starting_options import add_doctor_options, add_new_options, add_studies_options
 
 DOORS = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -235,6 +236,10 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     one.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
     one.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
     sub.add_argument("--wearing", metavar="BRAIN", default="", help="what an adversary wears (default: minimalistic)")
+
+    add_new_options(command("new", "Write a study or a brain to begin with, every line explained."))
+    add_studies_options(command("studies", "List the studies that come with swarmcensus, or copy one."))
+    add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
     return top
 
 

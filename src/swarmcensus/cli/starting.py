@@ -1,0 +1,124 @@
+"""Commands that one begins with: `new`, `studies`, `doctor`. Imports wait until needed."""
+
+import argparse
+import re
+import shlex
+import shutil
+from pathlib import Path
+
+from swarmcensus.basics.errors import InputError
+
+STARTERS = {"study": "study.toml", "brain": "brain.py"}
+NEXT = {"study": "run", "brain": "brains --check"}  # what to do with them
+
+
+def new(options: argparse.Namespace) -> int:
+    """Write a commented file to begin with."""
+    from swarmcensus.basics.files import whole
+
+    starter = Path(__file__).parent / "starters" / STARTERS[options.what]
+    out = options.file or Path(f"my_{starter.name}")
+    if out.suffix != starter.suffix:
+        raise InputError(f"{out}: a {options.what} is a {starter.suffix} file")
+    _not_there(out)
+    text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
+    with whole(out) as beside:
+        beside.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
+    print(f"{out}: now swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
+    return 0
+
+
+def studies(options: argparse.Namespace) -> int:
+    """List the studies that come with swarmcensus, or copy one with the files that it names."""
+    from swarmcensus.basics.hints import did_you_mean
+    from swarmcensus.basics.shipped import shipped_studies
+
+    known = shipped_studies()
+    if options.name is None:
+        from swarmcensus.basics.terminal import console, table
+
+        rows = [(name, _first_words(path)) for name, path in known.items()]
+        console().print(table([("study", False), ("what it is", False)], rows))
+        return 0
+    name = options.name.removesuffix(".toml")
+    if name not in known:
+        hint = did_you_mean(name, known)
+        raise InputError(
+            f"{options.name}: no such study comes with swarmcensus: {hint}`swarmcensus studies` lists them"
+        )
+    _copy(known[name], options.out or Path(known[name].name))
+    return 0
+
+
+def _copy(study: Path, out: Path) -> None:
+    """The study, and what it names that lies beside it, all or nothing."""
+    if out.suffix != ".toml":
+        raise InputError(f"--out {out}: a study is a .toml file")
+    from swarmcensus.basics.files import whole
+
+    text = study.read_text(encoding="utf-8")
+    copies = {study.parent / name: out.parent / Path(name).name for name in _named_by(study)}
+    for copy in (out, *copies.values()):
+        _not_there(copy)
+    for source, copy in copies.items():
+        with whole(copy) as beside:
+            shutil.copyfile(source, beside)
+    for name in _named_by(study):
+        text = text.replace(f'"{name}"', f'"{Path(name).name}"')  # which now lies beside it
+    with whole(out) as beside:
+        beside.write_text(text, encoding="utf-8")
+    print(*(out, *copies.values()), sep="\n")
+
+
+def _named_by(study: Path) -> list[str]:
+    """Files that a study names, as brains, metrics or links."""
+    import tomllib
+
+    def words(value: object) -> list[str]:
+        if isinstance(value, dict):
+            return [word for one in value.values() for word in words(one)]
+        if isinstance(value, list):
+            return [word for one in value for word in words(one)]
+        return [value] if isinstance(value, str) else []
+
+    found = dict.fromkeys(words(tomllib.loads(study.read_text(encoding="utf-8"))))
+    return [word for word in found if (study.parent / word).is_file()]
+
+
+def _not_there(path: Path) -> None:
+    if path.exists() or path.is_symlink():
+        raise InputError(f"{path} is there already: name another file")
+
+
+def _plain(stem: str) -> str:
+    """What a study may be called."""
+    return "".join(c if c.isalnum() or c in "-_" else "-" for c in stem)
+
+
+def _first_words(study: Path) -> str:
+    """The first sentence of the comment that a study begins with."""
+    lines = []
+    for line in study.read_text(encoding="utf-8").splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# "))
+    words = re.split(r"(?<!Sec)[.?] (?=[A-Z`])|: (?=`)", " ".join(lines))[0]
+    return words.rstrip(".:")
+
+
+def doctor(options: argparse.Namespace) -> int:
+    """Say what this installation is made of, and what is missing; 2 where compiled brains cannot be kept."""
+    import json
+
+    from swarmcensus.cli.health import health
+
+    found = health()
+    if options.json:
+        print(json.dumps(found.told, indent=2))
+    else:
+        from swarmcensus.basics.terminal import console, table
+
+        console().print(table([("part", False), ("found", False)], [(k, str(v)) for k, v in found.lines()]))
+        for fault in found.faults:
+            print(f"\n{fault}")
+    return 2 if found.faults else 0

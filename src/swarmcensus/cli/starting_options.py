@@ -1,0 +1,21 @@
+"""The options of the commands that one begins with."""
+
+import argparse
+from pathlib import Path
+
+
+def add_new_options(sub: argparse.ArgumentParser) -> None:
+    """Of `new`."""
+    sub.add_argument("what", choices=("study", "brain"), metavar="study|brain", help="what to begin")
+    sub.add_argument("file", type=Path, nargs="?", metavar="FILE", help="default: my_study.toml or my_brain.py, here")
+
+
+def add_studies_options(sub: argparse.ArgumentParser) -> None:
+    """Of `studies`."""
+    sub.add_argument("name", nargs="?", metavar="NAME", help="one to copy, with the files that it names")
+    sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: its own name, here")
+
+
+def add_doctor_options(sub: argparse.ArgumentParser) -> None:
+    """Of `doctor`."""
+    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")

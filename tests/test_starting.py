@@ -1,0 +1,123 @@
+"""What one begins with: `new`, `studies` and `doctor`."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.shipped import shipped_studies
+from swarmcensus.cli import health
+from swarmcensus.cli.commands import main
+from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.suite import examine
+from swarmcensus.studies.study import Study
+
+
+@pytest.fixture(autouse=True)
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def test_a_new_study_runs_and_has_its_file_s_name(here, capsys):
+    assert main(["new", "study", "first try.toml"]) == 0
+    assert capsys.readouterr().out == "first try.toml: now swarmcensus run 'first try.toml'\n"
+    study = Study.load(here / "first try.toml")
+    assert study.name == "first-try"
+    assert "run first try.toml" in study.text
+    assert len(sc.run(study.with_(trials=1), jobs=1)["setting"]) == len(study.settings()) == 48
+
+
+def test_what_a_new_study_has_in_comments_is_right_too(here):
+    """Each line that is no sentence may be taken in."""
+    main(["new", "study"])
+    lines = (here / "my_study.toml").read_text().splitlines()
+    taken = [line.removeprefix("# ") if " = " in line or line.startswith("# [[") else line for line in lines]
+    still = [line for line in taken if not line.startswith(("topology     =", "rounds", "observations"))]
+    found = Study.parse("\n".join(still))
+    assert {setting.topology.name for setting in found.settings()} == {"moving"}
+    assert all(setting.members and setting.faults for setting in found.settings())
+
+
+def test_a_new_brain_keeps_the_contract(here, capsys):
+    assert main(["new", "brain"]) == 0
+    assert capsys.readouterr().out == "my_brain.py: now swarmcensus brains --check my_brain.py\n"
+    found = list(examine(here / "my_brain.py", PROMISES))
+    assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
+    assert "THIS_FILE" not in (here / "my_brain.py").read_text()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["new", "study", "there.toml"], "there.toml is there already: name another file"),
+        (["new", "study", "x.py"], "x.py: a study is a .toml file"),
+        (["new", "brain", "x.toml"], "x.toml: a brain is a .py file"),
+        (["new", "brain", "gone/there.toml/x.py"], "cannot write gone/there.toml/x.py"),
+        (["studies", "rng"], "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
+        (["studies", "ring", "--out", "there.toml"], "there.toml is there already"),
+        (["studies", "ring", "--out", "x.nc"], "--out x.nc: a study is a .toml file"),
+        (["studies", "example/tuning"], "shy.py is there already"),
+    ],
+)
+def test_what_cannot_be_written_is_said_and_nothing_is(arguments, said, here, capsys):
+    for name in ("there.toml", "shy.py"):
+        (here / name).write_text("mine")
+    (here / "gone").mkdir()
+    (here / "gone" / "there.toml").write_text("mine")
+    before = {path: path.read_bytes() for path in here.rglob("*") if path.is_file()}
+    assert main(arguments) == 2
+    assert capsys.readouterr().err.startswith(f"swarmcensus: {said}")
+    assert {path: path.read_bytes() for path in here.rglob("*") if path.is_file()} == before
+
+
+def test_all_shipped_studies_are_listed_with_what_they_are(capsys):
+    assert main(["studies"]) == 0
+    _, *lines = capsys.readouterr().out.splitlines()
+    told = dict(line.split(maxsplit=1) for line in lines)
+    assert list(told) == list(shipped_studies())
+    assert all(len(words.split()) >= 3 for words in told.values())
+    assert told["paper/local"].rstrip().endswith("Fig. 2a")
+
+
+@pytest.mark.parametrize("name", shipped_studies())
+def test_each_is_copied_with_what_it_names(name, here, capsys):
+    assert main(["studies", name, "--out", "copied/mine.toml"]) == 0
+    files = capsys.readouterr().out.split()
+    assert sorted(files) == sorted(str(path.relative_to(here)) for path in here.rglob("*") if path.is_file())
+    copied, known = Study.load(here / "copied" / "mine.toml"), Study.load(shipped_studies()[name])
+    assert len(copied.settings()) == len(known.settings())
+
+
+def test_a_doctor_names_what_there_is(capsys):
+    assert main(["doctor"]) == 0
+    told = capsys.readouterr().out
+    assert main(["doctor", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["swarmcensus"] == sc.__version__
+    assert found["python"] == ".".join(map(str, sys.version_info[:3]))
+    assert all(name in told and version in told for name, version in found["libraries"].items())
+    assert found["extras"] == dict.fromkeys(health.EXTRAS, True)  # as the tests' own extra has them all
+
+
+def test_it_says_what_is_missing(here, monkeypatch, capsys):
+    (here / "file").write_text("")
+    monkeypatch.setenv("SWARMCENSUS_CACHE", str(here / "file" / "cache"))
+    monkeypatch.setattr(health, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
+    monkeypatch.setitem(health.EXTRAS, "film", ("no_such_thing",))
+    assert main(["doctor"]) == 2
+    told = capsys.readouterr().out
+    assert "not there: pip install 'swarmcensus[film]'" in told
+    assert "swarmcensus-of-bees is not installed: pip install swarmcensus" in told
+    assert "brains cannot be kept there and are compiled anew by every run: let $SWARMCENSUS_CACHE name" in told
+
+
+def test_it_imports_nothing_that_takes_long():
+    """So that it answers where one of these is broken."""
+    code = (
+        "import sys; from swarmcensus.cli.commands import main; main(['doctor']); "
+        "assert not {'numba', 'xarray', 'matplotlib'} & set(sys.modules), 'imported'"
+    )
+    subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
