@@ -1,6 +1,8 @@
 """What one begins with: `new`, `studies` and `doctor`."""
 
 import json
+import shlex
+import shutil
 import subprocess
 import sys
 
@@ -89,6 +91,36 @@ def test_each_is_copied_with_what_it_names(name, here, capsys):
     assert sorted(files) == sorted(str(path.relative_to(here)) for path in here.rglob("*") if path.is_file())
     copied, known = Study.load(here / "copied" / "mine.toml"), Study.load(shipped_studies()[name])
     assert len(copied.settings()) == len(known.settings())
+
+
+@pytest.mark.skipif(shutil.which("bash") is None, reason="no bash here")
+@pytest.mark.parametrize(
+    ("words", "offered"),
+    [
+        (["pl"], ["plan", "plot"]),
+        (["plot", "--th"], ["--theory"]),
+        (["new", ""], ["study", "brain"]),
+        (["list", "ad"], ["adversaries"]),
+        (["run", "ri"], ["ring.toml"]),
+    ],
+)
+def test_bash_completes(words, offered, here, capsys):
+    (here / "ring.toml").write_text("")
+    assert main(["completion", "bash"]) == 0
+    typed = ["swarmcensus", *words]
+    asked = (
+        f"COMP_WORDS=({' '.join(map(shlex.quote, typed))}); COMP_CWORD={len(words)}; "
+        f"_shtab_swarmcensus swarmcensus {shlex.quote(typed[-1])} {typed[-2]}; echo ${{COMPREPLY[@]}}"
+    )
+    script = f"{capsys.readouterr().out}\n{asked}"
+    told = subprocess.run(["bash"], input=script, check=True, capture_output=True, encoding="utf-8").stdout
+    assert told.split() == offered
+
+
+def test_each_shell_has_a_script(capsys):
+    for shell in ("zsh", "tcsh"):
+        assert main(["completion", shell]) == 0
+        assert "leaderboard" in capsys.readouterr().out
 
 
 def test_a_doctor_names_what_there_is(capsys):

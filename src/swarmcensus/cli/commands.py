@@ -11,6 +11,7 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.boards import leaderboard
 from swarmcensus.cli.choices import choices
 from swarmcensus.cli.comparing import compare
+from swarmcensus.cli.completion import completion
 from swarmcensus.cli.explaining import explain
 from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
@@ -80,6 +81,6 @@ def _complain(what: object) -> None:
 
 RUNS = (
     run, reproduce, show, explain, compare, leaderboard, tune, plan, merge, status, verify, plot, export, replay, infer,
-    brains, new, studies, doctor,
+    brains, new, studies, doctor, completion,
 )  # fmt: skip
 COMMANDS = {one.__name__: one for one in RUNS} | {"list": choices}

@@ -13,7 +13,7 @@ from swarmcensus.basics.version import __version__
 
 LIBRARIES = (
     "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
-    "filelock", "pillow",
+    "filelock", "pillow", "shtab",
 )  # fmt: skip
 EXTRAS = {
     "parquet": ("pyarrow",),

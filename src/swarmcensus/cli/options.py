@@ -10,7 +10,12 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli.comparison_options import add_compare_options
 from swarmcensus.cli.mission_options import add_plan_options
-from swarmcensus.cli.starting_options import add_doctor_options, add_new_options, add_studies_options
+from swarmcensus.cli.starting_options import (
+    add_completion_options,
+    add_doctor_options,
+    add_new_options,
+    add_studies_options,
+)
 
 DOORS = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -229,7 +234,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
 
     sub = command("list", "List what there is to choose from, ours and what other installed packages add.")
-    sub.add_argument("kind", nargs="?", metavar="KIND", choices=DOORS, help=f"one of {', '.join(DOORS)}")
+    sub.add_argument("kind", nargs="?", metavar="KIND", choices=[*DOORS], help=f"one of {', '.join(DOORS)}")
 
     sub = command("brains", "List the shipped brains and adversaries, show one, or check a file.")
     one = sub.add_mutually_exclusive_group()
@@ -240,6 +245,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     add_new_options(command("new", "Write a study or a brain to begin with, every line explained."))
     add_studies_options(command("studies", "List the studies that come with swarmcensus, or copy one."))
     add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
+    add_completion_options(command("completion", "Print what makes a shell complete commands, options and files."))
     return top
 
 

@@ -19,3 +19,13 @@ def add_studies_options(sub: argparse.ArgumentParser) -> None:
 def add_doctor_options(sub: argparse.ArgumentParser) -> None:
     """Of `doctor`."""
     sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
+
+
+def add_completion_options(sub: argparse.ArgumentParser) -> None:
+    """Of `completion`."""
+    sub.add_argument(
+        "shell",
+        choices=("bash", "zsh", "tcsh"),
+        metavar="bash|zsh|tcsh",
+        help="for bash: swarmcensus completion bash > ~/.local/share/bash-completion/completions/swarmcensus",
+    )

@@ -1,0 +1,26 @@
+"""The command `completion`: what makes a shell complete commands, options and files."""
+
+import argparse
+from pathlib import Path
+
+
+def completion(options: argparse.Namespace) -> int:
+    """Print the script of a shell."""
+    import shtab
+
+    from swarmcensus.cli.commands import COMMANDS
+    from swarmcensus.cli.options import parser
+
+    top = parser(COMMANDS)
+    for sub in _parsers(top):
+        for action in sub._actions:
+            if action.type is Path:
+                action.complete = shtab.FILE  # type: ignore[attr-defined]
+    print(shtab.complete(top, options.shell))
+    return 0
+
+
+def _parsers(top: argparse.ArgumentParser) -> list[argparse.ArgumentParser]:
+    """One for each command."""
+    [commands] = [one for one in top._actions if isinstance(one, argparse._SubParsersAction)]
+    return list(commands.choices.values())
