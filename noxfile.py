@@ -1,0 +1,38 @@
+"""What the workflow does, at home: `nox` runs all, `nox -s tests-3.12` one; Pythons that are missing are skipped."""
+
+from pathlib import Path
+
+import nox
+
+nox.options.error_on_missing_interpreters = False
+PYTHONS = ["3.11", "3.12", "3.13", "3.14"]
+
+
+@nox.session(python=PYTHONS)
+def tests(session: nox.Session) -> None:
+    """All tests; what follows -- goes to pytest."""
+    session.install("-c", "constraints.txt", ".[test]")
+    session.run("pytest", "-n", "2", *session.posargs)
+
+
+@nox.session
+def lint(session: nox.Session) -> None:
+    """Style, types and the order of rooms."""
+    session.install("-c", "constraints.txt", ".[dev]")
+    session.run("ruff", "check", ".")
+    session.run("ruff", "format", "--check", ".")
+    session.run("mypy")
+    session.run("lint-imports")
+
+
+@nox.session
+def package(session: nox.Session) -> None:
+    """The wheel and the source archive are built, and a wheel that is installed alone runs a study that it ships."""
+    session.install("build")
+    folder = Path(session.create_tmp()).resolve()
+    session.run("python", "-m", "build", "--outdir", str(folder))
+    session.install("-c", "constraints.txt", str(max(folder.glob("*.whl"))))
+    session.chdir(folder)
+    session.run("swarmcensus", "doctor")
+    session.run("swarmcensus", "new", "study", f"{folder}/study-{len(list(folder.iterdir()))}.toml")
+    session.run("swarmcensus", "run", str(max(folder.glob("study-*.toml"))), "--trials", "2", "--fresh")
