@@ -85,7 +85,7 @@ def test_seed_and_trials_and_a_share_can_be_given(here, capsys):
     assert main(["replay", "a.nc", "--setting", "0", "--trial", "1"]) == 0
 
 
-def test_brains(here, capsys):
+def test_brains(here, capsys, untraced_processes):
     assert main(["brains"]) == 0
     out = capsys.readouterr().out
     assert re.search(r"minimalistic +48 +8  ", out)  # as wide as the longest name asks

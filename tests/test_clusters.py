@@ -258,6 +258,7 @@ def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     assert same(run(study(LONG), cluster=scheduler, out="s.nc"), sc.run(study(LONG), jobs=2))
 
 
+@slow
 def test_what_is_done_is_kept_when_the_scheduler_goes(here):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
@@ -549,6 +550,7 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
     assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.EACH)
 
 
+@slow
 def test_the_simulated_scheduler_against_closed_forms():
     makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
     assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect

@@ -517,6 +517,7 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
     assert sc.verify(results, 1.0).differences == []
 
 
+@slow
 def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (

@@ -63,6 +63,7 @@ def data(folder):
     return sc.load(folder / "s.nc")
 
 
+@slow
 def test_liars_are_a_number_and_have_a_name(data):
     assert data.sizes["setting"] == 2 * (1 + 2 * 5)
     assert data["liars"].values.tolist() == 2 * ([0] + [1] * 5 + [3] * 5)
@@ -257,7 +258,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
-def test_brains_shows_and_checks_adversaries(here, capsys):
+def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes):
     assert main(["brains"]) == 0
     assert "slow-liar" in capsys.readouterr().out
     assert main(["brains", "--show", "grey.py", "--wearing", "legacy"]) == 0

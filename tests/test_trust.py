@@ -469,6 +469,7 @@ class TestFormats:
         assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
 
+    @slow
     def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
         for name in ("second-3.nc", "second.py", "teller.py"):

@@ -169,7 +169,10 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     elif isinstance(node, SEVERAL):
         return tuple(_constant(item, known) for item in node.elts)
     elif isinstance(node, ast.Dict) and None not in node.keys:
-        return {_constant(k, known): _constant(v, known) for k, v in zip(node.keys, node.values, strict=True)}
+        keys = [_constant(key, known) for key in node.keys]
+        if not all(isinstance(key, int | float | str) for key in keys):
+            raise ValueError("a key of a dict is a number or a text")
+        return dict(zip(keys, (_constant(one, known) for one in node.values), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
