@@ -131,6 +131,7 @@ def test_a_doctor_names_what_there_is(capsys):
     assert found["swarmcensus"] == sc.__version__
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))
     assert all(name in told and version in told for name, version in found["libraries"].items())
+    assert found["faults"] == []
     assert found["extras"] == dict.fromkeys(health.EXTRAS, True)  # as the tests' own extra has them all
 
 

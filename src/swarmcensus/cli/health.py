@@ -7,6 +7,7 @@ import platform
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.version import __version__
@@ -59,8 +60,8 @@ def health() -> Health:
             f"{folder}: brains cannot be kept there and are compiled anew by every run: let $SWARMCENSUS_CACHE name a "
             "folder that can be written"
         )
-    kept = [entry for entry in os.scandir(folder) if entry.is_dir()] if usable else []
-    sizes = [file.stat().st_size for one in kept for place, _, names in os.walk(one) for file in _files(place, names)]
+    kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
+    sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
     told = {
         "swarmcensus": __version__,
         "python": platform.python_version(),
@@ -72,12 +73,6 @@ def health() -> Health:
         "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
     }
     return Health(told, faults)
-
-
-def _files(place: str, names: list[str]) -> list[Any]:
-    from pathlib import Path
-
-    return [path for path in (Path(place) / name for name in names) if path.is_file()]
 
 
 def _version(name: str) -> str:

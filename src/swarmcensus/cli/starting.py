@@ -51,20 +51,19 @@ def studies(options: argparse.Namespace) -> int:
 
 
 def _copy(study: Path, out: Path) -> None:
-    """The study, and what it names that lies beside it, all or nothing."""
+    """The files that a study names, then the study, which names them where they now lie: beside it."""
     if out.suffix != ".toml":
         raise InputError(f"--out {out}: a study is a .toml file")
     from swarmcensus.basics.files import whole
 
     text = study.read_text(encoding="utf-8")
-    copies = {study.parent / name: out.parent / Path(name).name for name in _named_by(study)}
+    copies = {name: out.parent / Path(name).name for name in _named_by(study)}
     for copy in (out, *copies.values()):
         _not_there(copy)
-    for source, copy in copies.items():
+    for name, copy in copies.items():
         with whole(copy) as beside:
-            shutil.copyfile(source, beside)
-    for name in _named_by(study):
-        text = text.replace(f'"{name}"', f'"{Path(name).name}"')  # which now lies beside it
+            shutil.copyfile(study.parent / name, beside)
+        text = text.replace(f'"{name}"', f'"{copy.name}"')
     with whole(out) as beside:
         beside.write_text(text, encoding="utf-8")
     print(*(out, *copies.values()), sep="\n")
@@ -114,7 +113,7 @@ def doctor(options: argparse.Namespace) -> int:
 
     found = health()
     if options.json:
-        print(json.dumps(found.told, indent=2))
+        print(json.dumps(found.told | {"faults": found.faults}, indent=2))
     else:
         from swarmcensus.basics.terminal import console, table
 
