@@ -12,9 +12,23 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.slow import Clock, skip_what_takes_long
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should be what a plain pipe gets, here and in processes begun here
+
+
+def pytest_addoption(parser):
+    parser.addoption("--list-slow", action="store_true", help="write tests/slow.txt anew by what each test took")
+
+
+def pytest_configure(config):
+    if config.getoption("--list-slow"):
+        config.pluginmanager.register(Clock())
+
+
+def pytest_collection_modifyitems(items):
+    skip_what_takes_long(items)
 
 
 class Untraced(event.Listener):

@@ -17,7 +17,6 @@ from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference, reference_walks
 from tests.lying import RICH, adversary_of, brain, worn
 from tests.second import MEANS, changed, fixed, moving
-from tests.slow import slow
 from tests.small import FAULTS, GO, SEED, failing, heard_in
 
 MEASURE = Metrics(0.02, 10, (2, 8))
@@ -460,7 +459,7 @@ def test_nobody_wears_an_oracle(capsys):
 
 
 @pytest.mark.parametrize("name", NAMES)
-@pytest.mark.parametrize("rich", [False, pytest.param(True, marks=slow)], ids=["minimalistic", "rich"])
+@pytest.mark.parametrize("rich", [False, True], ids=["minimalistic", "rich"])
 def test_they_conform(name, rich, untraced):
     used = worn(name, by=brain(RICH) if rich else "minimalistic")
     tests = {k: v for k, v in PROMISES.items() if not (rich and k.startswith("readings at once"))}

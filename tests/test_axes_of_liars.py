@@ -7,7 +7,6 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.coordinates import from_nobody, varies
 from swarmcensus.figures.panels import panels_of
-from tests.slow import slow
 
 CHANGES = [{"from": 0.9, "to": 0.55, "at": 5}, {"from": 0.6, "to": 0.15, "at": 5}]
 
@@ -34,7 +33,6 @@ def shown(figure):
     return [axes for axes in figure.axes if lines_in(axes)]
 
 
-@slow
 def test_lines_against_liars_have_a_line_for_each_adversary_that_begins_where_nobody_lies(data):
     figure = sc.plot.lines(data, x="liars", y="final_estimate")
     panels = shown(figure)

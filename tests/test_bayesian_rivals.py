@@ -14,7 +14,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.conformance import hearing
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.trials import record_trial
-from tests.slow import slow
 from tests.small import SEED
 from tests.test_docs import ROOT, assert_shown, blocks
 
@@ -462,8 +461,8 @@ class TestBeliefSharing:
 @pytest.mark.parametrize(
     ("brain", "parameters"),
     [
-        pytest.param(BAYES, {"every": 3, "feedback": 2, "prior": 1, "patience": 4, "threshold": 0.7}, marks=slow),
-        pytest.param(CHANGING, {"every": 1, "detect": 1, "tell": 5, "alarm": 1.5, "debiased": 1}, marks=slow),
+        (BAYES, {"every": 3, "feedback": 2, "prior": 1, "patience": 4, "threshold": 0.7}),
+        (CHANGING, {"every": 1, "detect": 1, "tell": 5, "alarm": 1.5, "debiased": 1}),
         (SHARING, {"every": 1, "debiased": 1}),
         (INDEXED, {"every": 1, "debiased": 1}),
     ],

@@ -15,7 +15,6 @@ from swarmcensus.simulation import rides
 from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along
 from swarmcensus.worlds.ground import Ground
-from tests.slow import slow
 from tests.small import SEED, SLOW, SWITCH, changing, moving_of
 
 IMAGE = str(Path(__file__).parents[1] / "studies" / "example" / "leaves.png")
@@ -46,7 +45,6 @@ def test_as_few_tiles_turn_as_can(kind):
     assert rising.truth([1, 10, 40, 99]).tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
-@slow
 def test_steered_robots_meet_the_same_floor_however_it_is_painted(tmp_path, monkeypatch):
     (tmp_path / "steered.py").write_text(
         brains.load("minimalistic").source + "\n\ndef steer(me):\n    return 0.1, 0.3\n"

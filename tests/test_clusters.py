@@ -22,7 +22,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters, queues
 from swarmcensus.runs.running import run
 from tests.conftest import FAILS
-from tests.slow import slow
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -208,7 +207,6 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
     assert same(killed, sc.run(study(LONG), jobs=2))
 
 
-@slow
 def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypatch):
     real = clusters.run_remotely
 
@@ -246,7 +244,6 @@ def test_a_trial_that_fails_fails_alone(here, scheduler):
     assert same(there, here_)
 
 
-@slow
 def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     def stop():
         raise KeyboardInterrupt
@@ -258,7 +255,6 @@ def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     assert same(run(study(LONG), cluster=scheduler, out="s.nc"), sc.run(study(LONG), jobs=2))
 
 
-@slow
 def test_what_is_done_is_kept_when_the_scheduler_goes(here):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
@@ -368,7 +364,6 @@ def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slur
     )
 
 
-@slow
 def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
     longer = study(LONG).with_(trials=400)
     refusing(here, f"! mkdir {here}/taken 2> /dev/null")
@@ -550,7 +545,6 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
     assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.EACH)
 
 
-@slow
 def test_the_simulated_scheduler_against_closed_forms():
     makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
     assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect

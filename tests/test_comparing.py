@@ -15,7 +15,6 @@ from swarmcensus.results import measures
 from swarmcensus.results.contenders import field_of
 from swarmcensus.results.latex import escaped, latex
 from tests.contending import made_up, without
-from tests.slow import slow
 from tests.test_signed_ranks import by_every_sign
 
 NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
@@ -326,7 +325,6 @@ def test_results_of_which_nothing_has_run_are_named():
         sc.compare(data, "final_error")
 
 
-@slow
 def test_equal_brains_are_told_apart_in_few_results():
     """From the dataset on: of 200, more than 20 would be by chance in less than one case of 1,000, if 5 % were."""
     alarms = 0

@@ -14,7 +14,6 @@ from swarmcensus.conformance import machine_code
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.conformance.suite import check, checks
-from tests.slow import slow
 
 GOOD = brains.load("minimalistic").source
 PAGE = Path(__file__).parents[1] / "docs" / "brain-contract.md"
@@ -447,7 +446,6 @@ ORDER = "messages mean the same in any order"
 AT_ONCE = "readings at once mean the same as one by one"
 
 
-@slow
 def test_a_brain_that_keeps_one_message_by_a_fair_lot_is_lawful(tmp_path):
     """Each of the messages is as likely to be kept, in whatever order they come: the same law, and other minds."""
     path = changed(tmp_path / "mine.py", *LUCKY)
@@ -484,7 +482,7 @@ def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_e
 @pytest.mark.parametrize(
     ("line", "lawful"),
     [
-        pytest.param("    me.lot = me.luck\n", True, marks=slow),
+        ("    me.lot = me.luck\n", True),
         ("    if me.luck < 0.9 ** looks:\n        me.heard += 1.0\n", False),
         ("    me.lot += me.luck\n", False),
         ("    if me.luck < 1.0 - 0.9 ** looks:\n        me.heard = 1.0\n", True),

@@ -13,7 +13,6 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.worlds import is_rs_robust
 from tests.second import SEED, brain, fixed, moving
-from tests.slow import slow
 
 LINEAR, WMSR, GATED = (brains.load(name) for name in ("linear-consensus", "w-msr", "gated-mean"))
 ALL = [LINEAR, WMSR, GATED]
@@ -87,7 +86,6 @@ def neighbours(topology, robots):
     return [list(graph[i]) for i in range(robots)]
 
 
-@slow
 @each
 def test_they_conform_with_short_phases_too(used, untraced):
     """With the phases of the file, nobody speaks within what the check lives through: what is heard is tried here."""

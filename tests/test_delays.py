@@ -15,7 +15,6 @@ from swarmcensus.simulation.blaming import line_of_failure
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference
 from tests.second import changed, fixed
-from tests.slow import slow
 from tests.small import FAULTS, GO, PASSING, SEED, failing, heard_in, moving_of, settings_of
 from tests.test_adversaries import liars, lived
 from tests.test_study_checks import BOTH, MOVING, RING
@@ -80,7 +79,7 @@ def test_late_messages_meet_the_same_luck_and_losses():
     assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
 
 
-@pytest.mark.parametrize(("topology", "robots"), [("ring", 6), ("full", 7), pytest.param("full", 33_000, marks=slow)])
+@pytest.mark.parametrize(("topology", "robots"), [("ring", 6), ("full", 7), ("full", 33_000)])
 def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
     """By hand: s(t) = D y(t) + O y(t - d), where y is what is said, and s(t) = y(t) as long as nothing is heard.
 

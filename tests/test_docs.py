@@ -23,7 +23,6 @@ from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
 from swarmcensus.studies.toml_text import to_toml
 from swarmcensus.worlds.bodies import Body
 from tests.conftest import OUR_C_LIBRARY
-from tests.slow import slow
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
@@ -32,26 +31,15 @@ RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab"}
 OTHER_PROGRAMS = {"pip", "python", "pytest", "ruff", "lint-imports", "mypy", "pre-commit", "source", ".ci/run"}
 EXAMPLE = ROOT / "studies" / "example"
-STUDIES = (
-    "beyond-changing.md",
-    "beyond-unknown-sensors.md",
-    "rivals-consensus.md",
-    "rivals-opinions.md",
-    "rivals-others.md",
-    "strobel-2020.md",
-    "wrong-beliefs.md",
-)
 
 
 def blocks(page, *languages):
     return [text for language, text in BLOCK.findall(page.read_text(encoding="utf-8")) if language in languages]
 
 
-def with_blocks(*languages, slowly=()):
-    """Pages with such blocks; of those named `slowly`, blocks run whole studies."""
+def with_blocks(*languages):
     pages = [page for page in PAGES if blocks(page, *languages)]
-    given = [pytest.param(page, id=page.name, marks=[slow] * (page.name in slowly)) for page in pages]
-    return pytest.mark.parametrize("page", given)
+    return pytest.mark.parametrize("page", pages, ids=lambda page: page.name)
 
 
 def examples(*languages):
@@ -68,7 +56,7 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
 
 
-@with_blocks("python", slowly=STUDIES)
+@with_blocks("python")
 def test_python_runs(page, tmp_path, monkeypatch, capsys):
     """The blocks of a page one after the other, in a folder with the example's files.
 

@@ -26,7 +26,7 @@ from swarmcensus.brains import adversary
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
 from swarmcensus.worlds import patterns, spreading, wiring
-from tests.slow import slow, times
+from tests.slow import times
 
 # processes begun here go known ways: what is new in them is traced in this one
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -245,7 +245,6 @@ def done(package, tmp_path_factory):
     return folder
 
 
-@slow
 def test_the_dataset_names_additions_with_the_keys_that_are_not_as_usual(done):
     fixed, moving = sc.load(done / "fixed.nc"), sc.load(done / "moving.nc")
     assert list(dict.fromkeys(fixed["topology"].values)) == [
@@ -517,7 +516,6 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
     assert sc.verify(results, 1.0).differences == []
 
 
-@slow
 def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (

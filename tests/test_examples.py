@@ -10,7 +10,6 @@ from swarmcensus import brains
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.conformance.promises import PROMISES
-from tests.slow import slow
 
 EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
 BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
@@ -45,7 +44,6 @@ def test_each_uses_what_it_is_there_to_show():
     assert all(len(one.source.splitlines()) < 80 for one in used.values())
 
 
-@slow
 def test_all_believe_better_than_chance(results):
     """Nearer to the truth than 0.5, which is believed before anything is seen; decisions are mostly right."""
     data = results["second-edition"]

@@ -11,7 +11,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.leaderboard import entries
 from swarmcensus.leaderboard.board import leaderboard
 from swarmcensus.leaderboard.scores import COLUMNS, scores_of
-from tests.slow import slow
 
 SMALL = """
 name = "leaderboard"
@@ -156,7 +155,6 @@ def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsy
     assert "trials each, by `swarmcensus leaderboard mine.py`" in text
 
 
-@slow
 def test_why_results_are_run_again_is_the_truth(small):
     """By the name that is given, of which results are: the same file from another folder has another one."""
     leaderboard(["mine.py"], "out", trials=1)

@@ -16,7 +16,6 @@ from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
 from tests.second import MEANS
-from tests.slow import slow
 
 MINE = '"""Grey: it says one half, and a little more each round."""\n\nPARAMETERS = {"more": 0.01}\nMEMORY = {"k": 0.0}\n\n\ndef lie(me, x):\n    return 0.5 + me.k\n\n\ndef plot(me):\n    me.k += me.more\n'  # noqa: E501
 STUDY = """
@@ -63,7 +62,6 @@ def data(folder):
     return sc.load(folder / "s.nc")
 
 
-@slow
 def test_liars_are_a_number_and_have_a_name(data):
     assert data.sizes["setting"] == 2 * (1 + 2 * 5)
     assert data["liars"].values.tolist() == 2 * ([0] + [1] * 5 + [3] * 5)
@@ -276,7 +274,6 @@ def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes):
     assert "FAIL" in capsys.readouterr().out
 
 
-@slow
 def test_merged_results_of_which_a_part_has_liars_are_the_same_when_run_again(tmp_path, capsys):
     """What is joined of the parts belongs to them all, whichever comes first."""
 

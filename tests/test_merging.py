@@ -10,7 +10,6 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.runs.resuming import hold
-from tests.slow import slow
 
 TABLES = {
     "name": "parts",
@@ -210,7 +209,6 @@ def test_what_only_some_of_merged_results_measured_is_no_difference():
         assert (found.setting, found.variable) == (where[0], name)
 
 
-@slow
 def test_an_output_is_not_thrown_away(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"robots_in_swarm": 4}), ("c", {"trials": 5})):

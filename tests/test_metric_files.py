@@ -17,7 +17,6 @@ from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read
 from swarmcensus.simulation import trials, watches
-from tests.slow import slow
 
 LIBRARY = metrics.DOOR.shipped
 STUDY = """
@@ -191,7 +190,6 @@ def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_pat
     assert {"infinity"} == {s["swarm_right"]["median"] for s in found if isinstance(s["swarm_right"]["median"], str)}
 
 
-@slow
 def test_a_run_that_goes_on_has_the_same_metrics_and_takes_no_other_version(fixed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)

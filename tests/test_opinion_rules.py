@@ -12,10 +12,8 @@ from swarmcensus.conformance import suite
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.conformance.promises import PROMISES
 from tests.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, quick, robot, rounds, telling
-from tests.slow import slow
 
 
-@slow
 @pytest.mark.parametrize("name", QUICK)
 def test_they_keep_the_contract_where_phases_are_short(name, untraced):
     brain = quick(name, debiased=1.0)

@@ -10,7 +10,6 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import parse
 from swarmcensus.engine.modes import SENSING
 from swarmcensus.results.replaying import recording
-from tests.slow import slow
 
 ORACLE = brains.load("oracle")
 MIXED = {"black": "U(0.55, 1.0)", "white": "U(0.1, 0.9)"}
@@ -121,7 +120,6 @@ def test_a_steering_swarm_has_one_too(tmp_path):
         assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
 
 
-@slow
 def test_steps_that_turn_back_are_shortened_and_end_at_the_maximum():
     """Few readings of very unequal sensors: plain scoring goes to and fro for ever in some of these."""
     chance, stuck = np.random.default_rng(0), 0

@@ -15,7 +15,6 @@ from swarmcensus.planning.sites import capacity, fewest
 from swarmcensus.planning.starts import between, hardest, readings_needed, start_of, worst
 from swarmcensus.planning.trying import Case, curves, study_of
 from swarmcensus.worlds import arena
-from tests.slow import slow
 
 QUIET = {"progress": lambda _: None}
 RING = {
@@ -125,7 +124,6 @@ def test_an_oracle_hears_no_liar():
     assert row.minutes_low <= 1.2 * row.theory.pooled
 
 
-@slow
 def test_a_world_is_planned_as_if_it_were_alone():
     several = sc.plan(
         changed(free={"topology": ["ring", "full", "moving"], "brain": "commons", "density": [5, 10]}), **QUIET
@@ -220,7 +218,6 @@ def test_a_figure_has_a_line_a_brain_and_world():
         assert len(line.get_xdata()) == 2
 
 
-@slow
 def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
     """Of ten robots two say the opposite, which at 0.5 is the truth: theory's worst f, and no worst of theirs.
 
@@ -250,7 +247,6 @@ def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
     assert min(shares[row.minutes_high]) >= 0.95 - 0.02
 
 
-@slow
 def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_range_too():
     """At 0.88 min ten robots of which two lie are right at 0.3, 0.5 and 0.7 and in only 70 % near 0.43."""
     known = {"accuracy": 0.7, "fill_ratio": [0.3, 0.7], "lying": 0.2, "lie": "opposite"}

@@ -23,7 +23,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import DOOR, find
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
-from tests.slow import slow
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 
@@ -131,7 +130,6 @@ def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
-@slow
 def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere):
     code = """
 import json, swarmcensus as sc
@@ -472,7 +470,6 @@ def test_trials_that_were_not_run_are_left_out_of_lines():
         sc.plot.lines(forget(robots(), trial=slice(None)))
 
 
-@slow
 def test_lines_of_long_names_and_of_many_stay_on_the_paper():
     long = ["warehouse_measured_links_2024-05-17_north_wing_final_v2", "b", "w" * 90, "costs $2 or $3"]
     names = [*long, *"defgh"]

@@ -16,7 +16,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler, glue
 from swarmcensus.engine.modes import PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
-from tests.slow import slow
 from tests.small import GO, SEED, settings_of
 
 SLOW = ("numba", "xarray", "pandas", "matplotlib", "networkx", "h5py")
@@ -166,7 +165,7 @@ def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, doe
     assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
 
 
-@pytest.mark.parametrize("robots", [300, pytest.param(33_000, marks=slow)])
+@pytest.mark.parametrize("robots", [300, 33_000])
 def test_large_full_networks_hear_everyone_else(robots):
     """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
     (setting,) = settings_of(robots=robots, rounds=3, looks=10, topology="full", accuracy="U(0.6, 0.9)")

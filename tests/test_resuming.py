@@ -26,7 +26,7 @@ from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status import status
-from tests.slow import slow, times
+from tests.slow import times
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -649,7 +649,6 @@ def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
     assert not Path("a.nc").exists()
 
 
-@slow
 def test_status_of_shares_and_of_what_was_merged(here):
     def lines(name):
         return status(name).lines[1:]
@@ -717,9 +716,9 @@ def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
 @pytest.mark.parametrize(
     "measure",
     [
-        pytest.param("local = false", marks=slow),
+        "local = false",
         "local = true",
-        pytest.param("local = false\nestimates = true", marks=slow),
+        "local = false\nestimates = true",
     ],
 )
 def test_a_run_that_was_killed_has_an_early_picture(measure, here, monkeypatch, capsys):

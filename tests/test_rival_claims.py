@@ -21,7 +21,6 @@ from swarmcensus.paper import claims, report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome
 from tests.conftest import OUR_C_LIBRARY
-from tests.slow import slow
 
 DOCS = Path(__file__).parents[1] / "docs"
 STORED = json.loads((DOCS / "rivals-claims.json").read_text(encoding="utf-8"))
@@ -51,7 +50,6 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
     assert study.settings()
 
 
-@slow
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
 def test_all_settings_that_a_claim_asks_for_are_in_its_studies(claim, monkeypatch):
     asked = []

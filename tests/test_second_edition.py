@@ -9,7 +9,6 @@ from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference, reference_walks
 from tests.second import ADDS, ALL, STEER, TALKS, agreed, brain, first, fixed, moving
-from tests.slow import slow
 from tests.small import FAULTS, GO, PASSING, SEED, failing, heard_in
 from tests.test_lives import local_curves
 
@@ -94,7 +93,7 @@ def check(setting, trial, minds, fields, estimates, batch, close):
     assert batch.intervals[1, :, 0] == pytest.approx((high - low).mean(axis=1), rel=1e-12)
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[slow] * ("260" in name)) for name in CASES])
+@pytest.mark.parametrize("name", CASES)
 def test_on_fixed_networks(name):
     """Bit for bit, but to rounding where everyone hears everyone and the engine adds in another order."""
     source, case = CASES[name]

@@ -14,7 +14,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
 from swarmcensus.runs.running import run
 from tests.second import ADDS, ALL, STEER, TALKS
-from tests.slow import slow, times
+from tests.slow import times
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -193,7 +193,6 @@ def test_replayed(here, known, name):
         assert (np.isfinite(data["done_round"].values[k, 2, :n]) == ever).all()
 
 
-@slow
 def test_without_numba(here, known):
     """A study of few settings: the last bit of what CPython computes is that of machine code."""
     small = {
@@ -223,7 +222,6 @@ def test_local_estimates_are_those_of_whatever_else_a_study_runs(here, known):
             assert (one[name].values == alike[name].values)[~np.isnan(one[name].values)].all()
 
 
-@slow
 def test_on_a_cluster(here, known):
     cluster = distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"

@@ -19,7 +19,6 @@ from swarmcensus.engine.wishes import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.worlds.bodies import Body
-from tests.slow import slow
 
 # One brain, compiled once: what it wants is told by the accuracy on white that its robots believe in.
 STEER = """
@@ -268,7 +267,6 @@ for name in sys.argv[1:]:
 """
 
 
-@slow
 def test_in_cpython_and_on_fixed_networks(folder):
     """With NUMBA_DISABLE_JIT, which also saves compiling all for fixed networks: there nobody is asked to steer.
 

@@ -16,7 +16,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.results.values import EVERY, MESSAGES
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
-from tests.slow import slow
 
 DATA = Path(__file__).parent / "data"
 PLAIN = """
@@ -123,9 +122,7 @@ def changes(data, but=()):
                 yield f"{key} = {other}", data.drop_attrs(deep=False).assign_attrs(kept)
 
 
-@pytest.mark.parametrize(
-    "name", [pytest.param("kinds", marks=slow), "measures", "rule", pytest.param("merged", marks=slow)]
-)
+@pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged"])
 def test_whatever_is_changed_is_noticed(name, files, quick, untraced):
     """Every variable, coordinate and attribute that is in the file, in several ways each."""
     data = sc.load(files / f"{name}.nc")
@@ -469,7 +466,6 @@ class TestFormats:
         assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
 
-    @slow
     def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
         for name in ("second-3.nc", "second.py", "teller.py"):

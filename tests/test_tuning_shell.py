@@ -15,7 +15,6 @@ from filelock import FileLock
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from tests.slow import slow
 from tests.tunable import SOURCE, text_of
 
 TUNE = ["tune", "s.toml", "--parameters", "a=0:1", "idle=1:9:log", "--trials", "2"]
@@ -182,7 +181,6 @@ def wait_for(process, lines):
         time.sleep(0.002)
 
 
-@slow
 def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     moments = random.Random(5)
     kept = [0]

@@ -14,7 +14,6 @@ from swarmcensus.cli.commands import main
 from swarmcensus.runs import queues
 from swarmcensus.runs.running import run
 from tests.real.one_node import Slurm, free_ports, missing, until
-from tests.slow import slow
 from tests.test_clusters import LONG, Once, same, study
 
 pytestmark = pytest.mark.skipif(bool(missing()), reason=f"no {', '.join(missing())} here: see tests/real/install.sh")
@@ -76,7 +75,6 @@ def test_jobs_give_the_bits_of_threads(slurm, threads, capsys):
     assert len(list(Path("logs").glob("*.err"))) == 2
 
 
-@slow
 @pytest.mark.parametrize("cluster", ["two.toml", "one.toml"])
 def test_jobs_that_a_user_cancels_are_replaced(slurm, threads, cluster):
     cancelled = []
@@ -86,7 +84,6 @@ def test_jobs_that_a_user_cancels_are_replaced(slurm, threads, cluster):
     assert same(data, threads)
 
 
-@slow
 def test_a_node_that_crashes_and_comes_back_costs_nothing(slurm, threads):
     def power_cut():
         slurm.crash()
@@ -107,7 +104,6 @@ def test_a_node_daemon_that_is_killed_and_started_again_costs_nothing(slurm, thr
     assert same(data, threads)
 
 
-@slow
 def test_a_node_that_is_down_for_a_while_costs_nothing(slurm):
     """Until Slurm has given up its jobs and put them back into the queue."""
     longer = study(LONG).with_(trials=2000)
@@ -130,7 +126,6 @@ def test_a_node_that_is_down_for_a_while_costs_nothing(slurm):
     assert same(data, sc.run(longer, jobs=2))
 
 
-@slow
 def test_a_job_that_hits_its_walltime_is_submitted_anew(slurm, threads, monkeypatch):
     monkeypatch.setattr(queues, "GRACE_SECONDS", 30.0)
     """The work lasts for longer than Slurm takes to look at the clock; trials are the same however many there are."""
@@ -202,7 +197,6 @@ def test_why_jobs_wait_is_said(slurm):
     assert notes[-1] == "waiting for workers: Slurm says PENDING, PartitionTimeLimit"
 
 
-@slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_that_is_stopped_cancels_its_jobs(slurm, number):
     with running("two.toml") as process:
@@ -213,7 +207,6 @@ def test_a_run_that_is_stopped_cancels_its_jobs(slurm, number):
     assert "run again to go on" in Path("said").read_text()
 
 
-@slow
 def test_jobs_end_by_themselves_when_the_run_is_killed(slurm):
     with running("one.toml"):
         until(lambda: "starting" in Path("said").read_text(), "workers are there")

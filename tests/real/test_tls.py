@@ -15,7 +15,6 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import clusters
 from tests.real.one_node import until
-from tests.slow import slow
 from tests.test_clusters import LONG, same, study
 
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl here, which makes the certificates")
@@ -80,7 +79,6 @@ def ended(process):
         process.wait()
 
 
-@slow
 def test_a_scheduler_with_certificates_gives_the_bits_of_threads(scheduler, right, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("long.toml").write_text(LONG)

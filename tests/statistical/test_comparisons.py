@@ -12,7 +12,6 @@ from scipy import stats
 
 from swarmcensus.basics.bootstrap import intervals
 from swarmcensus.results.contests import Asked, contests
-from tests.slow import slow
 
 TABLES = 1000
 MOST = int(stats.binom.ppf(0.999, TABLES, 0.05))  # of tables with a false alarm, if the share is 5 %: 72
@@ -48,12 +47,12 @@ def judged(numbers, statistic="median"):
     ("kind", "shape"),
     [
         ("continuous", (1, 1, 2, 6)),
-        pytest.param("continuous", (3, 1, 2, 10), marks=slow),
+        ("continuous", (3, 1, 2, 10)),
         ("continuous", (1, 2, 5, 30)),
-        pytest.param("tied", (3, 2, 2, 6), marks=slow),
-        pytest.param("tied", (2, 3, 5, 10), marks=slow),
-        pytest.param("tied", (2, 1, 5, 30), marks=slow),
-        pytest.param("heavy", (1, 4, 2, 30), marks=slow),
+        ("tied", (3, 2, 2, 6)),
+        ("tied", (2, 3, 5, 10)),
+        ("tied", (2, 1, 5, 30)),
+        ("heavy", (1, 4, 2, 30)),
         ("heavy", (2, 1, 5, 10)),
         ("heavy", (1, 1, 5, 6)),
     ],

@@ -11,7 +11,6 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains
-from tests.slow import slow
 
 P = 1e-3
 TIMES = {"explore": 2.0, "disseminate": 4.0}
@@ -135,7 +134,6 @@ def fixed_point(wrong, quiet):
     return majority, lost / (1.0 + lost)
 
 
-@slow
 def test_cross_inhibition_stays_decided_though_messages_are_wrong():
     """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %."""
     quiet = 2.0

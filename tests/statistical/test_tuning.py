@@ -6,7 +6,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.tuning import rounds, tuning
-from tests.slow import slow, times
+from tests.slow import times
 from tests.tunable import study_of
 
 
@@ -28,7 +28,6 @@ def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path):
     assert called_better(tmp_path, studies) <= stats.binom.ppf(0.999, studies, 0.05)  # 13 or 5
 
 
-@slow
 def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
     """The same with the study's own seed in training and the luckiest candidate for winner: that test is no idle one.
 
