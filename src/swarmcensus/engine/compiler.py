@@ -17,6 +17,7 @@ WALK = ("motion.py", "neighbours.py", "failures.py")
 MINDS = ("minds.py", "failures.py")
 PARTS = {  # what a file imports from its own folder
     "kernel": ("rounds.py", *MINDS),
+    "living": ("rounds.py", *MINDS),
     "riding": MINDS,
     "walk": WALK,
     "steering": ("riding.py", "minds.py", "walk.py", *WALK),

@@ -79,6 +79,52 @@ def set_out(
     return state, numbers, half, around, listed
 
 
+class Walk:
+    """The walk of one trial: all that it is lies in arrays, which are those of the tick before the next."""
+
+    def __init__(
+        self,
+        robots: int,
+        side: float,
+        body: Body,
+        key: np.ndarray,
+        trial: int,
+        stop: np.ndarray,
+        poses: bool = False,
+        stops: np.ndarray = NO_STOPS,
+        wishes: np.ndarray = NO_WISHES,
+        paces: np.ndarray | None = None,
+    ) -> None:
+        """Put robots in their places; the rest is as `walk` takes it. Raises InputError where they find no room."""
+        self.module = compile_world("walk")
+        self.state, self.numbers, self.half, self.around, listed = set_out(robots, side, body, key, trial, paces)
+        self.senders = np.zeros(listed + SENDERS, np.uint32)
+        self.key, self.trial, self.stop, self.stops, self.wishes = key, trial, stop, stops, wishes
+        self.robots, self.poses = robots, poses
+
+    def poses_now(self) -> np.ndarray:
+        """Where robots are: x, y, heading (robot, 3)."""
+        x, y, sine, cosine = (self.state[row] for row in (X, Y, SIN, COS))
+        return np.stack([x, y, np.arctan2(sine, cosine)], axis=1)
+
+    def on(self, tick: int, most: int) -> Chunk | None:
+        """Walk on from a tick, so many ticks at the most; None if stopped."""
+        robots = self.robots
+        looked = np.zeros((most, robots), np.bool_)
+        tiles = np.zeros((most, robots, 2), np.int32)
+        heard = np.zeros(most * robots + 1, np.int64)
+        seen = np.zeros((most if self.poses else 0, robots, 3))
+        begin = self.poses_now() if self.poses else seen[:0, 0]
+        done = self.module.walk(
+            self.state, self.numbers, self.half, self.key, self.trial, tick, looked, tiles, heard, self.senders, seen,
+            *self.around, self.wishes, self.stops, self.stop,
+        )  # fmt: skip
+        if self.stop[0] != 0:
+            return None
+        said = self.senders[: heard[done * robots]].copy()
+        return Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], said, seen[:done], begin)
+
+
 def walk(
     robots: int,
     side: float,
@@ -97,22 +143,11 @@ def walk(
     `wishes` (3, robot) of brains that steer are read anew for each tick: chunks are of one tick then.
     Raises InputError where the robots find no room.
     """
-    module = compile_world("walk")
-    state, numbers, half, around, listed = set_out(robots, side, body, key, trial, paces)
-    senders = np.zeros(listed + SENDERS, np.uint32)
-    tick = 1
+    made = Walk(robots, side, body, key, trial, stop, poses, stops, wishes, paces)
+    tick, fit = 1, max(1, CHUNK_BYTES // (robots * (41 if poses else 17)))
     while tick <= ticks:
-        length = 1 if wishes.size else min(ticks + 1 - tick, max(1, CHUNK_BYTES // (robots * (41 if poses else 17))))
-        looked = np.zeros((length, robots), np.bool_)
-        tiles = np.zeros((length, robots, 2), np.int32)
-        heard = np.zeros(length * robots + 1, np.int64)
-        seen = np.zeros((length if poses else 0, robots, 3))
-        begin = np.stack([state[X], state[Y], np.arctan2(state[SIN], state[COS])], axis=1) if poses else seen[:0, 0]
-        done = module.walk(
-            state, numbers, half, key, trial, tick, looked, tiles, heard, senders, seen, *around, wishes, stops, stop
-        )
-        if stop[0] != 0:
+        chunk = made.on(tick, 1 if wishes.size else min(ticks + 1 - tick, fit))
+        if chunk is None:
             return
-        said = senders[: heard[done * robots]].copy()
-        yield Chunk(tick, looked[:done], tiles[:done], heard[: done * robots + 1], said, seen[:done], begin)
-        tick += done
+        yield chunk
+        tick += len(chunk.looked)

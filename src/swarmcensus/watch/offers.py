@@ -1,0 +1,240 @@
+"""What a page may ask to see: the settings of a study or of results, with some of their values changed.
+
+A page names brains, floors and adversaries; none is a file but those that whoever began the server named.
+"""
+
+import math
+import os
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.brains import adversary
+from swarmcensus.results.early import opened
+from swarmcensus.results.origins import setting_of, studies_of
+from swarmcensus.studies.members import Member, Members, check
+from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.study import Study
+from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
+from swarmcensus.worlds.bodies import Body
+from swarmcensus.worlds.networks import Topology
+from swarmcensus.worlds.patterns import Floor
+
+MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
+MOST_PAIRS = 4_000_000  # of robots that all hear each other
+SHOWN = {
+    "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
+    "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
+    "schedule": {"ticks": 10_000},
+}  # where no study is named
+FLOORS = ("tiles", "half", {"clusters": 0.3}, {"stripes": 0.5})
+LIAR = "always-black"
+KEYS = (
+    "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
+    "link_success", "floor", "liars", "adversary", "rounds",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Offer:
+    """What may be watched: settings by number, and what may take the place of their values."""
+
+    name: str
+    numbers: tuple[int, ...]
+    find: Callable[[int], tuple[Study, Setting]]
+    study: Study
+    topologies: dict[str, Topology]
+    floors: dict[str, Floor]
+    brains: dict[str, brains.Brain]  # those of the study, beside all that are installed
+    adversaries: dict[str, brains.Adversary]
+
+
+@dataclass(frozen=True)
+class Wanted:
+    """One trial to be watched, and another setting in the same world beside it."""
+
+    study: Study
+    settings: tuple[Setting, ...]
+    seed: int
+    trial: int
+    asked: dict[str, str]  # what differs from the first trial of the first setting
+
+
+def offer_of(path: Path | None, given: tuple[Path, ...] = ()) -> Offer:
+    """Offer a study file's settings, those of a results file, or a small swarm; and brain files beside theirs.
+
+    Raises InputError.
+    """
+    if path is not None and path.suffix == ".nc":
+        data = opened(path)
+        study = studies_of(data, given)[0]
+        numbers = tuple(map(int, data["setting"].values))
+        return _offer(path.name, numbers, study, {}, lambda number: setting_of(data, number, given))
+    more = {brain.told: brain for brain in map(brains.load, given)}
+    study = Study(name="a small swarm", trials=1000, seed=1, **SHOWN) if path is None else Study.load(path)
+    settings = study.settings()
+    name = path.name if path else study.name
+    return _offer(name, tuple(range(len(settings))), study, more, lambda number: (study, settings[number]))
+
+
+def _offer(
+    name: str,
+    numbers: tuple[int, ...],
+    study: Study,
+    more: Mapping[str, brains.Brain],
+    find: Callable[[int], tuple[Study, Setting]],
+) -> Offer:
+    floors = [floor for grid in study.grids if grid.moves for floor in grid.world.floor or ()]
+    plain = [networks.parse_topology(kind, None, {}) for kind in wiring.DOOR.shipped]
+    theirs = (brain for grid in study.grids for brain in grid.swarm.brain)
+    return Offer(
+        name=name,
+        numbers=numbers,
+        find=find,
+        study=study,
+        topologies={str(topology): topology for topology in (*study.topologies, *plain)},
+        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(one, None, {}) for one in FLOORS))},
+        brains={brain.told: brain for brain in theirs} | dict(more),
+        adversaries={one.name: one for one in study.adversaries},
+    )
+
+
+def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
+    """The trial that is asked for, key by key; what is not asked for is as in the setting. Raises InputError."""
+    for key in asked:
+        if key not in KEYS:
+            raise InputError(f"{key}: {did_you_mean(key, KEYS)}known here: {', '.join(KEYS)}")
+    number = _whole(asked, "setting", offer.numbers[0], 0, 2**31)
+    if number not in offer.numbers:
+        raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
+    study, setting = offer.find(number)
+    trial = _whole(asked, "trial", 1, 0, 2**31 - 1)
+    seed = _whole(asked, "seed", study.seed, 0, 2**63 - 1)
+    changed = _changed(offer, setting, asked)
+    _check(changed, study)
+    settings = [changed]
+    if asked.get("beside"):
+        settings.append(replace(changed, brain=_brain(offer, "beside", asked["beside"])))
+        _check(settings[1], study)
+    return Wanted(study, tuple(settings), seed, trial, {key: value for key, value in asked.items() if value != ""})
+
+
+def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Setting:
+    asked = {key: value for key, value in asked.items() if value != ""}
+    values: dict[str, Any] = {}
+    if "brain" in asked:
+        values["brain"] = _brain(offer, "brain", asked["brain"])
+    if "topology" in asked:
+        values["topology"] = _one_of(offer.topologies, "topology", asked["topology"])
+    moves = values.get("topology", setting.topology).moves
+    if moves and setting.body is None:
+        values |= {"body": Body(), "density": 1.0, "floor": Floor(), "rounds": 10_000, "observations_per_round": 1}
+        values["delay"] = 0
+    if not moves and setting.body is not None:
+        values |= {"body": None, "density": None, "floor": None, "rounds": 1000, "observations_per_round": 10}
+    values["robots"] = _whole(asked, "robots", setting.robots, 1, MOST_ROBOTS)
+    values["rounds"] = _whole(asked, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
+    if "accuracy" in asked:
+        try:
+            values["accuracy"] = sensors.parse_accuracy(_number_or_text(asked["accuracy"]))
+        except ValueError as error:
+            raise InputError(f"accuracy = {asked['accuracy']}: {error}") from None
+    if "fill_ratio" in asked:
+        values |= {"fill_ratio": _number(asked, "fill_ratio", 0.0, 1.0), "change": None}
+    if "link_success" in asked:
+        values["link_success"] = _number(asked, "link_success", 0.0, 1.0)
+    if moves and "density" in asked:
+        values["density"] = _number(asked, "density", 0.0, 1e6)
+    if moves and "floor" in asked:
+        values["floor"] = _one_of(offer.floors, "floor", asked["floor"])
+    if "liars" in asked or "adversary" in asked:
+        liars = [member for member in setting.members if not member.honest]
+        known = [member.brain for member in liars if isinstance(member.brain, brains.Adversary)]
+        share = _number(asked, "liars", 0.0, 1.0) if "liars" in asked else _share(liars, values["robots"])
+        who = _adversary(offer, asked["adversary"]) if "adversary" in asked else next(iter(known), None)
+        lying = Member(share, who or adversary.load(LIAR), honest=False, share=True)
+        others = tuple(member for member in setting.members if member.honest)
+        values["members"] = (*others, *([lying] if lying.count(values["robots"]) else []))
+    return replace(setting, **values)
+
+
+def _check(setting: Setting, study: Study) -> None:
+    """Raise InputError where values do not go together, or are more than can be watched."""
+    try:
+        setting.topology.check(setting.robots)
+        if setting.body is not None:
+            assert setting.density is not None
+            most = arena.largest_density(setting.robots, setting.body)
+            if not 0.0 < setting.density <= most:
+                raise ValueError(f"density = {setting.density:g}: should be above 0 and at most {most:.4g} here")
+            (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
+        elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
+            raise ValueError(
+                f"{setting.robots} robots that all hear each other: {MOST_PAIRS**0.5:.0f} is the most here"
+            )
+        for member in setting.members:
+            told = {"robots": [member.robots], "honest": member.honest}
+            told |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
+            sizes, moves = [setting.robots], setting.body is not None
+            check((Members.model_construct(**{**dict.fromkeys(Members.model_fields), **told}),), [setting.brain], sizes, moves)  # fmt: skip
+    except ValueError as error:
+        raise InputError(str(error)) from None
+
+
+def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
+    """A brain of the study, or one that is installed: never a file, whatever its name."""
+    if name not in offer.brains and name not in brains.DOOR:
+        raise InputError(
+            f"{key} = {name}: {did_you_mean(name, names_of(offer))}no brain of this study, nor a shipped one"
+        )
+    return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
+
+
+def names_of(offer: Offer) -> list[str]:
+    """The brains that can be watched."""
+    return list(dict.fromkeys([*offer.brains, *brains.DOOR.names]))
+
+
+def _adversary(offer: Offer, name: str) -> brains.Adversary:
+    if name not in offer.adversaries and name not in adversary.DOOR:
+        raise InputError(f"adversary = {name}: {did_you_mean(name, adversary.DOOR.names)}no adversary of that name")
+    return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
+
+
+def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
+    if name not in known:
+        raise InputError(f"{key} = {name}: {did_you_mean(name, known)}one of {', '.join(known)}")
+    return known[name]
+
+
+def _share(members: list[Member], robots: int) -> float:
+    return sum(member.count(robots) for member in members) / robots
+
+
+def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:
+    text = asked.get(key, "")
+    if text == "":
+        return usual
+    if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
+        raise InputError(f"{key} = {text[:40]}: should be a whole number from {least} to {most}")
+    return int(text)
+
+
+def _number(asked: Mapping[str, str], key: str, least: float, most: float) -> float:
+    value = _number_or_text(asked[key])
+    if isinstance(value, str) or not least <= value <= most:
+        raise InputError(f"{key} = {asked[key][:40]}: should be a number from {least:g} to {most:g}")
+    return value
+
+
+def _number_or_text(text: str) -> float | str:
+    try:
+        value = float(text)
+    except ValueError:
+        return text
+    return value if math.isfinite(value) else text

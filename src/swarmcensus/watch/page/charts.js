@@ -1,0 +1,175 @@
+"use strict";
+// Curves of the whole run beside the swarm, drawn as it is seen: estimates, shares, messages.
+
+const MOST_POINTS = 2000;
+const SIDES = ["--a", "--b"];
+
+class History {
+  constructor(scene) {
+    this.columns = scene.columns;
+    this.every = Math.max(1, Math.ceil(scene.rounds / MOST_POINTS));
+    this.points = Math.floor(scene.rounds / this.every) + 1;
+    this.rows = scene.columns.map(() => new Array(this.points).fill(null));
+    this.seen = new Uint8Array(this.points);
+  }
+
+  put(frame) {
+    const at = Math.floor(frame.tick / this.every);
+    if (this.seen[at] && frame.tick % this.every !== 0) return;
+    this.seen[at] = 1;
+    for (let c = 0; c < this.rows.length; c++) this.rows[c][at] = Number.isNaN(frame.numbers[c]) ? null : frame.numbers[c];
+  }
+
+  of(name) {
+    return this.rows[this.columns.indexOf(name)];
+  }
+
+  has(name) {
+    return this.of(name).some((value) => value !== null);
+  }
+}
+
+const dim = (name, part) => `color-mix(in srgb, ${tone(name)} ${part}%, transparent)`;
+
+class Charts {
+  constructor(host, scenes, seek) {
+    this.host = host;
+    this.scenes = scenes;
+    this.seek = seek;
+    this.histories = scenes.map((scene) => new History(scene));
+    this.tick = 0;
+    this.due = 0;
+    this.plots = [];
+  }
+
+  get several() {
+    return this.scenes.length > 1;
+  }
+
+  label(text, side) {
+    return this.several ? `${text}, ${this.scenes[side].brain}` : text;
+  }
+
+  build() {
+    this.host.replaceChildren();
+    this.plots = [this.estimates(), this.shares(), this.messages()];
+    this.refresh();
+  }
+
+  xs() {
+    const { every, points } = this.histories[0];
+    return Array.from({ length: points }, (_, k) => k * every);
+  }
+
+  make(title, unit, series, values, bands = [], more = {}) {
+    const box = document.createElement("div");
+    box.className = "chart";
+    const head = document.createElement("h3");
+    head.textContent = title;
+    box.append(head);
+    this.host.append(box);
+    const axis = { stroke: tone("--soft"), grid: { stroke: tone("--line"), width: 1 }, ticks: { stroke: tone("--line") }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif", labelSize: 20, labelGap: 0 };
+    const plot = new uPlot(
+      {
+        width: Math.max(260, this.host.clientWidth), height: 190, bands,
+        scales: { x: { time: false, range: [0, this.scenes[0].rounds] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
+        axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62 }],
+        series: [{ label: this.scenes[0].unit }, ...series],
+        legend: { live: true },
+        cursor: { drag: { setScale: false } },
+        hooks: {
+          draw: [(u) => this.mark(u)],
+          ready: [(u) => u.over.addEventListener("click", () => this.seek(Math.round(u.posToVal(u.cursor.left, "x"))))],
+        },
+      },
+      [this.xs(), ...values()],
+      box,
+    );
+    plot.values = values;
+    return plot;
+  }
+
+  mark(u) {
+    const x = u.valToPos(this.tick, "x", true);
+    const g = u.ctx;
+    g.save();
+    g.strokeStyle = tone("--ink");
+    g.lineWidth = 1.5;
+    g.beginPath();
+    g.moveTo(x, u.bbox.top);
+    g.lineTo(x, u.bbox.top + u.bbox.height);
+    g.stroke();
+    g.restore();
+  }
+
+  line(text, side, more = {}) {
+    const value = (_, v) => (v === null || v === undefined ? "–" : Math.abs(v) >= 1000 ? Math.round(v).toLocaleString("en") : v.toPrecision(4).replace(/\.?0+$/, ""));
+    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: 2, value, points: { show: false }, spanGaps: true, ...more };
+  }
+
+  estimates() {
+    const series = [{ ...this.line("truth", 0, { stroke: tone("--ink"), dash: [6, 4], width: 1.5 }), label: "fill ratio" }];
+    const names = [[0, "truth"]];
+    const bands = [];
+    this.scenes.forEach((scene, side) => {
+      const first = series.length + 1;
+      const hidden = { width: 0, stroke: "transparent" };
+      series.push(
+        this.line("highest", side, hidden), this.line("lowest", side, hidden), this.line("upper quarter", side, hidden),
+        this.line("lower quarter", side, hidden), this.line("median", side),
+      );
+      names.push([side, "highest"], [side, "lowest"], [side, "high"], [side, "low"], [side, "median"]);
+      bands.push({ series: [first, first + 1], fill: dim(SIDES[side], 14) }, { series: [first + 2, first + 3], fill: dim(SIDES[side], 30) });
+      if (scene.layers & LAYER.intervals) {
+        const dotted = { dash: [2, 3], width: 1.5 };
+        series.push(this.line("interval from", side, dotted), this.line("to", side, dotted));
+        names.push([side, "interval_low"], [side, "interval_high"]);
+      }
+    });
+    return this.make("Estimates: median, middle half and range of the honest robots", "fill ratio", series, () => names.map(([side, name]) => this.histories[side].of(name)), bands, { range: [0, 1] });
+  }
+
+  shares() {
+    const series = [];
+    const names = [];
+    this.scenes.forEach((scene, side) => {
+      series.push(this.line("in the right bin", side));
+      names.push([side, "right"]);
+      if (scene.layers & LAYER.decisions) {
+        series.push(this.line("decided", side, { dash: [8, 4] }), this.line("decided right", side, { dash: [2, 3] }), this.line("done", side, { dash: [8, 3, 2, 3] }));
+        names.push([side, "decided"], [side, "decided_right"], [side, "done"]);
+      }
+    });
+    return this.make("Robots that are right", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: [0, 1] });
+  }
+
+  messages() {
+    const series = [];
+    const names = [];
+    this.scenes.forEach((_, side) => {
+      series.push(this.line("sent", side, { dash: [6, 4] }), this.line("heard", side));
+      names.push([side, "sent"], [side, "heard"]);
+    });
+    return this.make("Messages of all robots so far", "messages", series, () => names.map(([side, name]) => this.histories[side].of(name)));
+  }
+
+  put(side, frames) {
+    for (const frame of frames) this.histories[side].put(frame);
+  }
+
+  // as often as an eye can tell, but not with every picture
+  show(tick, now, force = false) {
+    this.tick = tick;
+    if (!force && now < this.due) return;
+    this.due = now + 200;
+    this.refresh();
+  }
+
+  refresh() {
+    for (const plot of this.plots) plot.setData([this.xs(), ...plot.values()]);
+  }
+
+  resize() {
+    for (const plot of this.plots) plot.setSize({ width: Math.max(260, this.host.clientWidth), height: 190 });
+  }
+}

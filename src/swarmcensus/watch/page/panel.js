@@ -1,0 +1,95 @@
+"use strict";
+// What stands beside the swarm: the world's controls, the numbers of the moment, and one robot in full.
+
+const CONTROLS = [
+  ["brain", "Brain"], ["beside", "Beside it"], ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
+  ["accuracy", "Sensor accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: 0.05 }],
+  ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
+  ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
+  ["liars", "Share of liars", { type: "number", min: 0, max: 1, step: 0.05 }], ["adversary", "Their lie"],
+  ["rounds", "Length", { type: "number", min: 1, step: 1 }], ["setting", "Setting", { type: "number", min: 0, step: 1 }],
+  ["trial", "Trial", { type: "number", min: 0, step: 1 }], ["seed", "Seed", { type: "text", inputmode: "numeric" }],
+];
+
+function element(name, attributes = {}, ...children) {
+  const made = document.createElement(name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
+function buildControls(host, form, change, fixed) {
+  host.replaceChildren();
+  for (const [key, text, attributes] of CONTROLS) {
+    const choices = form.choices[key];
+    if ((key === "floor" && !choices.length) || (key === "density" && form.now.density === "")) continue;
+    if (key === "setting" && form.settings[0] === form.settings[1]) continue;
+    const id = `control-${key}`;
+    const input = choices ? element("select", { id, name: key }) : element("input", { id, name: key, ...attributes });
+    if (choices) {
+      const known = choices.includes(form.now[key]) ? choices : [form.now[key], ...choices];
+      for (const choice of known) input.append(element("option", { value: choice }, choice || "(none)"));
+    }
+    input.value = form.now[key];
+    input.disabled = fixed;
+    input.addEventListener("change", () => change(key, input.value.trim()));
+    host.append(element("label", { for: id }, text), input);
+  }
+}
+
+function shown(value) {
+  if (value === null || value === undefined) return "–";
+  if (Array.isArray(value)) return value.map(shown).join(", ");
+  if (typeof value !== "number") return String(value);
+  if (Number.isInteger(value)) return value.toLocaleString("en");
+  return String(Number(value.toPrecision(7)));
+}
+
+function tableOf(caption, rows) {
+  const body = element("tbody");
+  for (const [name, value] of rows) body.append(element("tr", {}, element("th", { scope: "row" }, name), element("td", { "data-of": name }, shown(value))));
+  return element("table", {}, element("caption", {}, caption), body);
+}
+
+function tellRobot(host, told, scene) {
+  const belief = told.sensor;
+  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", Math.abs(told.estimate - told.truth)]];
+  if (told.tile !== undefined) {
+    rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
+    rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
+  }
+  if (belief) {
+    rows.push(["sensor's b, w", `${shown(belief.b)}, ${shown(belief.w)}`]);
+    rows.push(["believed b, w", `${shown(belief.believed_b)}, ${shown(belief.believed_w)}`]);
+  }
+  const at = told.recorded !== undefined && told.recorded !== told.tick ? `, as of ${scene.unit} ${told.recorded}` : "";
+  const parts = [
+    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : " that lies"}, ${scene.unit} ${told.tick}`),
+    tableOf("Belief and sensor", rows),
+    tableOf(`Memory${at}`, Object.entries(told.fields)),
+  ];
+  if (told.heard) {
+    const caption = told.heard.length ? `Heard in this ${scene.unit}${told.adds ? ", as it adds up" : ""}` : `Heard nothing in this ${scene.unit}`;
+    parts.push(tableOf(caption, told.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
+    if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${told.heard.length - 40} more`));
+  }
+  host.replaceChildren(...parts);
+}
+
+const NUMBERS = [
+  ["truth", "fill ratio"], ["mean", "mean estimate"], ["deviation", "spread (standard deviation)"], ["right", "share in the right bin"],
+  ["decided", "share decided"], ["decided_right", "share decided right"], ["done", "share done"],
+  ["interval_low", "mean interval from"], ["interval_high", "to"], ["sent", "messages sent"], ["heard", "messages heard"], ["bytes", "bytes sent"],
+];
+
+function tellNumbers(host, scenes, frames) {
+  const body = element("tbody");
+  const column = (name) => scenes[0].columns.indexOf(name);
+  for (const [name, text] of NUMBERS) {
+    const values = frames.map((frame) => frame.numbers[column(name)]);
+    if (values.every(Number.isNaN)) continue;
+    body.append(element("tr", {}, element("th", { scope: "row" }, text), ...values.map((value) => element("td", {}, Number.isNaN(value) ? "–" : Number.isInteger(value) ? value.toLocaleString("en") : value.toFixed(4)))));
+  }
+  const head = scenes.length > 1 ? [element("thead", {}, element("tr", {}, element("th"), ...scenes.map((scene) => element("td", {}, scene.brain))))] : [];
+  host.replaceChildren(element("table", {}, ...head, body));
+}

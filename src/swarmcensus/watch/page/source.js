@@ -1,0 +1,130 @@
+"use strict";
+// Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
+
+class Live {
+  constructor() {
+    this.token = new URLSearchParams(location.search).get("token") || "";
+    this.number = 0;
+    this.waiting = new Map();
+    this.parts = [];
+    this.closed = () => {};
+  }
+
+  open() {
+    return new Promise((resolve, reject) => {
+      const scheme = location.protocol === "https:" ? "wss" : "ws";
+      this.socket = new WebSocket(`${scheme}://${location.host}/live?token=${encodeURIComponent(this.token)}`);
+      this.socket.binaryType = "arraybuffer";
+      this.socket.onopen = () => resolve();
+      this.socket.onclose = () => {
+        const gone = new Error("The server is gone, or refuses this page. Begin swarmcensus watch again, and open the address that it prints.");
+        for (const { reject: refuse } of this.waiting.values()) refuse(gone);
+        this.waiting.clear();
+        reject(gone);
+        this.closed(gone);
+      };
+      this.socket.onmessage = ({ data }) => this.take(data);
+    });
+  }
+
+  take(data) {
+    if (data instanceof ArrayBuffer) {
+      this.parts.push(framesOf(data));
+      return;
+    }
+    const answer = JSON.parse(data);
+    const asked = this.waiting.get(answer.id);
+    const parts = this.parts;
+    this.parts = [];
+    if (!asked) return;
+    this.waiting.delete(answer.id);
+    if (answer.error) asked.reject(new Error(answer.error));
+    else asked.resolve({ ...answer, parts });
+  }
+
+  ask(does, more) {
+    return new Promise((resolve, reject) => {
+      const id = ++this.number;
+      if (this.socket.readyState !== WebSocket.OPEN) {
+        reject(new Error("The server is gone."));
+        return;
+      }
+      this.waiting.set(id, { resolve, reject });
+      this.socket.send(JSON.stringify({ id, do: does, ...more }));
+    });
+  }
+
+  begin(ask) {
+    return this.ask("begin", { ask });
+  }
+
+  // the frames of each side, or none yet where the way there is long
+  async frames(from, step, count) {
+    const answer = await this.ask("frames", { from, step, count });
+    return answer.going ? null : answer.parts.map((part) => part.frames);
+  }
+
+  async robot(side, robot, tick) {
+    for (;;) {
+      const answer = await this.ask("robot", { side, robot, tick });
+      if (!answer.going) return answer.told;
+    }
+  }
+}
+
+class Recorded {
+  constructor(recording) {
+    this.recording = recording;
+    this.closed = () => {};
+  }
+
+  async open() {
+    this.sides = [];
+    for (const blocks of this.recording.frames) {
+      const frames = [];
+      for (const block of blocks) frames.push(...framesOf(await inflated(block)).frames);
+      this.sides.push(frames);
+    }
+    this.minds = [];
+    for (const text of this.recording.minds) {
+      const shuffled = new Uint8Array(await inflated(text));
+      const size = shuffled.length / 4;
+      const bytes = new Uint8Array(shuffled.length);
+      for (let i = 0; i < size; i++) for (let k = 0; k < 4; k++) bytes[4 * i + k] = shuffled[k * size + i];
+      this.minds.push(new Float32Array(bytes.buffer));
+    }
+  }
+
+  async begin() {
+    return { scenes: this.recording.scenes, form: this.recording.form };
+  }
+
+  async frames(from, step, count) {
+    return this.sides.map((frames) => {
+      const found = [];
+      for (let k = 0; k < count; k++) {
+        const tick = from + k * step;
+        if (tick < frames.length) found.push(frames[tick]);
+      }
+      return found;
+    });
+  }
+
+  async robot(side, robot, tick) {
+    const { names, step } = this.recording;
+    const scene = this.recording.scenes[side];
+    const rows = Math.floor(scene.rounds / step) + 1;
+    const row = Math.floor(tick / step);
+    const fields = {};
+    names[side].forEach((name, k) => {
+      const value = this.minds[side][(k * scene.robots + robot) * rows + row];
+      fields[name] = Number.isNaN(value) ? null : value;
+    });
+    const frame = this.sides[side][tick];
+    return {
+      robot, tick, fields, recorded: row * step, brain: scene.brain, honest: !scene.dishonest.includes(robot),
+      estimate: frame.estimates[robot] / 65535, truth: frame.numbers[scene.columns.indexOf("truth")], heard: null,
+      ...(frame.x ? { tile: frame.flags[robot] & FLAG.onBlack ? 1 : 0, reading: frame.flags[robot] & FLAG.looked ? (frame.flags[robot] & FLAG.readBlack ? 1 : 0) : null } : {}),
+    };
+  }
+}

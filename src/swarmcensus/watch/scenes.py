@@ -1,0 +1,103 @@
+"""What of a trial stays as it is while one watches: its floor or its network, who is who, and what it is called."""
+
+import base64
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.bins import right_bins
+from swarmcensus.engine.modes import LISTED
+from swarmcensus.watch.shows import COLUMNS, Show
+from swarmcensus.worlds.arena import tiles_across
+
+MOST_TILES = 1024  # from wall to wall, that a page draws; beyond it the floor is an even grey
+MOST_LAID_OUT = 400  # robots that springs arrange; more stand in rows
+
+
+def scene_of(show: Show) -> dict[str, Any]:
+    """All of it, for JSON; arrays of numbers are base64."""
+    setting = show.setting
+    truth = float(show.truths(np.array([setting.rounds]))[0])
+    low, high = right_bins(np.array([truth]), show.bins)[0]
+    told: dict[str, Any] = {
+        "title": str(setting),
+        "brain": setting.brain.told,
+        "robots": setting.robots,
+        "rounds": setting.rounds,
+        "moves": show.moves,
+        "columns": COLUMNS,
+        "layers": show.layers,
+        "bins": show.bins,
+        "right": [float(low), float(min(high, 1.0))],
+        "options": max((brain.options for brain in setting.crew if brain.decides), default=0),
+        "memory": setting.brain.memory_bytes,
+        "message": setting.brain.message_bytes,
+        "dishonest": np.flatnonzero(~show.honest).tolist(),
+    }
+    if setting.body is None:
+        return told | {
+            "unit": "round",
+            "places": _numbers(places_of(show), "<f4"),
+            "edges": _numbers(show.edges, "<u2"),
+        }
+    body = setting.body
+    told |= {
+        "unit": "tick",
+        "seconds": body.tick,
+        "side": setting.arena_side,
+        "radius": body.radius,
+        "range": body.radio_range,
+        "tile": body.tile,
+    }
+    across = tiles_across(setting.arena_side, body.tile)
+    if across <= MOST_TILES:
+        ground = setting.ground(show.seed, show.trial)
+        told |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles())).decode()}
+        turns = ground.turns()
+        if turns.size:
+            told["turns"] = _numbers(turns, "<i4")
+    return told
+
+
+def places_of(show: Show) -> np.ndarray:
+    """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
+    robots = show.setting.robots
+    if robots > MOST_LAID_OUT:  # robot by robot in rows: what can be seen of so many is their colour
+        columns = int(np.ceil(np.sqrt(robots)))
+        rows = -(-robots // columns)
+        place = np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1)
+        return place / max(columns, rows)
+    links = show.life.given.links
+    assert links is not None
+    degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
+    name = show.setting.topology.name
+    if name == "ring" or degrees.min(initial=robots) == robots - 1:
+        angle = 2 * np.pi * np.arange(robots) / robots - np.pi / 2
+        return 0.5 + 0.46 * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    if name == "line":
+        return _snake(robots)
+    return _springs(show.edges, robots)
+
+
+def _snake(robots: int) -> np.ndarray:
+    """Robots one beside the other, to and fro."""
+    columns = int(np.ceil(np.sqrt(robots)))
+    row = np.arange(robots) // columns
+    column = np.where(row % 2 == 0, np.arange(robots) % columns, columns - 1 - np.arange(robots) % columns)
+    return (np.stack([column, row], axis=1) + 0.5) / columns
+
+
+def _springs(edges: np.ndarray, robots: int) -> np.ndarray:
+    import networkx
+
+    graph = networkx.Graph()
+    graph.add_nodes_from(range(robots))
+    graph.add_edges_from(edges.tolist())
+    found = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
+    places = np.array([found[i] for i in range(robots)])
+    span = np.ptp(places, axis=0).max() or 1.0
+    return 0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span
+
+
+def _numbers(values: np.ndarray, kind: str) -> str:
+    return base64.b64encode(np.ascontiguousarray(values, kind).tobytes()).decode()

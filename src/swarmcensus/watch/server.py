@@ -1,0 +1,180 @@
+"""The server of the page: on loopback, for whoever has the token, and for no other site's pages."""
+
+import contextlib
+import json
+import secrets
+import socket
+import threading
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.watch.offers import Offer
+from swarmcensus.watch.sessions import MOST_TEXT, Session
+
+PAGE = Path(__file__).with_name("page")
+KINDS = {".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8",
+         ".svg": "image/svg+xml", ".txt": "text/plain; charset=utf-8"}  # fmt: skip
+MOST_PAGES = 64
+AT_ONCE = 2  # pages that are computed for at a time
+LOOPBACK = ("127.0.0.1", "localhost", "::1")
+POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self' ws: ; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:* vscode-webview:"
+)
+HEADERS = {
+    "content-security-policy": POLICY,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cache-control": "no-store",
+    "cross-origin-resource-policy": "same-origin",
+}
+
+
+@dataclass(frozen=True)
+class Served:
+    """A server, and how to get to it."""
+
+    offer: Offer
+    host: str
+    socket: socket.socket
+    token: str = field(default_factory=lambda: secrets.token_urlsafe(18))
+
+    @property
+    def port(self) -> int:
+        """The port that it listens on."""
+        return int(self.socket.getsockname()[1])
+
+    def address(self, fragment: str = "") -> str:
+        """What a browser opens."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}/?token={self.token}{'#' * bool(fragment)}{fragment}"
+
+
+def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
+    """Take a port; 0 takes a free one. Raises InputError where it cannot be had, or what serves is not installed."""
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+        import websockets  # noqa: F401
+    except ImportError as error:
+        raise InputError(f"watch needs {error.name}: pip install 'swarmcensus[watch]'") from None
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    made = socket.socket(family)
+    try:
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        made.bind((host, port))
+    except (OSError, OverflowError) as error:
+        made.close()
+        raise InputError(f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
+    return Served(offer, host, made)
+
+
+def app_of(served: Served) -> Any:
+    """The application: the page, its parts, and the socket over which it asks."""
+    import anyio
+    from starlette.applications import Starlette
+    from starlette.requests import Request
+    from starlette.responses import Response
+    from starlette.routing import Route, WebSocketRoute
+    from starlette.websockets import WebSocket, WebSocketDisconnect
+
+    limiter = anyio.CapacityLimiter(AT_ONCE)
+    pages: set[int] = set()
+    parts = {path.name: (path.read_bytes(), KINDS[path.suffix]) for path in PAGE.iterdir() if path.suffix in KINDS}
+
+    def reply(status: int, content: bytes | str, kind: str = KINDS[".txt"]) -> Response:
+        return Response(content, status, HEADERS, kind)
+
+    async def page(request: Request) -> Response:
+        if not _is_meant(served, request.headers.get("host", "")):
+            return reply(421, "This server answers to its own address alone.\n")
+        if not _knows(served, request.url.query):
+            return reply(403, "This address lacks the token: open the one that swarmcensus watch printed.\n")
+        return reply(200, *parts["index.html"])
+
+    async def part(request: Request) -> Response:
+        name = request.path_params["name"]
+        if not _is_meant(served, request.headers.get("host", "")) or name not in parts or name == "index.html":
+            return reply(404, "There is nothing here.\n")
+        return reply(200, *parts[name])
+
+    async def talk(page: WebSocket) -> None:
+        host, origin = page.headers.get("host", ""), page.headers.get("origin")
+        same = origin is not None and urlsplit(origin).netloc == host
+        if not (same and _is_meant(served, host) and _knows(served, page.url.query)) or len(pages) >= MOST_PAGES:
+            await page.close(1008)
+            return
+        await page.accept()
+        pages.add(id(page))
+        session = Session(served.offer)
+        try:
+            while True:
+                said = await page.receive()
+                if said["type"] == "websocket.disconnect":
+                    break
+                words = said.get("text") if said.get("text") is not None else said.get("bytes") or b""
+                for answer in await anyio.to_thread.run_sync(session.answer, words, limiter=limiter):
+                    await (page.send_bytes(answer) if isinstance(answer, bytes) else page.send_text(json.dumps(answer)))
+        except (WebSocketDisconnect, RuntimeError):  # it went while it was answered
+            pass
+        finally:
+            pages.discard(id(page))
+
+    async def nothing(request: Request, _: Exception) -> Response:
+        return reply(404, "There is nothing here.\n")
+
+    return Starlette(
+        routes=[Route("/", page), Route("/{name}", part), WebSocketRoute("/live", talk)],
+        exception_handlers={404: nothing, 405: nothing},
+    )
+
+
+def _is_meant(served: Served, host: str) -> bool:
+    """Whether a browser came by a name of this machine: a page of another site that pretends to lie here did not."""
+    try:
+        name = urlsplit(f"//{host}").hostname
+    except ValueError:
+        return False
+    return served.host not in LOOPBACK or name in LOOPBACK
+
+
+def _knows(served: Served, query: str) -> bool:
+    given = parse_qs(query, max_num_fields=20).get("token", [""])[0]
+    return secrets.compare_digest(given.encode(), served.token.encode())
+
+
+def server_of(served: Served) -> Any:
+    """The server, not yet begun."""
+    import uvicorn
+
+    return uvicorn.Server(
+        uvicorn.Config(
+            app_of(served), log_level="critical", lifespan="off", access_log=False, ws="websockets-sansio", ws_max_size=4 * MOST_TEXT, ws_max_queue=4,
+            ws_per_message_deflate=False, timeout_graceful_shutdown=1, server_header=False, proxy_headers=False,
+        )
+    )  # fmt: skip
+
+
+def serve(served: Served) -> None:
+    """Serve until it is interrupted."""
+    server_of(served).run([served.socket])
+
+
+@contextlib.contextmanager
+def serving(served: Served) -> Iterator[None]:
+    """Serve in the background while a block runs."""
+    server = server_of(served)
+    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)
+    thread.start()
+    while not server.started and thread.is_alive():
+        time.sleep(0.01)
+    try:
+        yield
+    finally:
+        server.should_exit = True
+        thread.join(5.0)

@@ -1,0 +1,154 @@
+"""One page's side of the talk: what it asks in JSON, and what is answered, whatever carries it.
+
+Nothing is computed but what a page asks for, a piece at a time: a page that is slow, or gone, costs nothing more.
+"""
+
+import json
+import time
+from collections.abc import Mapping
+from typing import Any
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.brains import adversary
+from swarmcensus.watch.offers import KEYS, Offer, Wanted, names_of, wanted
+from swarmcensus.watch.scenes import scene_of
+from swarmcensus.watch.shows import Show
+
+MOST_FRAMES = 600  # in one answer
+MOST_BYTES = 3_000_000
+PATIENCE = 0.2  # seconds until a page hears how far a long way is
+MOST_TEXT = 16_384  # bytes that a page may say at once
+Answer = bytes | dict[str, Any]
+
+
+class Session:
+    """What one page sees."""
+
+    def __init__(self, offer: Offer) -> None:
+        """Begin with nothing."""
+        self.offer = offer
+        self.shows: tuple[Show, ...] = ()
+
+    def answer(self, said: str | bytes) -> list[Answer]:
+        """Answer what a page said; what is wrong with it is an answer too."""
+        number: Any = None
+        try:
+            asked = _read(said)
+            number = asked.get("id")
+            does = {"begin": self._begin, "frames": self._frames, "robot": self._robot}
+            if asked.get("do") not in does:
+                raise InputError(f"do = {str(asked.get('do'))[:40]!r}: should be one of {', '.join(does)}")
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[asked["do"]](asked)]
+        except InputError as error:
+            return [{"id": number, "error": str(error)}]
+
+    def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
+        ask = asked.get("ask")
+        if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
+            raise InputError("ask: should be names and texts")
+        found = wanted(self.offer, ask)
+        bins = found.study.measure.bins
+        self.shows = tuple(Show(setting, found.seed, found.trial, bins) for setting in found.settings)
+        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, found)}]
+
+    def _frames(self, asked: Mapping[str, Any]) -> list[Answer]:
+        """Frames of all sides, or how far the way to them is."""
+        last = self._last()
+        first, step = _whole(asked, "from", 0, last), _whole(asked, "step", 1, last or 1)
+        most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
+        count = min(_whole(asked, "count", 1, MOST_FRAMES), most)
+        ticks = list(range(first, min(last, first + (count - 1) * step) + 1, step))
+        began = time.monotonic()
+        done: list[int] = []
+        for tick in ticks:
+            for show in self.shows:
+                while not show.ready(tick):
+                    if time.monotonic() - began > PATIENCE:
+                        return self._given(asked, done) if done else [{"going": True, "to": tick}]
+            done.append(tick)
+            if time.monotonic() - began > PATIENCE:
+                break
+        return self._given(asked, done)
+
+    def _given(self, asked: Mapping[str, Any], ticks: list[int]) -> list[Answer]:
+        frames: list[Answer] = [show.frames(ticks, side) for side, show in enumerate(self.shows)]
+        return [*frames, {"frames": len(ticks)}]
+
+    def _robot(self, asked: Mapping[str, Any]) -> list[Answer]:
+        tick = _whole(asked, "tick", 0, self._last())
+        side = _whole(asked, "side", 0, len(self.shows) - 1)
+        show = self.shows[side]
+        robot = _whole(asked, "robot", 0, show.setting.robots - 1)
+        if not show.ready(tick):
+            return [{"going": True, "to": tick}]
+        return [{"told": show.robot(tick, robot), "side": side}]
+
+    def _last(self) -> int:
+        if not self.shows:
+            raise InputError("nothing is watched yet: say begin first")
+        return self.shows[0].setting.rounds
+
+
+def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
+    """What a page's controls offer, and what they show now."""
+    setting = found.settings[0]
+    liars = [member for member in setting.members if not member.honest]
+    now = {
+        "setting": found.asked.get("setting", str(offer.numbers[0])),
+        "trial": str(found.trial),
+        "seed": str(found.seed),
+        "brain": setting.brain.told,
+        "beside": found.settings[1].brain.told if len(found.settings) > 1 else "",
+        "robots": str(setting.robots),
+        "accuracy": str(setting.accuracy),
+        "fill_ratio": f"{setting.fill_ratio:g}",
+        "topology": str(setting.topology),
+        "density": "" if setting.density is None else f"{setting.density:g}",
+        "link_success": f"{setting.link_success:g}",
+        "floor": "" if setting.body is None else str(setting.floor),
+        "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
+        "adversary": liars[0].brain.name if liars and liars[0].brain else "",
+        "rounds": str(setting.rounds),
+    }
+    return {
+        "name": offer.name,
+        "now": now,
+        "asked": found.asked,
+        "keys": KEYS,
+        "settings": [offer.numbers[0], offer.numbers[-1]],
+        "trials": found.study.trials,
+        "choices": {
+            "brain": names_of(offer),
+            "beside": ["", *names_of(offer)],
+            "topology": list(offer.topologies),
+            "floor": list(offer.floors) if setting.body else [],
+            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.DOOR.names])),
+        },
+    }
+
+
+def _read(said: str | bytes) -> dict[str, Any]:
+    if isinstance(said, bytes) or len(said) > MOST_TEXT:
+        raise InputError(f"a page says JSON of at most {MOST_TEXT} letters")
+    try:
+        asked = json.loads(said)
+    except (ValueError, RecursionError):
+        raise InputError("a page says JSON, and this is none") from None
+    if not isinstance(asked, dict):
+        raise InputError("a page says a JSON object")
+    number = asked.get("id")
+    if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
+        raise InputError("id: should be a whole number")
+    for key in asked.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side"}:
+        raise InputError(
+            f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
+        )
+    return asked
+
+
+def _whole(asked: Mapping[str, Any], key: str, least: int, most: int) -> int:
+    value = asked.get(key, least)
+    if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least} to {most}")
+    return value

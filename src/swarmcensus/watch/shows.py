@@ -1,0 +1,274 @@
+"""One trial as a page sees it: frames as bytes, and what one robot holds, hears and reads.
+
+A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers, which
+layers, links, 0), then for each frame its round (u32), its numbers (f32, see COLUMNS), where its links begin (u32, and
+the end), the layers robot by robot (u16, then u8), and the links (u16 pairs of robots that move; else u8 a link, 1 where
+it carried a message).
+"""
+
+from collections import OrderedDict
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.bins import right_bins
+from swarmcensus.brains.fields import slots
+from swarmcensus.engine import compiler
+from swarmcensus.engine.failures import works
+from swarmcensus.engine.modes import LISTED, SAID, TALKING
+from swarmcensus.simulation.intervals import ENDS
+from swarmcensus.simulation.living import Life, Stretch
+from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
+from swarmcensus.studies.settings import Setting
+
+KIND = 0x53574152
+COLUMNS = (
+    "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
+    "interval_low", "interval_high", "decided", "decided_right", "done",
+)  # fmt: skip  # of the honest robots; shares of them, and numbers of messages of all
+HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
+LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
+SCALE = 65_535
+MOST_LINKS = 20_000  # that a page draws
+KEPT = 4  # stretches whose numbers are kept
+
+
+class Show:
+    """One trial of a setting, as it is watched."""
+
+    def __init__(self, setting: Setting, seed: int, trial: int, bins: int) -> None:
+        """Begin it. Raises InputError where it cannot be run."""
+        self.setting, self.seed, self.trial, self.bins = setting, seed, trial, bins
+        self.life = Life(setting, seed, trial)
+        given = self.life.given
+        self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
+        self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
+        self.moves = setting.body is not None
+        self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
+        self._told: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
+        self._ground = setting.ground(seed, trial) if self.moves else None
+        names = {name for brain in setting.crew for name in brain.memory}
+        self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
+
+    def stretch_of(self, tick: int) -> int:
+        """In which stretch a round is, -1 for round 0."""
+        return (tick - 1) // self.life.length
+
+    def ready(self, tick: int) -> bool:
+        """Go on towards a round by one stretch; whether it is there."""
+        return tick <= 0 or self.life.approach(self.stretch_of(tick))
+
+    def find(self, tick: int) -> tuple[Stretch, int]:
+        """The stretch of a round, and its row there."""
+        k = self.stretch_of(tick)
+        stretch = self.life.start if k < 0 else self.life.at(k)
+        return stretch, tick - stretch.first
+
+    def frames(self, ticks: list[int], side: int = 0) -> bytes:
+        """These rounds, one after the other, as bytes."""
+        numbers, layers, flags, links, starts = [], [], [], [], [0]
+        for tick in ticks:
+            stretch, row = self.find(tick)
+            told = self._tell(stretch)
+            numbers.append(told[0][row])
+            layers.append(told[1][:, row])
+            flags.append(told[2][:, row])
+            links.append(self._links(stretch, row))
+            starts.append(starts[-1] + len(links[-1]))
+        kind = np.uint16 if self.moves else np.uint8
+        words = [KIND, side, len(ticks), self.setting.robots, len(COLUMNS), self.layers, starts[-1], 0]
+        return b"".join(
+            part.tobytes()
+            for part in (
+                np.array(words, "<u4"), np.array(ticks, "<u4"), np.array(numbers, "<f4"), np.array(starts, "<u4"),
+                np.array(layers, "<u2"), np.array(flags, np.uint8), *(np.asarray(one, kind) for one in links),
+            )
+        )  # fmt: skip
+
+    @property
+    def layers(self) -> int:
+        """Which layers a frame has: estimates, positions where robots move, intervals."""
+        crew = self.setting.crew
+        intervals = HAS_INTERVALS * any(brain.has_interval for brain in crew)
+        return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in crew) + MOVES * self.moves
+
+    def _tell(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Of a stretch the numbers (round, column), layers (layer, round, robot) and flags and headings (2, ...)."""
+        if stretch.first not in self._told:
+            self._told[stretch.first] = self._seen(stretch)
+            while len(self._told) > KEPT:
+                self._told.popitem(last=False)
+        return self._told[stretch.first]
+
+    def _seen(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        x, rounds = stretch.estimates, np.arange(len(stretch.estimates)) + stretch.first
+        truths = self.truths(rounds)
+        fields = {} if not self.layers & ~MOVES else self._fields(stretch, slice(None))
+        decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
+        layers = [np.clip(np.nan_to_num(x), 0.0, 1.0) * SCALE]
+        if self.moves:
+            half = self.setting.arena_side / 2.0
+            layers += [np.clip((stretch.poses[..., axis] + half) / (2.0 * half), 0.0, 1.0) * SCALE for axis in (0, 1)]
+        if self.layers & HAS_INTERVALS:
+            layers += [np.clip(np.nan_to_num(end), 0.0, 1.0) * SCALE for end in (low, high)]
+        flags = np.zeros((2, *x.shape), np.uint8)
+        if self.moves:
+            flags[0] = LOOKED * ~np.isnan(stretch.readings) + READ_BLACK * (stretch.readings == 1.0)
+            flags[0] += (ON_BLACK * (stretch.colours == 1.0)).astype(np.uint8)
+            flags[1] = np.round(stretch.poses[..., 2] % (2 * np.pi) / (2 * np.pi) * 256).astype(np.int64) % 256
+        flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
+        flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
+        mine = self.honest
+        values = {
+            "truth": truths,
+            "mean": x[:, mine].mean(axis=1),
+            "deviation": x[:, mine].std(axis=1),
+            **dict(zip(("lowest", "low", "median", "high", "highest"), spread(x[:, mine]), strict=True)),
+            "right": right(x[:, mine], truths, self.bins),
+            "sent": stretch.messages[:, 0],
+            "heard": stretch.messages[:, 1],
+            "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
+            "interval_low": low[:, mine].mean(axis=1),
+            "interval_high": high[:, mine].mean(axis=1),
+            "decided": share(decided[:, mine], decided[:, mine] >= 0.0),
+            "decided_right": share(decided[:, mine], decided[:, mine] == self.options_right(truths)[:, np.newaxis]),
+            "done": share(done[:, mine], done[:, mine] == 1.0),
+        }
+        numbers = np.stack([np.broadcast_to(values[name], truths.shape) for name in COLUMNS], axis=1)
+        return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+
+    def options_right(self, truths: np.ndarray) -> np.ndarray:
+        """Which option is right in rounds of these fill ratios; NaN where nobody decides."""
+        options = [brain.options for brain in self.setting.crew if brain.decides]
+        return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
+
+    def truths(self, rounds: np.ndarray) -> np.ndarray:
+        """The fill ratio of these rounds: of the tiles in reach where robots move, as it is drawn."""
+        if self._ground is not None:
+            return self._ground.truth(rounds)
+        return self.setting.fill_ratios(np.maximum(rounds, 1))
+
+    def _fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
+        history, estimates = (np.ascontiguousarray(a[rows]) for a in (stretch.history, stretch.estimates))
+        return fields_of(self.setting.crew, self.life.swarm, history, estimates)
+
+    def _links(self, stretch: Stretch, row: int) -> np.ndarray:
+        """Robots that move: pairs in reach, one after the other. Else a number for each edge: 1 where it carried."""
+        tick = stretch.first + row
+        if self.moves:
+            begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
+            return stretch.links[begin:end, 1:].ravel() if end - begin <= MOST_LINKS else np.zeros(0)
+        return self.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
+
+    def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
+        """Whether a message came along each of these links in a round (link), 1 where it did."""
+        given, setting, tick = self.life.given, self.setting, stretch.first + row
+        out = np.zeros(receivers.size, np.uint8)
+        delay = setting.message_delay
+        if tick - delay < (0 if self.moves else 1):
+            return out
+        compiler.compile_world("living").carried(
+            given.losses, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64),
+            given.loss_threshold, out,
+        )  # fmt: skip
+        talks = np.ones(setting.robots, np.bool_)
+        if self.life.swarm.flag >= 0:
+            talks = stretch.said[row][:, self.life.swarm.flag] == SAID
+        if given.stops[0].shape[1]:
+            talks &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
+        return out * talks[senders]
+
+    def robot(self, tick: int, robot: int) -> dict[str, Any]:
+        """What a robot holds after a round, field by field as `sc.replay` has it, what it heard, read and stands on."""
+        stretch, row = self.find(tick)
+        fields = self._fields(stretch, slice(row, row + 1))
+        brain = self.setting.crew[self.group[robot]]
+        b, w, believed_b, believed_w = (
+            float(side[0][robot if side.shape[1] > 1 else 0])
+            for side in (*self.life.given.sensors, *self.life.given.beliefs)
+        )
+        told: dict[str, Any] = {
+            "robot": robot,
+            "tick": tick,
+            "brain": brain.told,
+            "honest": bool(self.honest[robot]),
+            "estimate": float(stretch.estimates[row, robot]),
+            "truth": float(self.truths(np.array([tick]))[0]),
+            "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
+            "fields": {name: plain(value[0, robot]) for name, value in fields.items()},
+            "adds": self.adds,
+            "heard": self.heard(stretch, row, robot) if tick > 0 else [],
+        }
+        if self.moves:
+            x, y, heading = map(float, stretch.poses[row, robot])
+            told |= {"x": x, "y": y, "heading": heading}
+            told |= {"tile": plain(stretch.colours[row, robot]), "reading": plain(stretch.readings[row, robot])}
+        return told
+
+    def heard(self, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
+        """The messages that a robot heard in a round: from whom, and what they say, or add to a memory's sums."""
+        senders = self.neighbours(stretch, row, robot)
+        here = self.carried(stretch, row, np.full(senders.size, robot), senders) > 0
+        brain = self.setting.brain
+        names = slots({name: brain.lengths[name] for name in brain.sums} if self.adds else brain.message)
+        return [
+            {"from": int(sender), "said": dict(zip(names, map(plain, stretch.said[row, sender]), strict=False))}
+            for sender in senders[here]
+        ]
+
+    @property
+    def adds(self) -> bool:
+        """Whether what a robot says is kept as what it adds to the sums of whoever hears it."""
+        return bool(self.life.swarm.additive)
+
+    def neighbours(self, stretch: Stretch, row: int, robot: int) -> np.ndarray:
+        """Whom a robot can hear in a round, in order."""
+        everyone = np.delete(np.arange(self.setting.robots), robot)
+        links = self.life.given.links
+        if links is not None:
+            return np.sort(links.senders[links.receivers == robot]) if links.mode == LISTED else everyone
+        if self.setting.brain.is_oracle:
+            return everyone
+        pairs = stretch.links[stretch.links[:, 0] == stretch.first + row, 1:]
+        return np.sort(np.concatenate([pairs[pairs[:, 0] == robot, 1], pairs[pairs[:, 1] == robot, 0]]))
+
+
+def spread(x: np.ndarray) -> list[np.ndarray]:
+    """The least, the quartile below, the median, the quartile above and the greatest of each row."""
+    ordered = np.sort(x, axis=1)
+    places = np.linspace(0.0, x.shape[1] - 1.0, 5)
+    low = np.floor(places).astype(np.int64)
+    high = np.minimum(low + 1, x.shape[1] - 1)
+    part = places - low
+    return list((ordered[:, low] * (1.0 - part) + ordered[:, high] * part).T)
+
+
+def right(x: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
+    """The share of each row that is in the bin of the truth."""
+    ends = right_bins(truths, bins)
+    return ((x >= ends[:, :1]) & (x < ends[:, 1:])).mean(axis=1)
+
+
+def share(known: np.ndarray, those: np.ndarray) -> np.ndarray:
+    """The share of each row for which something holds; NaN where nothing is known."""
+    return np.where(np.isnan(known).all(axis=1), np.nan, those.mean(axis=1))
+
+
+def edges_of(show: Show) -> np.ndarray:
+    """The links (link, 2) of receiver and sender that a page draws: none where they are too many."""
+    links, robots = show.life.given.links, show.setting.robots
+    assert links is not None
+    if links.mode == LISTED:
+        pairs = np.stack([links.receivers, links.senders], axis=1).astype(np.int64)
+    elif robots * (robots - 1) <= MOST_LINKS:
+        pairs = np.argwhere(~np.eye(robots, dtype=np.bool_))
+    else:
+        pairs = np.zeros((0, 2), np.int64)
+    return pairs if len(pairs) <= MOST_LINKS else pairs[:0]
+
+
+def plain(value: Any) -> Any:
+    """A number for JSON: none for NaN, lists for vectors."""
+    if np.ndim(value):
+        return [plain(one) for one in value]
+    return None if np.isnan(value) else float(value)
