@@ -21,6 +21,7 @@ from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.starting import doctor, new, studies
 from swarmcensus.cli.tracing import infer, replay
 from swarmcensus.cli.tuning import tune
+from swarmcensus.cli.watching import watch
 from swarmcensus.results.presence import check_there
 
 STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
@@ -81,6 +82,6 @@ def _complain(what: object) -> None:
 
 RUNS = (
     run, reproduce, show, explain, compare, leaderboard, tune, plan, merge, status, verify, plot, export, replay, infer,
-    brains, new, studies, doctor, completion,
+    brains, new, studies, watch, doctor, completion,
 )  # fmt: skip
 COMMANDS = {one.__name__: one for one in RUNS} | {"list": choices}

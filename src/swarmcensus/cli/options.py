@@ -16,6 +16,7 @@ from swarmcensus.cli.starting_options import (
     add_new_options,
     add_studies_options,
 )
+from swarmcensus.cli.watching_options import add_watch_options
 
 DOORS = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
@@ -244,6 +245,7 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
 
     add_new_options(command("new", "Write a study or a brain to begin with, every line explained."))
     add_studies_options(command("studies", "List the studies that come with swarmcensus, or copy one."))
+    add_watch_options(command("watch", "Watch one trial live in a browser, or write it as a page for others."))
     add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
     add_completion_options(command("completion", "Print what makes a shell complete commands, options and files."))
     return top

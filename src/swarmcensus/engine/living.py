@@ -61,7 +61,7 @@ def live(
         if stop[0] != 0:
             return
         put(history[r], memory)
-        here = (k + 1) % (delay + 2) * robots
+        here = (k + 2) % (delay + 2) * robots
         put(said[r], outbox[here : here + robots])
         if flag < 0:
             for i in range(robots):

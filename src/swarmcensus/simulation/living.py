@@ -208,9 +208,7 @@ class _Moving:
         estimates = rider.rows[first - 1 : first - 1 + rounds].copy()
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
-        return Stretch(
-            first, history, said, estimates, messages, poses, colours, readings, np.concatenate(links)
-        )
+        return Stretch(first, history, said, estimates, messages, poses, colours, readings, np.concatenate(links))
 
 
 def _tick(chunk: Chunk, k: int) -> Chunk:

@@ -14,7 +14,7 @@ from typing import Any
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.brains import adversary
+from swarmcensus.brains import Adversary, adversary
 from swarmcensus.results.early import opened
 from swarmcensus.results.origins import setting_of, studies_of
 from swarmcensus.studies.members import Member, Members, check
@@ -51,7 +51,7 @@ class Offer:
     topologies: dict[str, Topology]
     floors: dict[str, Floor]
     brains: dict[str, brains.Brain]  # those of the study, beside all that are installed
-    adversaries: dict[str, brains.Adversary]
+    adversaries: dict[str, Adversary]
 
 
 @dataclass(frozen=True)
@@ -154,7 +154,7 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
         values["floor"] = _one_of(offer.floors, "floor", asked["floor"])
     if "liars" in asked or "adversary" in asked:
         liars = [member for member in setting.members if not member.honest]
-        known = [member.brain for member in liars if isinstance(member.brain, brains.Adversary)]
+        known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
         share = _number(asked, "liars", 0.0, 1.0) if "liars" in asked else _share(liars, values["robots"])
         who = _adversary(offer, asked["adversary"]) if "adversary" in asked else next(iter(known), None)
         lying = Member(share, who or adversary.load(LIAR), honest=False, share=True)
@@ -178,10 +178,11 @@ def _check(setting: Setting, study: Study) -> None:
                 f"{setting.robots} robots that all hear each other: {MOST_PAIRS**0.5:.0f} is the most here"
             )
         for member in setting.members:
-            told = {"robots": [member.robots], "honest": member.honest}
-            told |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
-            sizes, moves = [setting.robots], setting.body is not None
-            check((Members.model_construct(**{**dict.fromkeys(Members.model_fields), **told}),), [setting.brain], sizes, moves)  # fmt: skip
+            given: dict[str, Any] = dict.fromkeys(Members.model_fields)
+            given |= {"robots": [member.robots], "honest": member.honest}
+            given |= {"brain": [member.brain]} if member.brain else {"accuracy": [member.accuracy]}
+            table = Members.model_construct(None, **given)
+            check((table,), [setting.brain], [setting.robots], setting.body is not None)
     except ValueError as error:
         raise InputError(str(error)) from None
 
@@ -200,7 +201,7 @@ def names_of(offer: Offer) -> list[str]:
     return list(dict.fromkeys([*offer.brains, *brains.DOOR.names]))
 
 
-def _adversary(offer: Offer, name: str) -> brains.Adversary:
+def _adversary(offer: Offer, name: str) -> Adversary:
     if name not in offer.adversaries and name not in adversary.DOOR:
         raise InputError(f"adversary = {name}: {did_you_mean(name, adversary.DOOR.names)}no adversary of that name")
     return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))

@@ -52,7 +52,7 @@ def scene_of(show: Show) -> dict[str, Any]:
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
         ground = setting.ground(show.seed, show.trial)
-        told |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles())).decode()}
+        told |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
         turns = ground.turns()
         if turns.size:
             told["turns"] = _numbers(turns, "<i4")
@@ -96,7 +96,7 @@ def _springs(edges: np.ndarray, robots: int) -> np.ndarray:
     found = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
     places = np.array([found[i] for i in range(robots)])
     span = np.ptp(places, axis=0).max() or 1.0
-    return 0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span
+    return np.asarray(0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span)
 
 
 def _numbers(values: np.ndarray, kind: str) -> str:

@@ -17,8 +17,12 @@ from swarmcensus.watch.offers import Offer
 from swarmcensus.watch.sessions import MOST_TEXT, Session
 
 PAGE = Path(__file__).with_name("page")
-KINDS = {".html": "text/html; charset=utf-8", ".css": "text/css; charset=utf-8", ".js": "text/javascript; charset=utf-8",
-         ".svg": "image/svg+xml", ".txt": "text/plain; charset=utf-8"}  # fmt: skip
+KINDS = {
+    ".html": "text/html; charset=utf-8",
+    ".css": "text/css; charset=utf-8",
+    ".js": "text/javascript; charset=utf-8",
+    ".txt": "text/plain; charset=utf-8",
+}
 MOST_PAGES = 64
 AT_ONCE = 2  # pages that are computed for at a time
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
@@ -117,7 +121,7 @@ def app_of(served: Served) -> Any:
                 said = await page.receive()
                 if said["type"] == "websocket.disconnect":
                     break
-                words = said.get("text") if said.get("text") is not None else said.get("bytes") or b""
+                words: str | bytes = said["text"] if said.get("text") is not None else said["bytes"]
                 for answer in await anyio.to_thread.run_sync(session.answer, words, limiter=limiter):
                     await (page.send_bytes(answer) if isinstance(answer, bytes) else page.send_text(json.dumps(answer)))
         except (WebSocketDisconnect, RuntimeError):  # it went while it was answered
@@ -154,10 +158,18 @@ def server_of(served: Served) -> Any:
 
     return uvicorn.Server(
         uvicorn.Config(
-            app_of(served), log_level="critical", lifespan="off", access_log=False, ws="websockets-sansio", ws_max_size=4 * MOST_TEXT, ws_max_queue=4,
-            ws_per_message_deflate=False, timeout_graceful_shutdown=1, server_header=False, proxy_headers=False,
+            app_of(served),
+            log_level="critical",
+            lifespan="off",
+            ws="websockets-sansio",
+            ws_max_size=4 * MOST_TEXT,
+            ws_max_queue=4,
+            ws_per_message_deflate=False,
+            timeout_graceful_shutdown=1,
+            server_header=False,
+            proxy_headers=False,
         )
-    )  # fmt: skip
+    )
 
 
 def serve(served: Served) -> None:

@@ -1,9 +1,9 @@
 """One trial as a page sees it: frames as bytes, and what one robot holds, hears and reads.
 
-A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers, which
-layers, links, 0), then for each frame its round (u32), its numbers (f32, see COLUMNS), where its links begin (u32, and
-the end), the layers robot by robot (u16, then u8), and the links (u16 pairs of robots that move; else u8 a link, 1 where
-it carried a message).
+A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers,
+which layers, links, 0); of all frames their rounds (u32), numbers (f32, see COLUMNS), where links begin (u32, and the
+end), layers (u16) and flags and headings (u8), both robot by robot; and the links, of robots that move as pairs (u16),
+else a number for each edge (u8), 1 where it carried a message.
 """
 
 from collections import OrderedDict
@@ -45,7 +45,7 @@ class Show:
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
-        self._told: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
+        self._told: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
         self._ground = setting.ground(seed, trial) if self.moves else None
         names = {name for brain in setting.crew for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
@@ -103,7 +103,7 @@ class Show:
     def _seen(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x, rounds = stretch.estimates, np.arange(len(stretch.estimates)) + stretch.first
         truths = self.truths(rounds)
-        fields = {} if not self.layers & ~MOVES else self._fields(stretch, slice(None))
+        fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
         decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
         layers = [np.clip(np.nan_to_num(x), 0.0, 1.0) * SCALE]
         if self.moves:
@@ -148,7 +148,8 @@ class Show:
             return self._ground.truth(rounds)
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
-    def _fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
+    def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
+        """What minds hold after some rounds of a stretch, as a trace has it: (round, robot), vectors with an axis more."""
         history, estimates = (np.ascontiguousarray(a[rows]) for a in (stretch.history, stretch.estimates))
         return fields_of(self.setting.crew, self.life.swarm, history, estimates)
 
@@ -176,12 +177,12 @@ class Show:
             talks = stretch.said[row][:, self.life.swarm.flag] == SAID
         if given.stops[0].shape[1]:
             talks &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
-        return out * talks[senders]
+        return np.asarray(out * talks[senders])
 
     def robot(self, tick: int, robot: int) -> dict[str, Any]:
         """What a robot holds after a round, field by field as `sc.replay` has it, what it heard, read and stands on."""
         stretch, row = self.find(tick)
-        fields = self._fields(stretch, slice(row, row + 1))
+        fields = self.fields(stretch, slice(row, row + 1))
         brain = self.setting.crew[self.group[robot]]
         b, w, believed_b, believed_w = (
             float(side[0][robot if side.shape[1] > 1 else 0])
@@ -246,7 +247,7 @@ def spread(x: np.ndarray) -> list[np.ndarray]:
 def right(x: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
     """The share of each row that is in the bin of the truth."""
     ends = right_bins(truths, bins)
-    return ((x >= ends[:, :1]) & (x < ends[:, 1:])).mean(axis=1)
+    return np.asarray(((x >= ends[:, :1]) & (x < ends[:, 1:])).mean(axis=1))
 
 
 def share(known: np.ndarray, those: np.ndarray) -> np.ndarray:

@@ -24,8 +24,10 @@ class History {
     return this.rows[this.columns.indexOf(name)];
   }
 
-  has(name) {
-    return this.of(name).some((value) => value !== null);
+  // of the rounds before a moment, the share that was seen
+  known(tick) {
+    const points = Math.floor(tick / this.every);
+    return points ? this.seen.subarray(0, points).reduce((sum, one) => sum + one, 0) / points : 1;
   }
 }
 
@@ -113,7 +115,7 @@ class Charts {
     const bands = [];
     this.scenes.forEach((scene, side) => {
       const first = series.length + 1;
-      const hidden = { width: 0, stroke: "transparent" };
+      const hidden = { width: 0, stroke: "transparent", class: "quiet" };
       series.push(
         this.line("highest", side, hidden), this.line("lowest", side, hidden), this.line("upper quarter", side, hidden),
         this.line("lower quarter", side, hidden), this.line("median", side),

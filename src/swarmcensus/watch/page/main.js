@@ -82,6 +82,7 @@ async function begin(ask, tick = 0, robot = state.chosen) {
   buildPage();
   remember();
   await fetchAt(state.tick, run);
+  await fillBehind(run).catch(() => {});
 }
 
 function buildPage() {
@@ -104,6 +105,7 @@ function buildPage() {
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build();
+  if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds.";
   legend();
 }
 
@@ -154,6 +156,22 @@ async function fetchAt(from, run) {
   } finally {
     if (run === state.run) state.asking = false;
   }
+}
+
+// the curves before a moment that one came to at once, in as many points as can be told apart
+async function fillBehind(run) {
+  const history = state.charts.histories[0];
+  const to = state.tick;
+  if (state.playing || history.known(to) > 0.1) return;
+  const by = Math.max(history.every, Math.ceil(to / 400 / history.every) * history.every);
+  for (let from = 0; from < to && run === state.run && !state.playing; ) {
+    const sides = await state.source.frames(from, by, Math.floor((to - 1 - from) / by) + 1);
+    if (run !== state.run) return;
+    if (!sides) continue;
+    sides.forEach((frames, side) => state.charts.put(side, frames));
+    from = sides[0][sides[0].length - 1].tick + by;
+  }
+  if (run === state.run) state.charts.refresh();
 }
 
 // what lies far behind is asked for again if anyone goes back: the page grows no larger
@@ -365,7 +383,10 @@ $("last").addEventListener("click", () => hop(Infinity));
 $("back").addEventListener("click", (event) => hop(event.shiftKey ? -100 : -1));
 $("forth").addEventListener("click", (event) => hop(event.shiftKey ? 100 : 1));
 $("moment").addEventListener("input", () => seek(Number($("moment").value)));
-$("moment").addEventListener("change", remember);
+$("moment").addEventListener("change", () => {
+  remember();
+  fillBehind(state.run).catch(() => {});
+});
 $("which").addEventListener("change", () => {
   const robot = Number.parseInt($("which").value, 10);
   if (robot >= 0 && robot < state.scenes[0].robots) choose(robot);

@@ -123,7 +123,7 @@ class Recorded {
     const frame = this.sides[side][tick];
     return {
       robot, tick, fields, recorded: row * step, brain: scene.brain, honest: !scene.dishonest.includes(robot),
-      estimate: frame.estimates[robot] / 65535, truth: frame.numbers[scene.columns.indexOf("truth")], heard: null,
+      estimate: Number((frame.estimates[robot] / 65535).toFixed(4)), truth: frame.numbers[scene.columns.indexOf("truth")], heard: null,
       ...(frame.x ? { tile: frame.flags[robot] & FLAG.onBlack ? 1 : 0, reading: frame.flags[robot] & FLAG.looked ? (frame.flags[robot] & FLAG.readBlack ? 1 : 0) : null } : {}),
     };
   }

@@ -20,6 +20,7 @@ class Stage {
       this.places = new Float32Array(bytesOf(scene.places).buffer);
       this.edges = new Uint16Array(bytesOf(scene.edges).buffer);
       this.pairs = this.pair();
+      this.room = this.roomBetween();
     }
   }
 
@@ -90,8 +91,20 @@ class Stage {
   radius() {
     const size = this.canvas.width;
     if (this.scene.moves) return Math.max((this.scene.radius / this.scene.side) * size * this.zoom, 2.2);
-    const room = this.scene.robots <= 400 ? 0.36 / Math.sqrt(this.scene.robots) : 0.5 / Math.ceil(Math.sqrt(this.scene.robots));
-    return Math.min(Math.max(room * size * this.zoom, 1), 16 * Math.max(1, size / 700));
+    return Math.min(Math.max(0.4 * this.room * size * this.zoom, size / 180), size / 44);
+  }
+
+  // how far apart robots that are side by side are, as a rule
+  roomBetween() {
+    const { robots } = this.scene;
+    if (robots > 400 || robots < 2) return 1 / Math.ceil(Math.sqrt(robots));
+    const nearest = [];
+    for (let i = 0; i < robots; i++) {
+      let near = 1;
+      for (let j = 0; j < robots; j++) if (j !== i) near = Math.min(near, Math.hypot(this.places[2 * i] - this.places[2 * j], this.places[2 * i + 1] - this.places[2 * j + 1]));
+      nearest.push(near);
+    }
+    return nearest.sort((a, b) => a - b)[robots >> 1];
   }
 
   fit() {

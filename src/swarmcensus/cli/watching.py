@@ -1,0 +1,74 @@
+"""`watch`: the live page, or one trial in a file. Imports wait until needed."""
+
+import argparse
+import contextlib
+import sys
+from urllib.parse import parse_qsl, urlsplit
+
+from swarmcensus.basics.errors import InputError
+
+
+def watch(options: argparse.Namespace) -> int:
+    """Serve the page until it is interrupted, or write it with one trial."""
+    from swarmcensus.watch.offers import offer_of, wanted
+
+    asked = _asked(options)
+    if options.export is not None and options.export.suffix != ".html":
+        raise InputError(f"--export {options.export}: a page is written as .html")
+    offer = offer_of(options.of, tuple(options.brain))
+    play = {key: asked.pop(key) for key in ("tick", "robot", "side") if key in asked}
+    wanted(offer, asked)  # what is wrong is told here, rather than in the browser
+    return _export(options, offer, asked) if options.export is not None else _serve(options, offer, asked | play)
+
+
+def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
+    from urllib.parse import urlencode
+
+    from swarmcensus.watch.server import LOOPBACK, listen, serve
+
+    served = listen(offer, options.host, options.port)  # type: ignore[arg-type]
+    address = served.address(urlencode(asked))
+    print(address, flush=True)
+    print("Ctrl-C ends it.", file=sys.stderr)
+    if options.host not in LOOPBACK:
+        print(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.", file=sys.stderr)  # fmt: skip  # noqa: E501
+    if not options.no_browser:
+        _open_browser(address)
+    with contextlib.suppress(KeyboardInterrupt):
+        serve(served)
+    return 0
+
+
+def _open_browser(address: str) -> None:
+    """Open it once the server answers, which it does by then: its socket listens before."""
+    import threading
+    import webbrowser
+
+    threading.Timer(0.3, webbrowser.open, (address,)).start()
+
+
+def _export(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
+    from rich.progress import Progress
+
+    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.terminal import console
+    from swarmcensus.watch.exporting import export
+
+    check_writable(options.export, *([options.of] if options.of else []))
+    with Progress(console=console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+        task = bar.add_task("recording", total=1.0)
+        size = export(offer, asked, options.export, lambda share: bar.update(task, completed=share))  # type: ignore[arg-type]
+    print(f"{options.export} ({size / 1e6:.1f} MB)")
+    return 0
+
+
+def _asked(options: argparse.Namespace) -> dict[str, str]:
+    """What is asked for by an address, or part of one, and by --set."""
+    text = urlsplit(options.at).fragment or options.at
+    asked = dict(parse_qsl(text.lstrip("#")))
+    for one in options.set:
+        key, sign, value = one.partition("=")
+        if not sign:
+            raise InputError(f"--set {one}: should be such as robots=100")
+        asked[key] = value
+    return asked

@@ -1,0 +1,123 @@
+"""One recorded trial in one file: the page, its parts and all frames, which opens from disk without a server."""
+
+import base64
+import hashlib
+import html
+import json
+import zlib
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import whole
+from swarmcensus.watch.offers import Offer, wanted
+from swarmcensus.watch.scenes import scene_of
+from swarmcensus.watch.server import PAGE
+from swarmcensus.watch.sessions import form_of
+from swarmcensus.watch.shows import Show
+
+BLOCK = 500  # frames that are packed at a time
+MOST_FRAMES = 400_000_000  # bytes, before they are packed
+MINDS = 1_800_000  # bytes of what robots remember, packed
+STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # from one moment with memories to the next
+
+
+def export(offer: Offer, asked: dict[str, str], path: Path, said: Callable[[float], None] = lambda share: None) -> int:
+    """Write a trial as an HTML file; `said` hears how much of it is done. Returns its size in bytes.
+
+    Estimates, places, readings and links are of every round; what robots remember is of every round where there is
+    room, else of every so many. Raises InputError where the trial is too large, or the file cannot be written.
+    """
+    found = wanted(offer, asked)
+    shows = [Show(setting, found.seed, found.trial, found.study.measure.bins) for setting in found.settings]
+    rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
+    if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
+        raise InputError(f"{robots} robots for {rounds} rounds are too many for one file: fewer, or --set rounds=...")
+    frames, minds, names, step = [], [], [], _step(shows[0])
+    for side, show in enumerate(shows):
+        blocks, fields = [], []
+        for ticks in _blocks(rounds):
+            blocks.append(_packed(show.frames(ticks, side)))
+            fields.append(_minds(show, [tick for tick in ticks if tick % step == 0]))
+            said((side + ticks[-1] / rounds) / len(shows))
+        frames.append(blocks)
+        names.append(fields[0][0])
+        minds.append(_packed(_shuffled(np.concatenate([one for _, one in fields], axis=2))))
+    recording = {
+        "scenes": [scene_of(show) for show in shows],
+        "form": form_of(offer, found),
+        "frames": frames,
+        "minds": minds,
+        "names": names,
+        "step": step,
+    }
+    text = _page(recording)
+    with whole(path) as beside:
+        beside.write_text(text, encoding="utf-8")
+    return len(text.encode())
+
+
+def _blocks(rounds: int) -> Iterator[list[int]]:
+    for first in range(0, rounds + 1, BLOCK):
+        yield list(range(first, min(first + BLOCK, rounds + 1)))
+
+
+def _step(show: Show) -> int:
+    """How many rounds from one moment with memories to the next, so that they find room: tried on the first rounds."""
+    rounds = show.setting.rounds
+    some = list(range(1, min(rounds, 200) + 1))
+    size = len(zlib.compress(_shuffled(_minds(show, some)[1]), 6)) / len(some) * (rounds + 1)
+    return next((step for step in STEPS if size / step <= MINDS), STEPS[-1])
+
+
+def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
+    """What robots remember at these moments: the fields' names, and their values (field, robot, moment)."""
+    names, rows = [], []
+    for tick in ticks:
+        stretch, row = show.find(tick)
+        fields = show.fields(stretch, slice(row, row + 1))
+        flat = {
+            name if values.ndim == 2 else f"{name}[{k}]": values[0] if values.ndim == 2 else values[0][:, k]
+            for name, values in fields.items()
+            for k in range(1 if values.ndim == 2 else values.shape[2])
+        }
+        names = list(flat)
+        rows.append(np.stack(list(flat.values())))
+    return names, np.stack(rows, axis=2).astype("<f4") if rows else np.zeros((0, 0, 0), "<f4")
+
+
+def _shuffled(values: np.ndarray) -> bytes:
+    """Numbers with all their first bytes first, then all second ones: alike bytes pack well."""
+    return np.ascontiguousarray(values, "<f4").view(np.uint8).reshape(-1, 4).T.tobytes()
+
+
+def _packed(content: bytes) -> str:
+    return base64.b64encode(zlib.compress(content, 9)).decode()
+
+
+def _page(recording: dict[str, Any]) -> str:
+    """The page with all its parts in it; what it may run is named by its hash."""
+    page = (PAGE / "index.html").read_text(encoding="utf-8")
+    styles, scripts = [], []
+    lines = []
+    for line in page.splitlines():
+        if 'rel="stylesheet"' in line:
+            styles.append((PAGE / line.split('href="')[1].split('"')[0]).read_text(encoding="utf-8"))
+        elif line.startswith("<script src="):
+            scripts.append((PAGE / line.split('src="')[1].split('"')[0]).read_text(encoding="utf-8"))
+        else:
+            lines.append(line)
+    licence = (PAGE / "uPlot-license.txt").read_text(encoding="utf-8")
+    style, script = "\n".join(styles), "\n".join(scripts)
+    hashes = (base64.b64encode(hashlib.sha256(f"\n{one}\n".encode()).digest()).decode() for one in (script, style))
+    policy = "default-src 'none'; script-src 'sha256-{}'; style-src 'sha256-{}'; img-src data:; base-uri 'none'"
+    head = f'<meta http-equiv="Content-Security-Policy" content="{policy.format(*hashes)}">'
+    data = json.dumps(recording, allow_nan=False).replace("<", "\\u003c")
+    title = html.escape(f"{recording['form']['name']} – swarmcensus")
+    top = f"{head}\n<title>{title}</title>\n<style>\n{style}\n</style>"
+    text = "\n".join(lines).replace("<title>swarmcensus watch</title>", top)
+    parts = f'<script id="recorded" type="application/json">{data}</script>\n<script>\n{script}\n</script>\n'
+    return text.replace("</body>", f"{parts}<!-- uPlot draws the curves:\n{licence}-->\n</body>") + "\n"

@@ -1,0 +1,254 @@
+"""What a page may ask for, what it is shown, and how it is answered: without a browser and without a server."""
+
+import itertools
+import json
+import random
+import string
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics.errors import InputError
+from swarmcensus.watch.offers import KEYS, offer_of, wanted
+from swarmcensus.watch.sessions import MOST_TEXT, Session
+from swarmcensus.watch.shows import COLUMNS, Show, spread
+from tests.slow import times
+
+STUDY = """
+trials = 3
+seed = 4
+[swarm]
+robots = [6, 9]
+accuracy = "U(0.6, 0.9)"
+brain = ["minimalistic", "sure"]
+[world]
+topology = ["ring", "moving"]
+density = 4.0
+fill_ratio = 0.6
+[schedule]
+rounds = 60
+ticks = 60
+"""
+
+
+@pytest.fixture
+def offer(tmp_path):
+    (tmp_path / "study.toml").write_text(STUDY)
+    return offer_of(tmp_path / "study.toml")
+
+
+def parsed(message):
+    """A message of frames, read as the page does: numbers by column, and layers, flags and links by frame."""
+    _, side, count, robots, columns, layers, _, _ = np.frombuffer(message, "<u4", 8).tolist()
+    planes = 1 + 2 * bool(layers & 4) + 2 * bool(layers & 1)
+    at = 32
+    parts = []
+    for kind, size in (("<u4", count), ("<f4", count * columns), ("<u4", count + 1), ("<u2", count * planes * robots), ("u1", count * 2 * robots)):  # fmt: skip  # noqa: E501
+        parts.append(np.frombuffer(message, kind, size, at))
+        at += parts[-1].nbytes
+    ticks, numbers, starts, values, flags = parts
+    links = np.frombuffer(message, "<u2" if layers & 4 else "u1", starts[-1], at)
+    assert at + links.nbytes == len(message)
+    return {
+        "side": side, "ticks": ticks, "numbers": numbers.reshape(count, columns),
+        "layers": values.reshape(count, planes, robots), "flags": flags.reshape(count, 2, robots),
+        "links": [links[a:z] for a, z in itertools.pairwise(starts)],
+    }  # fmt: skip
+
+
+def test_a_small_swarm_is_offered_where_no_study_is():
+    found = wanted(offer_of(None), {})
+    assert str(found.settings[0]) == "moving, N = 25, D = 1.0, accuracy 0.75, f = 0.75, 10000 ticks"
+
+
+def test_settings_are_those_of_the_study(offer):
+    settings = sc.Study.parse(STUDY).settings()
+    for number, setting in enumerate(settings):
+        assert wanted(offer, {"setting": str(number)}).settings == (setting,)
+
+
+def test_results_are_watched_too(offer, tmp_path):
+    sc.save(sc.run(sc.Study.parse(STUDY), jobs=1), tmp_path / "r.nc")
+    found = wanted(offer_of(tmp_path / "r.nc"), {"setting": "2", "trial": "1"})
+    assert found.settings[0] == sc.Study.parse(STUDY).settings()[2]
+    assert (found.seed, found.trial) == (4, 1)
+
+
+@pytest.mark.parametrize(
+    ("asked", "line"),
+    [
+        ({"brain": "commons"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"accuracy": "0.8"}, "ring, N = 6, accuracy 0.8, f = 0.6, C = 60, R = 10"),
+        ({"topology": "moving"}, "moving, N = 6, D = 1.0, accuracy U(0.6,0.9), f = 0.6, 10000 ticks"),
+        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1000, R = 10"),
+        ({"setting": "2", "floor": "half", "density": "2"}, "D = 2.0, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
+        ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
+        ({"liars": "0.5"}, "of them 0.5 always-black, not honest"),
+        ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
+        ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
+        ({"rounds": "7"}, "C = 7"),
+    ],
+)
+def test_values_are_changed(offer, asked, line):
+    assert line in str(wanted(offer, asked).settings[0])
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
+        ({"brain": "comons"}, "brain = comons: did you mean 'commons'? no brain of this study, nor a shipped one"),
+        ({"beside": "comons"}, "beside = comons: did you mean"),
+        ({"robots": "1e3"}, "robots = 1e3: should be a whole number from 1 to 20000"),
+        ({"robots": "-1"}, "robots = -1: should be a whole number"),
+        ({"robots": "٣"}, "robots = ٣: should be a whole number"),
+        ({"setting": "99"}, "setting = 99: there are 0 to 7"),
+        ({"accuracy": "1.5"}, "accuracy = 1.5: a sensor accuracy lies in"),
+        ({"fill_ratio": "nan"}, "fill_ratio = nan: should be a number from 0 to 1"),
+        ({"link_success": "2"}, "link_success = 2: should be a number from 0 to 1"),
+        ({"topology": "office.csv"}, "topology = office.csv: one of"),
+        ({"setting": "2", "density": "1000"}, "density = 1000: should be above 0 and at most"),
+        ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
+        ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd: one of"),
+        ({"liars": "1"}, "none is honest"),
+        ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic: no adversary of that name"),
+        ({"topology": "full", "brain": "voter", "robots": "9000"}, "2000 is the most here"),
+    ],
+)
+def test_what_is_wrong_is_told(offer, asked, said):
+    with pytest.raises(InputError) as told:
+        wanted(offer, asked)
+    assert said in str(told.value)
+
+
+def test_no_file_is_run_that_a_page_names(offer, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    Path("evil.py").write_text("raise SystemExit('it ran')\n")
+    for asked in ({"brain": "evil.py"}, {"beside": "./evil.py"}, {"liars": "0.5", "adversary": "evil.py"}):
+        with pytest.raises(InputError):
+            wanted(offer, asked)
+    assert "mine.py" not in KEYS
+    Path("mine.py").write_text(sc.Study.parse(STUDY).brains[0].source)
+    known = offer_of(tmp_path / "study.toml", (Path("mine.py"),))
+    assert wanted(known, {"brain": "mine.py"}).settings[0].brain.name == "mine.py"
+
+
+@pytest.mark.parametrize("number", [0, 2, 4])
+def test_frames_and_robots_are_those_of_the_replay(offer, number):
+    found = wanted(offer, {"setting": str(number), "trial": "2"})
+    show = Show(found.settings[0], found.seed, found.trial, 10)
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), number, 2)
+    ticks = [0, 1, 2, 30, 60]
+    shown = parsed(show.frames(ticks))
+    x = trace["estimate"].values[ticks]
+    assert shown["ticks"].tolist() == ticks
+    np.testing.assert_allclose(shown["layers"][:, 0] / 65_535, x, atol=1 / 65_535)
+    column = dict(zip(COLUMNS, shown["numbers"].T, strict=True))
+    np.testing.assert_allclose(column["mean"], x.mean(axis=1), rtol=1e-6)
+    np.testing.assert_allclose(column["median"], np.median(x, axis=1), rtol=1e-6)
+    np.testing.assert_allclose(column["low"], np.quantile(x, 0.25, axis=1), rtol=1e-6)
+    if number == 2:
+        half = trace.attrs["side"] / 2
+        place = (trace["position"].values[ticks] + half) / (2 * half)
+        np.testing.assert_allclose(shown["layers"][:, 1:].transpose(0, 2, 1) / 65_535, place, atol=1 / 65_535)
+        looked = ~np.isnan(trace["reading"].values[ticks])
+        assert ((shown["flags"][:, 0] & 1) == looked).all()
+        heard = [np.bincount(links, minlength=6).tolist() for links in shown["links"]]
+        assert heard[1:] == trace["neighbours"].values[ticks[1:]].tolist()
+    for tick in ticks:
+        for robot in range(6):
+            told = show.robot(tick, robot)
+            for name in show.setting.brain.memory:
+                assert told["fields"][name] == trace[name].values[tick, robot].tolist()
+            assert told["estimate"] == trace["estimate"].values[tick, robot]
+    json.dumps(show.robot(60, 0), allow_nan=False)
+
+
+def test_what_a_robot_heard_is_what_its_neighbours_said():
+    """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
+    show = Show(found.settings[0], found.seed, found.trial, 10)
+    told = show.robot(12, 3)
+    assert [one["from"] for one in told["heard"]] == [2, 4]
+    beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
+    assert told["fields"]["beta"] == pytest.approx(beta, rel=1e-12)
+    assert told["fields"]["x_bar"] == pytest.approx(sum(o["said"]["heard_x"] for o in told["heard"]) / beta, rel=1e-12)
+
+
+def test_lost_messages_are_not_lit():
+    found = wanted(offer_of(None), {"topology": "ring", "robots": "40", "link_success": "0.3"})
+    show = Show(found.settings[0], found.seed, found.trial, 10)
+    shown = parsed(show.frames(list(range(1, 101))))
+    carried = np.array([links.sum() for links in shown["links"]])
+    heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)
+    assert carried.tolist() == heard.tolist()
+    assert carried.mean() == pytest.approx(0.3 * 80, rel=0.1)  # 8,000 messages: six standard deviations are a tenth
+
+
+def test_spreads_are_quantiles():
+    x = np.random.default_rng(1).random((5, 11))
+    np.testing.assert_allclose(spread(x), np.quantile(x, [0, 0.25, 0.5, 0.75, 1], axis=1))
+
+
+def test_a_session_answers(offer):
+    session = Session(offer)
+    [begun] = session.answer(json.dumps({"id": 1, "do": "begin", "ask": {"beside": "commons"}}))
+    assert [scene["brain"] for scene in begun["scenes"]] == ["minimalistic", "commons"]
+    assert begun["form"]["now"]["robots"] == "6"
+    *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
+    while isinstance(end, dict) and end.get("going"):
+        *frames, end = session.answer(json.dumps({"id": 2, "do": "frames", "from": 10, "step": 5, "count": 4}))
+    assert [parsed(part)["ticks"].tolist() for part in frames] == [[10, 15, 20, 25]] * 2
+    assert [parsed(part)["side"] for part in frames] == [0, 1]
+    [told] = session.answer(json.dumps({"id": 3, "do": "robot", "side": 1, "robot": 2, "tick": 10}))
+    assert told["told"]["brain"] == "commons"
+
+
+@pytest.mark.parametrize(
+    ("said", "error"),
+    [
+        ("{", "a page says JSON, and this is none"),
+        ("[]", "a page says a JSON object"),
+        (b"\x00\x01", "a page says JSON of at most"),
+        ("x" * (MOST_TEXT + 1), "a page says JSON of at most"),
+        ("[" * 10_000, "this is none"),
+        ('{"do": "run"}', "do = 'run': should be one of begin, frames, robot"),
+        ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
+        ('{"do": "frames"}', "nothing is watched yet"),
+        ('{"do": "begin", "file": "x"}', "file: "),
+        ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
+    ],
+)
+def test_nonsense_is_answered_in_a_sentence(offer, said, error):
+    [answer] = Session(offer).answer(said)
+    assert error in answer["error"]
+
+
+def test_random_words_are_answered(offer):
+    """Ten thousand where there is time: each gets an answer that is JSON or frames, and the session goes on."""
+    chance = random.Random(3)
+    session = Session(offer)
+    session.answer('{"do": "begin", "ask": {}}')
+    numbers = [0, 1, -1, 5, 61, 2**31, 2**70, 1.5, True, None, "7", [], {}, float("nan")]
+    for _ in range(times(10_000, 1500)):
+        kind = chance.random()
+        if kind < 0.2:
+            said = chance.randbytes(chance.randrange(40))
+        elif kind < 0.4:
+            said = "".join(chance.choices(string.printable + '{}[]":,\\\u2028\ud800', k=chance.randrange(60)))
+        else:
+            keys = chance.choices(["id", "do", "from", "step", "count", "tick", "robot", "side", "ask", "x"], k=5)
+            words = {key: chance.choice(numbers) for key in keys}
+            words["do"] = chance.choice(["frames", "robot", "begin", 3])
+            if chance.random() < 0.05:
+                words["ask"] = {chance.choice(KEYS): chance.choice(["", "-", "1", "9" * 30, "ring", "é", "../x"])}
+            said = json.dumps(words)
+        for answer in session.answer(said):
+            if isinstance(answer, bytes):
+                parsed(answer)
+            else:
+                json.dumps(answer, allow_nan=False)
+    assert session.answer('{"id": 7, "do": "begin", "ask": {}}')[0]["scenes"]
