@@ -29,7 +29,8 @@ STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
-    options = parser(COMMANDS).parse_args(arguments)
+    every = parser(COMMANDS)
+    options = every.parse_args(arguments, argparse.Namespace(parser=every))
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("default", UserWarning)

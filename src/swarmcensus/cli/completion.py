@@ -8,10 +8,7 @@ def completion(options: argparse.Namespace) -> int:
     """Print the script of a shell."""
     import shtab
 
-    from swarmcensus.cli.commands import COMMANDS
-    from swarmcensus.cli.options import parser
-
-    top = parser(COMMANDS)
+    top = options.parser
     for sub in _parsers(top):
         for action in sub._actions:
             if action.type is Path:

@@ -148,7 +148,10 @@ def _is_meant(served: Served, host: str) -> bool:
 
 
 def _knows(served: Served, query: str) -> bool:
-    given = parse_qs(query, max_num_fields=20).get("token", [""])[0]
+    try:
+        given = parse_qs(query, max_num_fields=20).get("token", [""])[0]
+    except ValueError:
+        return False
     return secrets.compare_digest(given.encode(), served.token.encode())
 
 
@@ -174,7 +177,8 @@ def server_of(served: Served) -> Any:
 
 def serve(served: Served) -> None:
     """Serve until it is interrupted."""
-    server_of(served).run([served.socket])
+    with served.socket:
+        server_of(served).run([served.socket])
 
 
 @contextlib.contextmanager
@@ -190,3 +194,4 @@ def serving(served: Served) -> Iterator[None]:
     finally:
         server.should_exit = True
         thread.join(5.0)
+        served.socket.close()

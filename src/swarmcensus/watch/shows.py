@@ -149,7 +149,7 @@ class Show:
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
     def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
-        """What minds hold after some rounds of a stretch, as a trace has it: (round, robot), vectors with an axis more."""
+        """What minds hold after some rounds of a stretch, as a trace has it; vectors have an axis more."""
         history, estimates = (np.ascontiguousarray(a[rows]) for a in (stretch.history, stretch.estimates))
         return fields_of(self.setting.crew, self.life.swarm, history, estimates)
 

@@ -1,0 +1,230 @@
+"""The server of the live page: who is let in, what a stranger gets, and how it bears many pages and nonsense."""
+
+import concurrent.futures
+import contextlib
+import http.client
+import json
+import random
+import time
+
+import psutil
+import pytest
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.watch.offers import offer_of
+from swarmcensus.watch.server import MOST_PAGES, listen, serving
+from tests.slow import times
+
+# uvicorn itself still asks websockets for a part that is going out of use
+pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
+
+
+@pytest.fixture(scope="module")
+def served():
+    made = listen(offer_of(None))
+    with serving(made):
+        yield made
+
+
+def get(served, path, host=None, method="GET"):
+    with contextlib.closing(http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)) as connection:
+        connection.request(method, path, headers={"Host": host or f"127.0.0.1:{served.port}"})
+        with connection.getresponse() as answer:
+            return answer.status, answer.read(), {name.lower(): value for name, value in answer.getheaders()}
+
+
+def talk(served, token=None, **more):
+    origin = more.pop("origin", f"http://127.0.0.1:{served.port}")
+    address = f"ws://127.0.0.1:{served.port}/live?token={served.token if token is None else token}"
+    return connect(address, origin=origin, max_size=None, proxy=None, compression=None, **more)
+
+
+def ask(page, **words):
+    while True:
+        page.send(json.dumps(words))
+        parts = [page.recv(timeout=60)]
+        while isinstance(parts[-1], bytes):
+            parts.append(page.recv(timeout=60))
+        end = json.loads(parts[-1])
+        if not end.get("going"):
+            return parts[:-1], end
+
+
+def frames(page, first, last, step=1):
+    """Frames one by one: of several at a time, as many are answered as are there soon."""
+    return [
+        ask(page, id=tick, do="frames", **{"from": tick, "step": 1, "count": 1})[0]
+        for tick in range(first, last + 1, step)
+    ]
+
+
+def test_the_page_and_its_parts_are_there(served):
+    status, page, headers = get(served, f"/?token={served.token}")
+    assert status == 200
+    assert b"<title>swarmcensus watch</title>" in page
+    policy = headers["content-security-policy"]
+    assert "default-src 'none'" in policy
+    assert "unsafe" not in policy
+    for line in page.decode().splitlines():
+        for mark in ('src="', 'stylesheet" href="'):
+            if mark in line:
+                name = line.split(mark)[1].split('"')[0]
+                assert "/" not in name  # nothing is fetched from elsewhere
+                assert get(served, f"/{name}")[0] == 200
+    assert b"<script>" not in page
+
+
+@pytest.mark.parametrize("path", ["/", "/?token=", "/?token=x", "/?tok=1", "/?token=%ff", "/?" + "a&" * 30])
+def test_without_the_token_there_is_nothing_to_see(served, path):
+    status, page, _ = get(served, path)
+    assert status in (400, 403)
+    assert b"<html" not in page
+
+
+@pytest.mark.parametrize("path", ["/index.html", "/server.py", "/..%2fserver.py", "/%2e%2e/offers.py", "/live/x", "/x"])
+def test_nothing_else_is_served(served, path):
+    assert get(served, path)[0] == 404
+
+
+@pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "[", "a@b"])
+def test_names_of_other_sites_are_not_answered(served, host):
+    """A page of another site that had its name point here would come with that name."""
+    assert get(served, f"/?token={served.token}", host)[0] in (400, 421)
+
+
+@pytest.mark.parametrize("host", ["localhost:9000", "127.0.0.1:1234", "[::1]:80", "localhost"])
+def test_a_tunnel_is_answered(served, host):
+    assert get(served, f"/?token={served.token}", host)[0] == 200
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"token": "x"}, {"token": ""}, {"origin": "http://evil.example"}, {"origin": None}, {"origin": "null"}]
+)
+def test_strangers_do_not_talk(served, wrong):
+    with pytest.raises(InvalidStatus, match="403"):
+        talk(served, **wrong)
+
+
+def test_pages_are_independent_of_each_other(served):
+    with talk(served) as one, talk(served) as other:
+        ask(one, id=1, do="begin", ask={"brain": "commons"})
+        ask(other, id=1, do="begin", ask={"topology": "ring", "robots": "7"})
+        first = frames(one, 5, 7)
+        assert len(frames(other, 900, 902)) == 3
+        assert frames(one, 5, 7) == first
+
+
+def test_fifty_pages(served):
+    """All are answered, as each would be alone, and one more than there is room for is sent away."""
+    with talk(served) as page:
+        ask(page, id=1, do="begin", ask={})
+        alone = frames(page, 0, 400, 100)
+    with contextlib.ExitStack() as stack:
+        pages = [stack.enter_context(talk(served)) for _ in range(50)]
+
+        def one(page):
+            ask(page, id=1, do="begin", ask={})
+            return frames(page, 0, 400, 100)
+
+        with concurrent.futures.ThreadPoolExecutor(50) as pool:
+            assert all(answer == alone for answer in pool.map(one, pages))
+        more = [stack.enter_context(talk(served)) for _ in range(MOST_PAGES - 50)]
+        assert len(more) == MOST_PAGES - 50
+        with pytest.raises(InvalidStatus, match="403"):
+            talk(served)
+
+
+def test_a_page_that_goes_stops_its_computing(served):
+    """It goes while the end of a long trial is on its way: a second later nothing is computed any more."""
+    me = psutil.Process()
+    page = talk(served)
+    ask(page, id=1, do="begin", ask={"robots": "1500", "density": "1"})
+    page.send(json.dumps({"id": 2, "do": "frames", "from": 10_000, "step": 1, "count": 1}))
+    time.sleep(0.1)
+    page.close()
+    time.sleep(1.0)
+    before = sum(me.cpu_times()[:2])
+    time.sleep(0.5)
+    assert sum(me.cpu_times()[:2]) - before < 0.25
+
+
+def test_random_bytes_on_every_route(served):
+    """Answers, or a closed connection, and the page is there after all of it."""
+    chance = random.Random(1)
+    for _ in range(times(1000, 150)):
+        connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)
+        connection.connect()
+        method = chance.choice([b"GET ", b"POST ", b"PUT ", b"", b"\x16\x03\x01"])
+        path = chance.choice([b"/", b"/live", b"/?token=", b"/main.js", b""]) + chance.randbytes(chance.randrange(12))
+        more = chance.choice([b"Host: localhost\r\n", b"", b"Upgrade: websocket\r\nConnection: upgrade\r\n"])
+        head = chance.choice([b" HTTP/1.1\r\n", b"\r\n"]) + more + b"\r\n"
+        with contextlib.suppress(OSError):
+            connection.sock.sendall(method + path + head + chance.randbytes(chance.randrange(50)))
+            connection.sock.shutdown(1)
+            connection.sock.settimeout(5)
+            while connection.sock.recv(4096):
+                pass
+        connection.close()
+    for _ in range(times(200, 30)):
+        with contextlib.suppress(ConnectionClosed, InvalidStatus), talk(served) as page:
+            for _ in range(10):
+                said = chance.randbytes(chance.randrange(200))
+                page.send(said if chance.random() < 0.5 else said.decode("latin-1"))
+                assert "error" in json.loads(page.recv(timeout=10))
+    assert get(served, f"/?token={served.token}")[0] == 200
+
+
+def test_too_much_at_once_closes_one_page_alone(served):
+    with talk(served) as other:
+        with contextlib.suppress(ConnectionClosed), talk(served) as page:
+            page.send("x" * 1_000_000)
+            page.recv(timeout=10)
+        ask(other, id=1, do="begin", ask={})
+
+
+def test_a_port_that_is_taken_is_told(served):
+    with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1, port {served.port}: Address already in use"):
+        listen(served.offer, port=served.port)
+
+
+def test_it_listens_on_loopback_alone(served):
+    assert served.host == "127.0.0.1"
+    others = [a.address for some in psutil.net_if_addrs().values() for a in some if a.family.name == "AF_INET"]
+    for address in (a for a in others if not a.startswith("127.")):
+        with pytest.raises(OSError, match=r"refused|unreachable|timed out"):
+            http.client.HTTPConnection(address, served.port, timeout=2).connect()
+
+
+@pytest.mark.parametrize(
+    ("given", "said"),
+    [
+        (["--set", "robots"], "--set robots: should be such as robots=100"),
+        (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
+        (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20000"),
+        (["--export", "run.txt"], "--export run.txt: a page is written as .html"),
+        (["none.toml"], "study file none.toml: cannot be read"),
+        (["--host", "256.1.1.1"], "cannot listen on 256.1.1.1, port 0"),
+        (["--export", "folder/none/run.html", "--set", "robots=99999"], "robots = 99999: should be"),
+    ],
+)
+def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(["watch", "--no-browser", *given]) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
+    from swarmcensus.watch import server
+
+    opened = []
+    monkeypatch.setattr("webbrowser.open", opened.append)
+    monkeypatch.setattr(server, "serve", lambda served: (time.sleep(0.5), served.socket.close()))
+    assert main(["watch", "--set", "tick=70", "--set", "robots=9"]) == 0
+    address = capsys.readouterr().out.strip()
+    assert address.startswith("http://127.0.0.1:")
+    assert address.endswith("#robots=9&tick=70")
+    assert opened == [address]
