@@ -361,7 +361,7 @@ function zoom(by) {
 
 document.addEventListener("keydown", (event) => {
   const typing = event.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
-  const own = event.target.matches("button, summary, input") && [" ", "ArrowLeft", "ArrowRight", "Home", "End"].includes(event.key);
+  const own = event.target.matches("[type=range]") ? event.key !== " " : event.key === " " && event.target.matches("button, summary, [type=checkbox]");
   if (typing || own || event.ctrlKey || event.altKey || event.metaKey || !KEYS[event.key] || !state.scenes.length) return;
   event.preventDefault();
   KEYS[event.key](event);

@@ -1,0 +1,244 @@
+"""The live page in a real browser: it plays, is wound to and fro, tells what `replay` does, and is exported."""
+
+import re
+import shutil
+import time
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.watch.exporting import export
+from swarmcensus.watch.offers import offer_of, wanted
+from swarmcensus.watch.server import listen, serving
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
+pytestmark = [
+    pytest.mark.skipif(BROWSER is None, reason="no Chromium here"),
+    pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning"),
+]
+STUDY = """
+trials = 3
+seed = 4
+swarm.robots = 12
+swarm.accuracy = 0.75
+world = {topology = ["moving", "ring"], density = 4.0, fill_ratio = 0.6}
+schedule = {rounds = 300, ticks = 300}
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    made = tmp_path_factory.mktemp("watch")
+    (made / "study.toml").write_text(STUDY)
+    return made
+
+
+@pytest.fixture(scope="module")
+def served(folder):
+    made = listen(offer_of(folder / "study.toml"))
+    with serving(made):
+        yield made
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as running:
+        opened = running.chromium.launch(executable_path=BROWSER, args=["--no-sandbox"])
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def page(browser):
+    """A page that must not complain."""
+    context = browser.new_context(viewport={"width": 1280, "height": 900}, permissions=["clipboard-write"])
+    made = context.new_page()
+    complaints = []
+    made.on(
+        "console", lambda message: complaints.append(message.text) if message.type in ("error", "warning") else None
+    )
+    made.on("pageerror", lambda error: complaints.append(str(error)))
+    yield made
+    context.close()
+    assert complaints == []
+
+
+def come(page, address, tick=None):
+    page.goto("about:blank")
+    page.goto(address)
+    page.wait_for_selector("#clock:not(:empty)", state="attached", timeout=60_000)
+    if tick is not None:
+        at(page, tick)
+
+
+def at(page, tick):
+    """Wait until a moment is shown."""
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(rf"^(tick|round) {tick:,} of"), timeout=20_000)
+
+
+def told(page, robot, tick):
+    """What the page says that a robot remembers."""
+    page.wait_for_selector(f'#told[data-robot="{robot}"][data-tick="{tick}"]', timeout=20_000)
+    return dict(page.locator("#told table", has_text="Memory").evaluate(
+        "table => [...table.rows].map(row => [row.cells[0].textContent, row.cells[1].textContent])"
+    ))  # fmt: skip
+
+
+def number(text):
+    return float(text.replace(",", ""))
+
+
+@pytest.mark.parametrize("setting", [0, 1])
+def test_a_robot_is_what_replay_says(page, served, setting):
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
+    come(page, served.address(f"setting={setting}&trial=2&tick=120&robot=5"), 120)
+    shown = told(page, 5, 120)
+    for name in ("t", "n", "x_hat", "alpha", "x_bar", "beta", "x"):
+        assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+
+
+def test_it_plays_and_is_wound_to_and_fro(page, served):
+    come(page, served.address(), 0)
+    page.click("#play")
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^tick [1-9]\d+ of"), timeout=20_000)
+    page.click("#play")
+    page.keyboard.press("Home")
+    at(page, 0)
+    page.locator("#stages canvas").focus()
+    page.keyboard.press("ArrowRight")
+    at(page, 1)
+    page.keyboard.press("Shift+ArrowRight")
+    at(page, 101)
+    page.keyboard.press("ArrowLeft")
+    at(page, 100)
+    page.keyboard.press("End")
+    at(page, 300)
+    page.locator("#moment").fill("150")
+    at(page, 150)
+    page.select_option("#speed", "Infinity")
+    page.click("#play")
+    at(page, 300)
+
+
+def test_a_robot_is_clicked(page, served):
+    come(page, served.address("setting=1"), 0)
+    page.keyboard.press("ArrowRight")
+    at(page, 1)
+    canvas = page.locator("#stages canvas").bounding_box()
+    middle, reach = canvas["width"] / 2, 0.46 * canvas["width"]
+    page.mouse.click(canvas["x"] + middle, canvas["y"] + middle - reach)  # the first of the ring stands at the top
+    told(page, 0, 1)
+    assert page.input_value("#which") == "0"
+    page.keyboard.press("n")
+    told(page, 1, 1)
+    assert "Heard in this round" in page.inner_text("#told")
+
+
+def test_a_change_begins_again_and_the_address_holds_the_moment(page, served):
+    come(page, served.address("tick=40"), 40)
+    page.fill("#control-robots", "20")
+    page.keyboard.press("Tab")
+    at(page, 0)
+    assert "N = 20" in page.inner_text("#title")
+    page.keyboard.press("Escape")
+    page.locator("#stages canvas").focus()
+    page.keyboard.press("Shift+ArrowRight")
+    at(page, 100)
+    page.keyboard.press("n")
+    before = told(page, 0, 100)
+    page.wait_for_url(re.compile(r"robots=20.*tick=100.*robot=0"))
+    come(page, page.url, 100)
+    assert told(page, 0, 100) == before
+
+
+def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
+    come(page, served.address("tick=40"), 40)
+    page.fill("#control-density", "5000")
+    page.keyboard.press("Tab")
+    playwright.expect(page.locator("#error")).to_contain_text("density = 5000: should be above 0")
+    assert page.input_value("#control-density") == "4"
+    page.keyboard.press("Home")
+    come(page, served.address("robots=many"))
+    playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
+
+
+def test_two_brains_go_in_step(page, served):
+    come(page, served.address("beside=commons&tick=60"), 60)
+    assert page.locator("#stages canvas").count() == 2
+    titles = page.locator("figcaption").all_inner_texts()
+    assert [title.split(":")[0] for title in titles] == ["minimalistic", "commons"]
+
+
+@pytest.mark.parametrize("setting", [0, 1])
+def test_an_export_opens_from_disk(page, folder, setting):
+    path = folder / f"run-{setting}.html"
+    export(offer_of(folder / "study.toml"), {"setting": str(setting), "trial": "2"}, path)
+    text = path.read_text()
+    assert not re.search(r"(src|href)=.https?:|url\(|import ", text.split('<script id="recorded"')[0])
+    come(page, f"file://{path}#tick=120&robot=5", 120)
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
+    shown = told(page, 5, 120)
+    for name in ("t", "n", "x_hat", "x"):
+        assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+    page.click("#play")
+    at(page, 300)
+
+
+def test_the_command_writes_an_export(folder, monkeypatch, capsys):
+    monkeypatch.chdir(folder)
+    assert main(["watch", "study.toml", "--set", "rounds=50", "--export", "some.html"]) == 0
+    assert re.fullmatch(r"some\.html \(0\.\d MB\)\n", capsys.readouterr().out)
+    assert "tick 50" not in (folder / "some.html").read_text()
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out(page, served, scheme):
+    """Each text by at least 4.5 to 1 from what lies behind it, as WCAG asks."""
+    page.emulate_media(color_scheme=scheme)
+    come(page, served.address("robot=1&tick=20&beside=commons"), 20)
+    told(page, 1, 20)
+    found = page.locator("h1, h2, h3, p, label, th, td, button, option, figcaption, output, dt, summary").evaluate_all(
+        """all => all.filter(one => one.offsetParent && one.textContent.trim()).map(one => {
+            let behind = one;
+            while (behind && /rgba\\(0, 0, 0, 0\\)|transparent/.test(getComputedStyle(behind).backgroundColor)) behind = behind.parentElement;
+            return [getComputedStyle(one).color, behind ? getComputedStyle(behind).backgroundColor : "rgb(255, 255, 255)", one.textContent];
+        })"""
+    )
+
+    def light(colour):
+        parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+        linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+        return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+    assert len(found) > 40
+    for text, behind, words in found:
+        low, high = sorted([light(text), light(behind)])
+        assert (high + 0.05) / (low + 0.05) >= 4.5, (text, behind, words)
+
+
+@pytest.mark.parametrize("width", [360, 640, 1280])
+def test_nothing_sticks_out_sideways(page, served, width):
+    """At 640 a page of 1280 is read at 200 %."""
+    page.set_viewport_size({"width": width, "height": 800})
+    come(page, served.address("robot=1&tick=20"), 20)
+    told(page, 1, 20)
+    time.sleep(0.3)
+    assert page.locator("html").evaluate("root => root.scrollWidth") <= width
+
+
+def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
+    come(page, served.address(), 0)
+    names = page.locator("button, input, select").evaluate_all(
+        "all => all.map(one => one.ariaLabel || one.textContent.trim() || (one.labels && one.labels[0] ? one.labels[0].textContent : ''))"
+    )
+    assert all(names)
+    count = page.locator("button:enabled, input:enabled, select:enabled").count()
+    seen = set()
+    page.keyboard.press("Tab")
+    for _ in range(count + 20):
+        seen.add(page.evaluate_handle("document.activeElement").get_property("id").json_value())
+        page.keyboard.press("Tab")
+    assert {"play", "speed", "moment", "control-brain", "control-seed", "which", "follow", "copy"} <= seen
+    assert wanted(served.offer, {}).settings
