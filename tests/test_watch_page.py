@@ -8,9 +8,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.watch.exporting import export
-from swarmcensus.watch.offers import offer_of, wanted
-from swarmcensus.watch.server import listen, serving
+from swarmcensus.watching.exporting import export
+from swarmcensus.watching.offers import offer_of, wanted
+from swarmcensus.watching.server import listen, serving
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
@@ -201,9 +201,10 @@ def test_text_stands_out(page, served, scheme):
     told(page, 1, 20)
     found = page.locator("h1, h2, h3, p, label, th, td, button, option, figcaption, output, dt, summary").evaluate_all(
         """all => all.filter(one => one.offsetParent && one.textContent.trim()).map(one => {
+            const ground = of => getComputedStyle(of).backgroundColor;
             let behind = one;
-            while (behind && /rgba\\(0, 0, 0, 0\\)|transparent/.test(getComputedStyle(behind).backgroundColor)) behind = behind.parentElement;
-            return [getComputedStyle(one).color, behind ? getComputedStyle(behind).backgroundColor : "rgb(255, 255, 255)", one.textContent];
+            while (behind.parentElement && ground(behind) === "rgba(0, 0, 0, 0)") behind = behind.parentElement;
+            return [getComputedStyle(one).color, ground(behind), one.textContent];
         })"""
     )
 
@@ -231,7 +232,7 @@ def test_nothing_sticks_out_sideways(page, served, width):
 def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
     come(page, served.address(), 0)
     names = page.locator("button, input, select").evaluate_all(
-        "all => all.map(one => one.ariaLabel || one.textContent.trim() || (one.labels && one.labels[0] ? one.labels[0].textContent : ''))"
+        "all => all.map(one => one.ariaLabel || one.textContent.trim() || (one.labels[0] || {}).textContent || '')"
     )
     assert all(names)
     count = page.locator("button:enabled, input:enabled, select:enabled").count()

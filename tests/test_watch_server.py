@@ -12,10 +12,11 @@ import pytest
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
+import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.watch.offers import offer_of
-from swarmcensus.watch.server import MOST_PAGES, listen, serving
+from swarmcensus.watching.offers import offer_of
+from swarmcensus.watching.server import MOST_PAGES, listen, serving
 from tests.slow import times
 
 # uvicorn itself still asks websockets for a part that is going out of use
@@ -218,7 +219,7 @@ def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, cap
 
 
 def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
-    from swarmcensus.watch import server
+    from swarmcensus.watching import server
 
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
@@ -228,3 +229,25 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
     assert address.startswith("http://127.0.0.1:")
     assert address.endswith("#robots=9&tick=70")
     assert opened == [address]
+
+
+def test_from_python_it_is_a_frame(tmp_path):
+    with pytest.raises(InputError, match="robots = many: should be a whole number"):
+        sc.watch(robots="many")
+    study = sc.Study(trials=2, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.5})
+    shown = sc.watch(study, trial=1, tick=30, beside="commons")
+    try:
+        assert shown.address.endswith("#trial=1&tick=30&beside=commons")
+        port = int(shown.address.split(":")[2].split("/")[0])
+        with contextlib.closing(http.client.HTTPConnection("127.0.0.1", port, timeout=10)) as connection:
+            connection.request("GET", shown.address.split(str(port))[1].split("#")[0])
+            with connection.getresponse() as answer:
+                assert answer.status == 200
+                assert b"swarmcensus" in answer.read()
+        frame = shown._repr_html_()
+        assert 'src="http://127.0.0.1:' in frame
+        assert "&amp;tick=30" in frame
+    finally:
+        shown.stop()
+    with pytest.raises(OSError, match="refused"):
+        http.client.HTTPConnection("127.0.0.1", port, timeout=2).connect()

@@ -11,9 +11,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
-from swarmcensus.watch.offers import KEYS, offer_of, wanted
-from swarmcensus.watch.sessions import MOST_TEXT, Session
-from swarmcensus.watch.shows import COLUMNS, Show, spread
+from swarmcensus.watching.offers import KEYS, offer_of, wanted
+from swarmcensus.watching.sessions import MOST_TEXT, Session
+from swarmcensus.watching.shows import COLUMNS, Show, spread
 from tests.slow import times
 
 STUDY = """

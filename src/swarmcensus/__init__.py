@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from swarmcensus.simulation.inferring import infer
     from swarmcensus.studies.study import Study
     from swarmcensus.tuning.tuning import tune
+    from swarmcensus.watching.frame import watch
 
 _HOME = {
     "InputError": "basics.errors",
@@ -50,6 +51,7 @@ _HOME = {
     "theory": "theory",
     "tune": "tuning.tuning",
     "verify": "runs.verifying",
+    "watch": "watching.frame",
 }
 __all__ = [
     "InputError",
@@ -71,6 +73,7 @@ __all__ = [
     "theory",
     "tune",
     "verify",
+    "watch",
 ]
 
 

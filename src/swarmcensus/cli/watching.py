@@ -10,7 +10,7 @@ from swarmcensus.basics.errors import InputError
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until it is interrupted, or write it with one trial."""
-    from swarmcensus.watch.offers import offer_of, wanted
+    from swarmcensus.watching.offers import offer_of, wanted
 
     asked = _asked(options)
     if options.export is not None and options.export.suffix != ".html":
@@ -24,7 +24,7 @@ def watch(options: argparse.Namespace) -> int:
 def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
-    from swarmcensus.watch.server import LOOPBACK, listen, serve
+    from swarmcensus.watching.server import LOOPBACK, listen, serve
 
     served = listen(offer, options.host, options.port)  # type: ignore[arg-type]
     address = served.address(urlencode(asked))
@@ -52,7 +52,7 @@ def _export(options: argparse.Namespace, offer: object, asked: dict[str, str]) -
 
     from swarmcensus.basics.files import check_writable
     from swarmcensus.basics.terminal import console
-    from swarmcensus.watch.exporting import export
+    from swarmcensus.watching.exporting import export
 
     check_writable(options.export, *([options.of] if options.of else []))
     with Progress(console=console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:

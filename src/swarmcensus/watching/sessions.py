@@ -11,9 +11,9 @@ from typing import Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
-from swarmcensus.watch.offers import KEYS, Offer, Wanted, names_of, wanted
-from swarmcensus.watch.scenes import scene_of
-from swarmcensus.watch.shows import Show
+from swarmcensus.watching.offers import KEYS, Offer, Wanted, names_of, wanted
+from swarmcensus.watching.scenes import scene_of
+from swarmcensus.watching.shows import Show
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000

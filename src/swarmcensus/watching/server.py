@@ -13,8 +13,8 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.watch.offers import Offer
-from swarmcensus.watch.sessions import MOST_TEXT, Session
+from swarmcensus.watching.offers import Offer
+from swarmcensus.watching.sessions import MOST_TEXT, Session
 
 PAGE = Path(__file__).with_name("page")
 KINDS = {

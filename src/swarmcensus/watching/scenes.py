@@ -7,7 +7,7 @@ import numpy as np
 
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine.modes import LISTED
-from swarmcensus.watch.shows import COLUMNS, Show
+from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.worlds.arena import tiles_across
 
 MOST_TILES = 1024  # from wall to wall, that a page draws; beyond it the floor is an even grey

@@ -1,5 +1,5 @@
 "use strict";
-// What a message of frames holds: see watch/shows.py.
+// What a message of frames holds: see watching/shows.py.
 
 const KIND = 0x53574152;
 const LAYER = { intervals: 1, decisions: 2, moves: 4 };

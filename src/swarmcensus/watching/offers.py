@@ -11,6 +11,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
@@ -65,21 +67,22 @@ class Wanted:
     asked: dict[str, str]  # what differs from the first trial of the first setting
 
 
-def offer_of(path: Path | None, given: tuple[Path, ...] = ()) -> Offer:
-    """Offer a study file's settings, those of a results file, or a small swarm; and brain files beside theirs.
+def offer_of(of: Path | Study | xr.Dataset | None, given: tuple[Path, ...] = ()) -> Offer:
+    """Offer the settings of a study or of results, as files or not, or a small swarm; and brain files beside theirs.
 
     Raises InputError.
     """
-    if path is not None and path.suffix == ".nc":
-        data = opened(path)
-        study = studies_of(data, given)[0]
+    name = of.name if isinstance(of, Path) else ""
+    if isinstance(of, Path) and of.suffix == ".nc":
+        of = opened(of)
+    if isinstance(of, xr.Dataset):
+        data, study = of, studies_of(of, given)[0]
         numbers = tuple(map(int, data["setting"].values))
-        return _offer(path.name, numbers, study, {}, lambda number: setting_of(data, number, given))
+        return _offer(name or study.name, numbers, study, {}, lambda number: setting_of(data, number, given))
     more = {brain.told: brain for brain in map(brains.load, given)}
-    study = Study(name="a small swarm", trials=1000, seed=1, **SHOWN) if path is None else Study.load(path)
-    settings = study.settings()
-    name = path.name if path else study.name
-    return _offer(name, tuple(range(len(settings))), study, more, lambda number: (study, settings[number]))
+    asked = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
+    settings = asked.settings()
+    return _offer(name or asked.name, tuple(range(len(settings))), asked, more, lambda k: (asked, settings[k]))
 
 
 def _offer(

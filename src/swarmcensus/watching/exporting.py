@@ -13,11 +13,11 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
-from swarmcensus.watch.offers import Offer, wanted
-from swarmcensus.watch.scenes import scene_of
-from swarmcensus.watch.server import PAGE
-from swarmcensus.watch.sessions import form_of
-from swarmcensus.watch.shows import Show
+from swarmcensus.watching.offers import Offer, wanted
+from swarmcensus.watching.scenes import scene_of
+from swarmcensus.watching.server import PAGE
+from swarmcensus.watching.sessions import form_of
+from swarmcensus.watching.shows import Show
 
 BLOCK = 500  # frames that are packed at a time
 MOST_FRAMES = 400_000_000  # bytes, before they are packed

@@ -1,0 +1,53 @@
+"""`sc.watch`: the live page from Python, in a notebook as a frame."""
+
+import contextlib
+import html
+from dataclasses import dataclass, field
+from pathlib import Path
+from urllib.parse import urlencode
+
+import xarray as xr
+
+from swarmcensus.studies.study import Study
+from swarmcensus.watching.offers import offer_of, wanted
+from swarmcensus.watching.server import listen, serving
+
+
+@dataclass
+class Watching:
+    """A live page that is served while this process runs, or until `stop`."""
+
+    address: str
+    height: int
+    _running: contextlib.ExitStack = field(repr=False)
+
+    def stop(self) -> None:
+        """Serve it no longer."""
+        self._running.close()
+
+    def _repr_html_(self) -> str:
+        source = html.escape(self.address, quote=True)
+        return f'<iframe src="{source}" width="100%" height="{self.height}" style="border: 0" title="swarmcensus watch"></iframe>'  # noqa: E501
+
+
+def watch(
+    of: str | Path | Study | xr.Dataset | None = None,
+    *,
+    brain: str | Path | None = None,
+    height: int = 900,
+    port: int = 0,
+    **asked: object,
+) -> Watching:
+    """Serve the live page of a study, results, or a file of either, in the background; a notebook shows it as a frame.
+
+    `asked` is what to begin with, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4; `brain`
+    a brain file that may be watched too, or the one that the results were made with; `height` that of the frame, in
+    pixels; `port` 0 takes a free one. `address` opens it in a browser on this machine. Raises InputError.
+    """
+    offer = offer_of(Path(of) if isinstance(of, str) else of, () if brain is None else (Path(brain),))
+    words = {key: str(value) for key, value in asked.items()}
+    wanted(offer, {key: value for key, value in words.items() if key not in ("tick", "robot", "side")})
+    served = listen(offer, port=port)
+    running = contextlib.ExitStack()
+    running.enter_context(serving(served))
+    return Watching(served.address(urlencode(words)), height, running)
