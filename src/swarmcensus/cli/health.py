@@ -21,6 +21,7 @@ EXTRAS = {
     "film": ("imageio_ffmpeg",),
     "cluster": ("distributed", "dask_jobqueue"),
     "tune": ("cma",),
+    "watch": ("starlette", "uvicorn", "websockets"),
 }  # what each of pyproject's extras is imported as
 
 
