@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import functools
-from typing import Any
+from typing import Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import FuncNorm
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.markers import MarkerStyle
 from matplotlib.patches import Patch
 from matplotlib.text import Text
+from matplotlib.transforms import ScaledTranslation, Transform
 
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.looks import LIES
@@ -28,9 +27,30 @@ LINEAR = 0.1  # estimates as near as this to the truth, a bin of ten, are told a
 LINK, RANGE = "#009e73", "#d40000"
 STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all of a robot's make a star
 LINES = 2  # of the title
+WIDE_ENOUGH, NARROW = 4.0, 2.8  # inches of an arena: below, the headline is smaller, and below, two lines
+COLUMN = 1.25  # inches of the key under an arena
 
 
-def draw_colours(figure: Figure, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
+class Room(NamedTuple):
+    """The inches that an arena takes, and whether it is in axes of the caller's: its key then stands under it."""
+
+    side: float = ARENA
+    own: bool = False
+
+
+def room_in(axes: Axes) -> Room:
+    """The room of an arena in axes of the caller's, which are square."""
+    axes.apply_aspect()
+    return Room(axes.bbox.width / axes.figure.dpi, own=True)
+
+
+def _moved(axes: Axes, right: float, up: float) -> Transform:
+    """Coordinates of the axes, moved by so many inches, whatever size these have when they are drawn."""
+    moved: Transform = axes.transAxes + ScaledTranslation(right, up, axes.figure.dpi_scale_trans)
+    return moved
+
+
+def draw_colours(arena: Axes, room: Room, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
     """Draw the bar of colours right of the arena; returns what gives estimates these colours, and the bar."""
     far = max(true_fill_ratio, 1.0 - true_fill_ratio)
     most = np.arcsinh(far / LINEAR)
@@ -44,8 +64,8 @@ def draw_colours(figure: Figure, true_fill_ratio: float) -> tuple[ScalarMappable
         vmax=true_fill_ratio + far,
     )
     colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
-    width, height = SIZE
-    axes = figure.add_axes(((LEFT + ARENA + 0.2) / width, (BOTTOM + 2.15) / height, 0.16 / width, 2.6 / height))
+    foot, tall = (0.0, 0.88 * room.side) if room.own else (2.15, 2.6)
+    axes = arena.inset_axes((1 + 0.2 / room.side, foot / room.side, 0.16 / room.side, tall / room.side))
     low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
     edges = np.linspace(low, high, 257)
     strip = colours.to_rgba(norm.inverse((edges[1:] + edges[:-1]) / 2.0))
@@ -64,26 +84,30 @@ def draw_colours(figure: Figure, true_fill_ratio: float) -> tuple[ScalarMappable
     return colours, axes
 
 
-def write_titles(figure: Figure, title: str, robots: int) -> tuple[Text, Text]:
+def write_titles(arena: Axes, room: Room, title: str, robots: int) -> tuple[Text, Text]:
     """Write the title over the arena, in two lines at most; returns the headline's two texts that change."""
-    width, height = SIZE
-    lines = wrapped(title, 72 * (width - LEFT - 0.1), SMALL, LINES)
-    left, right, y = LEFT / width, (LEFT + ARENA) / width, (BOTTOM + ARENA + 0.19 + 0.13 * len(lines)) / height
-    # What others have called a study is text, also where it has dollar signs.
-    write = functools.partial(figure.text, va="baseline", parse_math=False)
-    write(left, (BOTTOM + ARENA + 0.12) / height, "\n".join(lines), fontsize=SMALL, va="bottom")
-    when = write(left, y, "", fontsize=SMALL + 3)
+    letters = SMALL + 3 if room.side > WIDE_ENOUGH else SMALL
+    lines = wrapped(title, 72 * (room.side + (0.0 if room.own else SIZE[0] - LEFT - ARENA - 0.1)), SMALL, LINES)
+    y = 0.19 + 0.13 * len(lines)
+    over = y if room.side > NARROW else y + 0.15  # the headline is two lines
+
+    def write(x: float, right: float, up: float, text: str, size: float = letters, **more: Any) -> Text:
+        # What others have called a study is text, also where it has dollar signs.
+        place: dict[str, Any] = {"transform": _moved(arena, right, up), "va": "baseline"}
+        return arena.text(x, 1.0, text, fontsize=size, parse_math=False, **place | more)
+
+    write(0.0, 0.0, 0.12, "\n".join(lines), SMALL, va="bottom")
+    when = write(0.0, 0.0, over, "")
     # Letters are what takes longest to draw in a film: those that stay are not written again.
-    most = f"{robots:,} of {robots:,}"
-    start = right - 0.08 * len(most) / width
-    write(start - 0.05 / width, y, "robots in the right bin:", fontsize=SMALL + 3, ha="right")
-    return when, write(start, y, "", fontsize=SMALL + 3)
+    start = -0.08 * len(f"{robots:,} of {robots:,}") * letters / (SMALL + 3)
+    write(1.0, start - 0.05, y, "robots in the right bin:", ha="right")
+    return when, write(1.0, start, y, "")
 
 
-def draw_scale(axes: Axes, half: float, note: str) -> None:
+def draw_scale(axes: Axes, room: Room, half: float, note: str) -> None:
     """Draw a bar of a round length under the arena, of which `half` is half the side in metres, and write a note."""
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
-    y = -half * (1.0 + 2.0 * 0.14 / ARENA)
+    y = -half * (1.0 + 2.0 * 0.14 / room.side)
     x = -half, -half + length
     axes.plot(x, [y, y], "|-", color="black", linewidth=1.2, markersize=6, clip_on=False)
     axes.text(
@@ -93,8 +117,10 @@ def draw_scale(axes: Axes, half: float, note: str) -> None:
     axes.text(half, y, note, ha="right", va="center", fontsize=SMALL)
 
 
-def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool) -> None:
-    """Say right of the arena what its marks mean: `robot` has its radio range drawn, `stops` are parts that fail."""
+def draw_key(
+    arena: Axes, room: Room, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
+) -> None:
+    """Say beside the arena what its marks mean: `robot` has its radio range drawn, `stops` are parts that fail."""
     disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
@@ -113,8 +139,11 @@ def draw_key(figure: Figure, robot: int, stops: list[str], *, to_scale: bool, ti
     if tiles:
         entries["black tile"] = Patch(facecolor=str(BLACK_TILE), edgecolor="0.5", linewidth=0.5)
         entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
-    width, height = SIZE
-    figure.legend(
-        list(entries.values()), list(entries), loc="lower left", frameon=False, fontsize=SMALL, borderaxespad=0,
-        bbox_to_anchor=((LEFT + ARENA + 0.14) / width, BOTTOM / height), handlelength=1.5, labelspacing=0.7,
-    )  # fmt: skip
+    place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
+    place["bbox_transform"] = _moved(arena, 0.14, 0.0)
+    if room.own:
+        place |= {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": _moved(arena, 0.0, -0.25)}
+        place |= {"ncols": max(1, int(room.side / COLUMN)), "columnspacing": 1.0}
+    arena.legend(
+        list(entries.values()), list(entries), frameon=False, fontsize=SMALL, borderaxespad=0, handlelength=1.5, **place
+    )

@@ -6,9 +6,12 @@ other, and a dotted circle is the radio range of one of them. Strokes across a r
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection, LineCollection
 from matplotlib.figure import Figure
@@ -27,14 +30,17 @@ from swarmcensus.figures.arena_margins import (
     SIZE,
     STROKES,
     WHITE_TILE,
+    Room,
     draw_colours,
     draw_key,
     draw_scale,
+    room_in,
     write_titles,
 )
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, halo
 from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_of
+from swarmcensus.figures.sheets import Drawn, Own, drawn_on, own_axes
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 
@@ -45,7 +51,15 @@ LEAST = 0.004  # of the arena's side: smaller robots are drawn with this radius
 FINE = 1500  # tiles from wall to wall of which each is drawn; of more, means of several are
 
 
-def snapshot(trace: xr.Dataset, tick: int, floor: Tiles = None, *, robot: int = 0, title: str | None = None) -> Figure:
+def snapshot(
+    trace: xr.Dataset,
+    tick: int,
+    floor: Tiles = None,
+    *,
+    robot: int = 0,
+    title: str | None = None,
+    ax: Own = None,
+) -> Drawn:
     """Draw the arena at the end of a tick: the paper's Fig. 1, with robots coloured by their estimate.
 
     `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `Ground.all_tiles` does:
@@ -56,9 +70,17 @@ def snapshot(trace: xr.Dataset, tick: int, floor: Tiles = None, *, robot: int = 
 
     Raises InputError if the trace lacks what is drawn, or has no such tick or robot, or the floor is too small.
     """
-    arena = Arena(trace, floor, robot=robot, title=title)
+    arena = Arena(trace, floor, robot=robot, title=title, ax=ax)
     arena.show(tick)
-    return arena.figure
+    return drawn_on([arena.axes], ax)
+
+
+def _new_axes() -> Axes:
+    """Those of an arena on a new figure, with margins for what stands around it."""
+    figure = Figure(figsize=SIZE)
+    FigureCanvasAgg(figure)
+    width, height = SIZE
+    return figure.add_axes((LEFT / width, BOTTOM / height, ARENA / width, ARENA / height))
 
 
 class Arena:
@@ -75,28 +97,27 @@ class Arena:
         robot: int = 0,
         title: str | None = None,
         note: str = "",
+        ax: Own = None,
     ) -> None:
         """Draw what stands still, with a `note` under the arena. Raises InputError as `snapshot` does."""
         self._take(trace, robot)
-        self.figure = Figure(figsize=SIZE)
-        FigureCanvasAgg(self.figure)
-        width, height = SIZE
-        place = LEFT / width, BOTTOM / height, ARENA / width, ARENA / height
-        self.axes = self.figure.add_axes(place, xlim=(-self.half, self.half), ylim=(-self.half, self.half))
-        self.axes.set(xticks=[], yticks=[], aspect="equal")
+        self.axes = _new_axes() if ax is None else own_axes(ax, 1, "an arena is one panel")[0]
+        self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
+        self.figure: Any = self.axes.figure.canvas.figure
+        self.room = Room() if ax is None else room_in(self.axes)
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self.floor = floor
         self._draw_floor()
         self._draw_robots()
-        self.colours, self.bar = draw_colours(self.figure, self.truth)
-        draw_scale(self.axes, self.half, note)
+        self.colours, self.bar = draw_colours(self.axes, self.room, self.truth)
+        draw_scale(self.axes, self.room, self.half, note)
         to_scale = self.drawn_radius == self.radius
         draw_key(
-            self.figure, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
+            self.axes, self.room, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
             liars=not self.honest.all(),
         )  # fmt: skip
         name = str(trace.attrs.get("title", "")) if title is None else title
-        self.when, self.right = write_titles(self.figure, name, self.robots)
+        self.when, self.right = write_titles(self.axes, self.room, name, self.robots)
         self.moving: list[Artist] = [
             self.links,
             self.range,
@@ -145,7 +166,7 @@ class Arena:
             return False
         self.truth = float(self.truths[self.index(tick)])
         self.bar.remove()
-        self.colours, self.bar = draw_colours(self.figure, self.truth)
+        self.colours, self.bar = draw_colours(self.axes, self.room, self.truth)
         if isinstance(self.floor, ChangingFloor):
             self.image.set_data(self._greys(self.floor.at(tick)))
         elif self.floor is None:
@@ -213,7 +234,7 @@ class Arena:
 
     def _draw_robots(self) -> None:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
-        dots = self.drawn_radius / self.half * ARENA / 2.0 * 72.0  # a robot's radius in points
+        dots = self.drawn_radius / self.half * self.room.side / 2.0 * 72.0  # a robot's radius in points
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
         self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
         self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)

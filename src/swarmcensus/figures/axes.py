@@ -14,7 +14,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, LogLocator, MaxNLocat
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
-from swarmcensus.figures.sheets import SMALL
+from swarmcensus.figures.sheets import SMALL, show_range
 
 COUNTS = {"robots", "rounds", "observations_per_round", "density", "side", "checkpoint"}  # which often span decades
 DECADES = 8.0  # from there on a coordinate that counts is logarithmic
@@ -78,7 +78,7 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     width = axes.bbox.width * 72 / axes.figure.dpi
     texts = names.texts
     if not numbers:
-        axes.set_xlim(-0.5, x.size - 0.5)
+        show_range(axes, "x", -0.5, x.size - 0.5)
         axes.set_xticks(x, texts, parse_math=False, **names.style)
         axes.tick_params(axis="x", length=0)
         return
@@ -89,7 +89,7 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
     span = float(np.ptp(scaled))
     margin = (0.04 + 2 * aside / width) * span or 0.5
     low, high = scaled.min() - margin, scaled.max() + margin
-    axes.set_xlim(*(np.exp([low, high]) if log else (low, high)))
+    show_range(axes, "x", *(np.exp([low, high]) if log else (low, high)))
     at = width * (scaled - low) / (high - low)
     half = np.array([width_of(text, SMALL) / 2 for text in texts])
     kept: list[int] = []
@@ -108,14 +108,14 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
     reach = np.concatenate([found, [end for end in ends if np.isfinite(end)]])
     for ax in axes:
         if not found.size:
-            ax.set_ylim(0.0, 1.0)
+            show_range(ax, "y", 0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
         if found.min() > 0 and found.max() >= WIDE * found.min():
             ax.set_yscale("log")
             positive = reach[reach > 0.3 * found.min()]  # an interval may reach down to 0
-            ax.set_ylim(0.8 * positive.min(), 1.25 * high)
+            show_range(ax, "y", 0.8 * positive.min(), 1.25 * high)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))
             ax.yaxis.set_minor_formatter(NullFormatter())
@@ -123,7 +123,7 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
             if 0 <= low < 0.6 * high:
                 low = 0.0
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
-            ax.set_ylim(low - (0.2 * room if low == 0 else room), high + room)
+            show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room)
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
         ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _short(value)))
 

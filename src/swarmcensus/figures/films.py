@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.animation import FuncAnimation
+from matplotlib.artist import Artist
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 from PIL import Image
@@ -23,6 +25,7 @@ from swarmcensus.basics.files import whole
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.arena_pictures import Arena
 from swarmcensus.figures.scenes import Tiles, check_tick
+from swarmcensus.figures.sheets import Own
 
 MP4_DPI, GIF_DPI = 128, 80
 LENGTH = 600  # ticks of a film unless more or fewer are asked for
@@ -68,6 +71,33 @@ def film(
         else:
             _write_gif(beside, frames, fps)
     return len(ticks)
+
+
+def animation(
+    trace: xr.Dataset,
+    floor: Tiles,
+    ax: Own,
+    *,
+    first: int = 1,
+    last: int | None = None,
+    every: int = 2,
+    fps: int = 20,
+    robot: int = 0,
+    title: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> FuncAnimation:
+    """The frames of `film` as an animation of the figure of these axes. Raises InputError as `film` does."""
+    arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
+    known = int(arena.ticks[0]), int(arena.ticks[-1])
+    ticks = stretch("film.mp4", known, first=first, last=last, every=every, fps=fps)
+
+    def show(tick: int) -> list[Artist]:
+        arena.show(tick)
+        if progress:
+            progress(ticks.index(tick) + 1, len(ticks))
+        return arena.moving
+
+    return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
 
 
 def suffix_of(path: str | Path) -> str:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator, NullFormatter
 from matplotlib.transforms import ScaledTranslation
@@ -17,7 +18,7 @@ from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import CAPTIONS, IDLE
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
-from swarmcensus.figures.sheets import add_key, name_axes, sheet
+from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
 from swarmcensus.results.comparison_cells import head
 from swarmcensus.results.standings import Standings
 from swarmcensus.results.summaries import is_idle
@@ -46,11 +47,19 @@ def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
     return np.asarray(~beaten & ~np.isnan(cost) & ~np.isnan(value))
 
 
-def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = None, ax: Axes | None = None) -> Figure:
+def draw_pareto(
+    found: Standings,
+    cost: str = "bytes_sent",
+    title: str | None = None,
+    ax: Own = None,
+    results: Sequence[xr.Dataset] = (),
+) -> Drawn:
     """Draw a comparison's first measure against what contenders cost, a panel for each world.
 
     Full dots are on the front, which a line of steps joins; upright lines are 95 % intervals over trials. What never
-    came is an arrow at the edge. Raises InputError for a cost that is not there and for more than 24 worlds.
+    came is an arrow at the edge. The foot says what `results` lack.
+
+    Raises InputError for a cost that is not there and for more than 24 worlds.
     """
     known = found.costs | found.sizes
     if cost not in known:
@@ -85,8 +94,8 @@ def draw_pareto(found: Standings, cost: str = "bytes_sent", title: str | None = 
     if any(_beside(place, cost).any() for place, cost in zip(axes, costs, strict=True)):
         entries["side by side: at the same cost"] = Line2D([], [], linestyle="")
     add_key(axes, "", entries)
-    figure: Figure = axes[0].figure.canvas.figure
-    return figure
+    say_lacking(axes, results)
+    return drawn_on(axes, ax)
 
 
 def _said(name: str, value: Any) -> str:
@@ -104,12 +113,12 @@ def _cost_axis(axes: Axes, costs: Floats) -> None:
     least, most = float(costs.min()), float(costs.max())
     if least > 0 and most >= SPREAD * least:
         axes.set_xscale("log")
-        axes.set_xlim(least / (most / least) ** 0.08, most * (most / least) ** 0.08)
+        show_range(axes, "x", least / (most / least) ** 0.08, most * (most / least) ** 0.08)
         axes.xaxis.set_major_locator(LogLocator(subs=(1.0,) if most > 100 * least else (1.0, 2.0, 5.0)))
         axes.xaxis.set_minor_formatter(NullFormatter())
     else:
         room = 0.08 * (most - least) or 0.1 * most or 1.0
-        axes.set_xlim(least - room, most + room)
+        show_range(axes, "x", least - room, most + room)
         axes.xaxis.set_major_locator(MaxNLocator(5))
     axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:,.6g}"))
 

@@ -7,9 +7,11 @@ mean-ranks?", 2016.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -17,7 +19,7 @@ from matplotlib.figure import Figure
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.rankings import groups
 from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.sheets import SMALL, TITLE, caption_panels
+from swarmcensus.figures.sheets import SMALL, TITLE, Drawn, Own, caption_panels, drawn_on, own_axes, say_lacking
 from swarmcensus.results.contests import Contest
 from swarmcensus.results.standings import Standings
 
@@ -32,12 +34,12 @@ MOST = 40  # contenders that have room
 HELD_BACK = "0.35"
 
 
-def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = None) -> Figure:
+def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()) -> Drawn:
     """Draw a panel for each measure of a comparison, the best contender on the left of its line.
 
     Ranks are means over the trials and worlds that all contenders have met. A bar joins contenders no two of which are
     told apart over all these worlds, by the tests of the comparison. Raises InputError where all have met in none, for
-    more contenders than have room, and for several measures in one `ax`.
+    more contenders than have room, and for several measures in one `ax`. The foot says what `results` lack.
     """
     drawn = [k for k, one in enumerate(found.contests) if len(one.ranks)]
     if not drawn:
@@ -46,25 +48,23 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Axes | None = Non
         raise InputError(
             f"ranks: a line has room for {MOST} contenders, not {len(found.contenders)}: select some settings"
         )
-    if ax is not None and len(drawn) > 1:
-        raise InputError(f"ax holds one panel, not {len(drawn)}: name one metric")
     joined = [_joined(found, found.contests[k]) for k in drawn]
     names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
     tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
     high = [OVER + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2) for bars in joined]
     lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
     room = 0.22 * len(lines) + 0.1 * bool(lines)
-    panels = [ax] if ax is not None else _panels(high, room, lines)
+    panels = _panels(high, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
     captions = [
         f"{one.label}: average rank over {_over(found.contests[k])}" for k in drawn for one in [found.measures[k]]
     ]
     if ax is not None and title:
-        captions = [title]
+        captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3, WIDE - 0.3)
     for k, bars, panel, inches in zip(drawn, joined, panels, high, strict=True):
         _draw(panel, names, found.contests[k].average_ranks, bars, inches - OVER, tall)
-    figure: Figure = panels[0].figure.canvas.figure
-    return figure
+    say_lacking(panels[-1:], results)
+    return drawn_on(panels, ax)
 
 
 def _joined(found: Standings, contest: Contest) -> list[list[int]]:

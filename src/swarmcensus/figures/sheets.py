@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import string
 from collections.abc import Sequence
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.backend_bases import RendererBase
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
+from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import lacking
@@ -21,6 +23,8 @@ from swarmcensus.figures.lettering import SPACING, wrapped
 from swarmcensus.figures.panels import MOST_PANELS
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
+Own = Axes | Sequence[Axes] | None  # the caller's axes, one a panel; None: a new figure
+Drawn = Any  # a Figure, or what `Own` is: which of them depends on an argument, so that a union would help nobody
 
 SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
 CAPTION, TITLE = SMALL + 1.5, SMALL + 3
@@ -29,6 +33,7 @@ HALF_A_DECADE = 10**0.5
 NAMES = SMALL - 1.5  # points: names of dots over a panel
 LEFT = 0.65  # inches: for the y axis and its name
 INNER = "inner"  # label of a panel with another on its left, which has the name of their y axes
+POOLED = "select some of the settings, draw all into one with panels=[]"  # how there are fewer panels
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 
@@ -86,26 +91,56 @@ def new_sheet(
 
 
 def sheet(
-    ax: Axes | None,
+    ax: Own,
     captions: Sequence[str],
     title: str | None,
     *,
+    size: tuple[float, float] | None = None,
     left: float = LEFT,
+    right: float = 1.6,
     above: float = 0.0,
     below: float = 0.0,
+    fewer: str = "select some of the settings",
 ) -> list[Axes]:
-    """Return a `new_sheet`, or the caller's own axes, captioned with the title if there is one.
+    """Return a `new_sheet`, or the caller's own axes, captioned: one with the title, if there is one.
 
-    Raises InputError if `ax` would have to hold several panels, and as `new_sheet` does.
+    Of several the title stands over their figure. Raises InputError, which says how there are `fewer` panels, if there
+    are not as many axes as panels, and as `new_sheet` does.
     """
     if ax is None:
-        return new_sheet(captions, title, left=left, above=above, below=below)
-    if len(captions) != 1:
-        raise InputError(
-            f"ax holds one panel, not {len(captions)}: select some of the settings, or draw all into it with panels=[]"
-        )
-    caption_panels([ax], [title or captions[0]], above)
-    return [ax]
+        return new_sheet(captions, title, size=size, left=left, right=right, above=above, below=below)
+    own = own_axes(ax, len(captions), fewer)
+    if title and len(own) > 1:
+        own[0].figure.suptitle(title, fontsize=TITLE, parse_math=False)
+    caption_panels(own, [title] if title and len(own) == 1 else captions, above)
+    return own
+
+
+def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
+    """The caller's axes in a row. Raises InputError if they are not as many as there are panels."""
+    own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
+    if len(own) != panels and panels == 1:
+        raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
+    if len(own) != panels:
+        holds = "ax holds one panel" if len(own) == 1 else f"ax has {len(own)} axes"
+        raise InputError(f"{holds}, not {panels}: {fewer}, or give a list of {panels} axes")
+    return own
+
+
+def drawn_on(axes: Sequence[Axes], ax: Own) -> Drawn:
+    """What a kind returns: the figure that it made, or the caller's axes as they were given."""
+    if ax is not None:
+        return ax
+    return axes[0].figure.canvas.figure
+
+
+def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
+    """Set the limits of an axis; where others share it, they still show what these have drawn."""
+    shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
+    if any(other is not axes and other.has_data() for other in shared.get_siblings(axes)):
+        least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
+        low, high = min(low, least), max(high, most)
+    axes.set(**{f"{which}lim": (low, high)})
 
 
 def caption_panels(
@@ -129,9 +164,16 @@ def _lettered(captions: Sequence[str], room: float) -> list[str]:
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
-    """Write the axis labels, `y` of a sheet in its leftmost column only, and take away what carries no data."""
-    axes.set_xlabel(x, fontsize=SMALL + 1)
-    if axes.get_label() != INNER:
+    """Write the axis labels and take away what carries no data.
+
+    `y` is written in the leftmost column of a sheet only, and so are names of axes that the caller's panels share.
+    """
+    place = axes.get_subplotspec()
+    beside = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
+    above = place and not place.is_last_row() and axes.get_shared_x_axes().get_siblings(axes)[1:]
+    if not above:
+        axes.set_xlabel(x, fontsize=SMALL + 1)
+    if axes.get_label() != INNER and not beside:
         axes.set_ylabel(y, fontsize=SMALL + 1)
     axes.tick_params(labelsize=SMALL)
     axes.spines[["top", "right"]].set_visible(False)
@@ -183,11 +225,11 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
     the count that few lie below (by default `low`), is less than half a decade from the end.
     """
     if scale != "log":
-        axes.set_xlim(-0.01 * high, 1.02 * high)
+        show_range(axes, "x", -0.01 * high, 1.02 * high)
         axes.xaxis.set_major_locator(MaxNLocator(5))
     elif high < HALF_A_DECADE * (low if early is None else early):
         span = max(high - low, 0.01 * high)
-        axes.set_xlim(low - 0.05 * span, high + 0.05 * span)
+        show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
         axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     else:
         # Rather asinh than symlog: it has no kink. 0 is on the axis, for an estimate may have settled
@@ -197,7 +239,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
         if low >= 10:
             decade = 10.0 ** np.floor(np.log10(low))
             begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
-        axes.set_xlim(begin, 1.15 * high)
+        show_range(axes, "x", begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
         few = high < 20 * max(begin, 1.0)  # decades alone would be one label, or two
         named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
@@ -219,7 +261,31 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     else:
         axes.yaxis.set_major_locator(FixedLocator([0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    axes.set_ylim(-min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
+    show_range(axes, "y", -min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
+
+
+class _Leaders(LineCollection):
+    """Lines from names over the axes down to dots, wherever these are when they are drawn."""
+
+    def __init__(self, axes: Axes, starts: NDArray[np.float64], dots: NDArray[np.float64]) -> None:
+        super().__init__([], linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False)
+        self.starts, self.dots = starts, dots
+        self.lead(axes)
+
+    def lead(self, axes: Axes) -> None:
+        self.set_segments(list(np.stack([self.starts, _ends_of(axes, self.dots)], axis=1)))
+
+    def draw(self, renderer: RendererBase) -> None:
+        # Limits that are shared, or zoomed, may be others than they were.
+        assert isinstance(self.axes, Axes)
+        self.lead(self.axes)
+        super().draw(renderer)
+
+
+def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float64]) -> NDArray[np.float64]:
+    """Where dots are upon the axes, those beyond at their edge."""
+    ends = axes.transAxes.inverted().transform(axes.transData.transform(dots))
+    return np.asarray(np.clip(ends, 0, 1), np.float64)
 
 
 def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
@@ -231,7 +297,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     """
     size = NAMES
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
-    ends = np.clip(axes.transAxes.inverted().transform(axes.transData.transform(dots)), 0, 1)
+    ends = _ends_of(axes, dots)
     order = np.argsort(ends[:, 0], kind="stable")
     if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
         few = int(1 + width / (4 * size))
@@ -244,11 +310,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
     places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
     starts = np.stack([places, np.full(len(ends), 1 + 2 / height)], axis=1)
-    lines = np.stack([starts, ends], axis=1)
-    axes.add_collection(
-        LineCollection(list(lines), linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False),
-        autolim=False,
-    )
+    axes.add_collection(_Leaders(axes, starts, np.array(dots)[order]), autolim=False)
     for place, text in zip(places, texts, strict=True):
         axes.text(
             place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=size,

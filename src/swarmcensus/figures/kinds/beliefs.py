@@ -9,14 +9,24 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.panels import panels_of
-from swarmcensus.figures.sheets import NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
+from swarmcensus.figures.sheets import (
+    NOTHING,
+    Drawn,
+    Own,
+    add_key,
+    drawn_on,
+    name_axes,
+    say_empty,
+    say_lacking,
+    sheet,
+    show_range,
+)
 from swarmcensus.results.beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.worlds.sensors import Accuracy
 
@@ -28,14 +38,14 @@ FINE = 401  # points of a dashed line
 BESIDE = 0.3  # of the errors' range: how far from the last one a belief that is drawn for each robot stands
 
 
-def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Axes | None = None) -> Figure:
+def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) -> Drawn:
     """Draw the final estimates' error against the error of the robots' belief in their sensors, a panel a fill ratio.
 
     x is the assumed less the true accuracy, y the median of |x - f| over robots and trials with its 95 % interval by
     bootstrap over trials. Beliefs drawn for each robot stand in columns of their own on the right. Thin dashed lines
     are `asymptote`: what endless observation would leave; where there is none, solid ones join the medians. All
-    panels share their axes; what else varies makes more of them. Axes of your own, `ax`, hold one panel: leave room for
-    the key on their right.
+    panels share their axes; what else varies makes more of them. Axes of your own, `ax`, hold a panel each: leave
+    room for the key on their right.
 
     Raises InputError as `costs` does, if there is no finished trial, and for more than 24 panels.
     """
@@ -67,8 +77,10 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Axes | None = 
             _draw_points(place, [places[c.belief] + aside for c in apart], apart, look, size)
         if places:
             place.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
-        place.set_xlim(errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span)
-        place.set_ylim(-0.01 * top, top)
+        show_range(
+            place, "x", errors[0] - 0.05 * span, max([errors[-1], *places.values()]) + (0.12 if places else 0.05) * span
+        )
+        show_range(place, "y", -0.01 * top, top)
         shown = [x for x in TICKS.tick_values(errors[0], errors[-1]) if errors[0] <= x <= errors[-1]]
         names = [*(f"{x:+.3g}" if x else "0" for x in shown), *map(_column_name, places)]
         place.set_xticks([*shown, *places.values()], names)
@@ -82,7 +94,7 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Axes | None = 
         entries["predicted, after\nendless observation"] = Line2D([], [], **DASHED, color="0.3")
     add_key(axes, heading, entries)
     say_lacking(axes, [panel.results for panel in panels])
-    return axes[0].figure.canvas.figure
+    return drawn_on(axes, ax)
 
 
 def _column_name(belief: str) -> str:

@@ -10,7 +10,6 @@ import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
@@ -19,7 +18,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.scenes import is_trace, trace_of
-from swarmcensus.figures.sheets import Scale, add_key, count_axis, name_axes, sheet
+from swarmcensus.figures.sheets import Drawn, Own, Scale, add_key, count_axis, drawn_on, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample, untold
 from swarmcensus.results.expecting import ALONE, SWARM, Expectation, expect
 from swarmcensus.results.replaying import honest_in
@@ -39,8 +38,8 @@ def curves(
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw one trial as it unfolds: each robot's estimate against the communication round or tick.
 
     `results` is a trace of `sc.replay` or `sc.infer`, or a study's results: then `setting` (by default the first) and
@@ -69,7 +68,7 @@ def curves(
     expected = _expected(results, trace, rounds[-1]) if theory else None
     if expected is not None and not expected.lines:
         caption = untold(caption, next(iter(expected.absent.values())))
-    (ax,) = sheet(ax, [caption], None)
+    (place,) = axes = sheet(ax, [caption], None)
     robots = x.shape[1]
     shown = np.arange(robots)
     colour = palette(11)[3]
@@ -78,38 +77,38 @@ def curves(
         shown = np.linspace(0, robots - 1, 30).round().astype(int)
         for percent, shade in ((90, 0.18), (50, 0.32)):
             low, high = np.nanpercentile(x, [50 - percent / 2, 50 + percent / 2], axis=1)
-            ax.fill_between(rounds, low, high, color=colour, alpha=shade, linewidth=0, label=f"{percent} %")
+            place.fill_between(rounds, low, high, color=colour, alpha=shade, linewidth=0, label=f"{percent} %")
             entries[f"middle {percent} %"] = Patch(color=colour, alpha=shade, linewidth=0)
     if robots > 1:
         lines = LineCollection(
             [np.stack([rounds, x[:, i]], 1) for i in shown], linewidths=0.5, colors=colour, rasterized=True,
             alpha=float(np.clip(3 / np.sqrt(shown.size), 0.3, 0.7)), label="robots",
         )  # fmt: skip
-        ax.add_collection(lines)
+        place.add_collection(lines)
         some = "each of" if shown.size == robots else f"{shown.size} of"
         whom = "robots" if honest.all() else "honest robots"
         entries[f"{some} {robots:,} {whom}"] = Line2D([], [], linewidth=0.7, color=colour)
     if not honest.all():
         drawn = others[:, :MOST_LINES].values.T
         liars = [np.stack([others["round"].values, line], 1) for line in drawn]
-        ax.add_collection(LineCollection(liars, linewidths=0.8, colors=LIES, linestyles=":", label="not honest"))
+        place.add_collection(LineCollection(liars, linewidths=0.8, colors=LIES, linestyles=":", label="not honest"))
         entries[f"{others.shape[1]:,} that are not honest"] = Line2D([], [], linewidth=0.9, color=LIES, linestyle=":")
     if expected is not None:
-        entries |= _draw_theory(ax, expected)
-    (middle,) = ax.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
+        entries |= _draw_theory(place, expected)
+    (middle,) = place.plot(rounds, np.nanmedian(x, axis=1), color="black", linewidth=1.6, label="median")
     whose = ("median robot" if honest.all() else "median honest robot") if robots > 1 else "the robot"
     entries[whose] = middle
     if "fill_ratio" in trace.attrs:
         bins = int(trace.attrs.get("bins", 10))
-        right, dashed = _draw_truth(ax, trace, bins)
+        right, dashed = _draw_truth(place, trace, bins)
         entries |= {"true fill ratio": dashed, f"right bin of {bins}": right}
-    count_axis(ax, rounds[0], rounds[-1], scale)
-    ax.set_ylim(0, 1)
+    count_axis(place, rounds[0], rounds[-1], scale)
+    show_range(place, "y", 0, 1)
     note = " (logarithmic above 1)" if scale == "log" else ""
     unit = "tick" if trace["round"].attrs.get("units") == "ticks" else "communication round"
-    name_axes(ax, f"{unit}{note}", "estimated fill ratio $x$")
-    add_key([ax], "", entries)
-    return ax.figure.canvas.figure
+    name_axes(place, f"{unit}{note}", "estimated fill ratio $x$")
+    add_key([place], "", entries)
+    return drawn_on(axes, ax)
 
 
 def _expected(results: xr.Dataset, trace: xr.Dataset, last: int) -> Expectation:

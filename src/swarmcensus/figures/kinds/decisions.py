@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
@@ -22,12 +21,17 @@ from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NOTHING,
+    POOLED,
     SMALL,
+    Drawn,
+    Own,
     add_key,
+    drawn_on,
     name_axes,
     say_empty,
     say_lacking,
     sheet,
+    show_range,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
 from swarmcensus.figures.theory_lines import entries as theory_entries
@@ -45,8 +49,8 @@ def decisions(
     panels: Names = None,
     theory: bool = False,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw which share of the robots chooses the right bin after so many rounds, or ticks of robots that move.
 
     The paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or than fit, the axis
@@ -55,8 +59,8 @@ def decisions(
     diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and a dash that
     lies over a diamond says that all robots of all trials are right. With `theory`, dots lead through the share that is
     expected of robots alone, and dashes through that of the bound of all readings of the swarm. There is a panel for
-    each combination of the coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold one
-    panel: leave room for the key on their right. Warns of fill ratios on the edge between two bins.
+    each combination of the coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold a
+    panel each: leave room for the key on their right. Warns of fill ratios on the edge between two bins.
 
     Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
     more than 24 panels.
@@ -73,8 +77,8 @@ def decisions_grid(
     color: str = "accuracy",
     theory: bool = False,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw `decisions` panels of one's own choice, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
@@ -88,7 +92,7 @@ def decisions_grid(
             checkpoints = panel.results["checkpoint"].values.tolist()
             expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
             drawn[k] = told(panel, why)
-    axes = sheet(ax, [panel.caption for panel in drawn], title)
+    axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     shares = [shares_of(panel.results, color) for panel in drawn]
     looks = looks_of((value for share in shares for value in share), "d", color)
     if not looks:
@@ -106,7 +110,7 @@ def decisions_grid(
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries | theory_entries(expected))
     say_lacking(axes, [panel.results for panel in drawn])
-    return axes[0].figure.canvas.figure
+    return drawn_on(axes, ax)
 
 
 def _draw_shares(
@@ -152,8 +156,8 @@ def _draw_shares(
     for edge in np.arange(1, columns) - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
     axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)
-    axes.set_xlim(-0.5, columns - 0.5)
-    axes.set_ylim(-4, 108)  # room for what stands at 0 and at 100
+    show_range(axes, "x", -0.5, columns - 0.5)
+    show_range(axes, "y", -4, 108)  # room for what stands at 0 and at 100
     axes.set_xticks(np.arange(columns), [f"{checkpoints[c]:,}" for c in kept])
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Literal, get_args
 
 import matplotlib as mpl
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import AsinhNorm, Colormap, Normalize
-from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
@@ -20,21 +19,43 @@ from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_o
 from swarmcensus.figures.lettering import shortened, width_of
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.panels import select_some
-from swarmcensus.figures.sheets import NOTHING, SMALL, caption_panels, name_axes, new_sheet, say_lacking
+from swarmcensus.figures.sheets import (
+    INNER,
+    NOTHING,
+    SMALL,
+    Drawn,
+    Own,
+    caption_panels,
+    drawn_on,
+    name_axes,
+    say_lacking,
+    sheet,
+)
 from swarmcensus.results.selecting import TooMuch
 
+Z = Literal["convergence_error", "convergence_round"]
 LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
+LINE = 0.16  # inches: a row that has a name, or a number
 NAMED = 34.0  # points: a name under a column, of which longer ones slant
 ABOVE = 0.3  # inches over a panel for the bar of its colours
 MOST_NAMED = 8  # values of a coordinate, in a message
 
 
-def heatmap(results: xr.Dataset, *, x: str = "fill_ratio", y: str = "accuracy", title: str | None = None) -> Figure:
+def heatmap(
+    results: xr.Dataset,
+    *,
+    x: str = "fill_ratio",
+    y: str = "accuracy",
+    z: Z | None = None,
+    title: str | None = None,
+    ax: Own = None,
+) -> Drawn:
     """Draw medians over robots and trials for every value of two coordinates, `x` in columns and `y` in rows.
 
-    Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move. The bar over a panel says
-    which colours are best; each cell says its number, where there are no more than fit; grey is a cell without a
-    finished trial. It extends the paper's Figs. 2 to 5 to all f.
+    Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move; or one of both, `z`. The
+    bar over a panel says which colours are best; each cell says its number, where there are no more than fit; grey is a
+    cell without a finished trial. It extends the paper's Figs. 2 to 5 to all f. Axes of your own, `ax`, hold a panel
+    each.
 
     Raises InputError if there is no such coordinate, another one varies too, or there is no finished trial.
     """
@@ -58,27 +79,39 @@ def heatmap(results: xr.Dataset, *, x: str = "fill_ratio", y: str = "accuracy", 
                 when, error = cloud[value]
                 medians[:, row, column] = np.median(error), np.median(when)
     names = [shortened(look.name, 200, SMALL) for look in looks.values()]
+    drawn = [k for k, name in enumerate(get_args(Z)) if z in (None, name)]
+    if not drawn:
+        raise InputError(f"z {z!r}: should be one of {', '.join(get_args(Z))}")
     widest = max(width_of(look.name, SMALL) for look in across.values())
     cell = max(0.4, ((widest if places_of(across)[1] else min(widest, NAMED)) + SMALL) / 72)  # inches
     size = (max(cell * len(across), 2.4), max(0.25 * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
-    under = names_of(across, 72 * size[0])
     left = max(1.25, 0.55 + max(width_of(name, SMALL) for name in names) / 72)
-    axes = new_sheet(["", ""], title, size=size, left=left, right=0.15, above=ABOVE, below=under.room)
-    _draw_cells(axes[0], medians[0], 0.01, ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", numbered)
-    _draw_cells(axes[1], medians[1], 1.0, ",.0f", numbered)
-    columns, rows = _some_of(len(across), size[0] / cell), _some_of(len(names), size[1] / 0.16)
-    for ax in axes:
-        ax.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
-        ax.set_yticks(rows, [names[k] if ax is axes[0] else "" for k in rows], parse_math=False)
-        name_axes(ax, title_of(x), title_of(y))
-        ax.tick_params(length=0)
-        ax.spines[:].set_visible(False)
+    under = names_of(across, 72 * size[0])
+    axes = sheet(
+        ax, [""] * len(drawn), title, size=size, left=left, right=0.15, above=ABOVE, below=under.room,
+        fewer="choose z, convergence_error or convergence_round",
+    )  # fmt: skip
+    if ax is not None:
+        size = axes[0].bbox.width / axes[0].figure.dpi, axes[0].bbox.height / axes[0].figure.dpi
+        numbered = size[0] >= cell * len(across) and size[1] >= LINE * len(looks)
+        under = names_of(across, 72 * size[0])
+    styles = ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", ",.0f"
+    columns, rows = _some_of(len(across), size[0] / cell), _some_of(len(names), size[1] / LINE)
+    for k, place in zip(drawn, axes, strict=True):
+        _draw_cells(place, medians[k], (0.01, 1.0)[k], styles[k], numbered)
+        place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
+        named = place is axes[0] or place.get_label() != INNER
+        place.set_yticks(rows, [names[k] if named else "" for k in rows], parse_math=False)
+        name_axes(place, title_of(x), title_of(y))
+        place.tick_params(length=0)
+        place.spines[:].set_visible(False)
     captions = [r"median error $|x^K - f\,|$", f"median convergence $K$ ({unit_of(results).split()[-1]})"]
-    caption_panels(axes, captions, ABOVE, math=True)
+    if ax is None or not title or len(axes) > 1:
+        caption_panels(axes, [captions[k] for k in drawn], ABOVE, math=True)
     say_lacking(axes, [results])
-    return axes[0].figure.canvas.figure
+    return drawn_on(axes, ax)
 
 
 def _some(values: list[Any]) -> str:

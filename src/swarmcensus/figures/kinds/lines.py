@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
 
@@ -20,7 +19,19 @@ from swarmcensus.figures.coordinates import check_coordinates, from_nobody, text
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.series import Point, Statistic, measured, points_of
-from swarmcensus.figures.sheets import LEFT, NOTHING, add_key, name_axes, say_empty, say_lacking, sheet
+from swarmcensus.figures.sheets import (
+    LEFT,
+    NOTHING,
+    POOLED,
+    Drawn,
+    Own,
+    add_key,
+    drawn_on,
+    name_axes,
+    say_empty,
+    say_lacking,
+    sheet,
+)
 from swarmcensus.results.measures import with_measure
 from swarmcensus.results.values import SHARES
 
@@ -42,8 +53,8 @@ def lines(
     panels: Names = None,
     statistic: Statistic | None = None,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
 
     `y` is any variable that is measured in every trial, or a measure of `compare` as "final_error"; its `statistic`,
@@ -54,7 +65,7 @@ def lines(
     coordinates `panels`, by default of all others that vary; settings that differ in nothing else are pooled. A thin
     upright line is the 95 % interval over trials, where there are 6 or more. A sign of infinity at the top says that
     the statistic is infinite, as where half of the robots never do what is measured. Lines join numbers, not names, and
-    break where nothing has been run. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
+    break where nothing has been run. Axes of your own, `ax`, hold a panel each: leave room for the key on their right.
 
     Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
     24 panels.
@@ -82,7 +93,7 @@ def lines(
     under = names_of(across, NARROW if len(parts) > 1 else WIDE)
     beside = name_of(results, y, statistic, LOW if len(parts) > 1 else HIGH)
     left = LEFT + 0.17 * beside.count("\n")
-    axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room)
+    axes = sheet(ax, [part.caption for part in parts], title, left=left, below=under.room, fewer=POOLED)
     measured_axis(axes, [p.value for p in every], [end for p in every for end in (p.low, p.high)])
     middle = (len(looks) - 1) / 2
     room = ROOM / max(len(looks) - 1, 1)
@@ -105,7 +116,7 @@ def lines(
     _say_marks(entries, every, statistic)
     add_key(axes, heading, entries)
     say_lacking(axes, [results])
-    return axes[0].figure.canvas.figure
+    return drawn_on(axes, ax)
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:

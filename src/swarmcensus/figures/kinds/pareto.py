@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import xarray as xr
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from swarmcensus.figures.pareto_fronts import draw_pareto
-from swarmcensus.figures.sheets import say_lacking
+from swarmcensus.figures.sheets import Drawn, Own
 from swarmcensus.results.comparing import compare
 
 
@@ -17,13 +15,11 @@ def pareto(
     metric: str = "final_error",
     cost: str = "bytes_sent",
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw a measure of `sc.compare` against a cost, a panel for each world, with its Pareto front.
 
     `cost` is "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes". Upright lines are 95 % intervals over
     trials. Raises InputError as `sc.compare` does, for a cost that is not there and for more than 24 worlds.
     """
-    figure = draw_pareto(compare(results, metric), cost, title, ax)
-    say_lacking([figure.axes[0]], [results])
-    return figure
+    return draw_pareto(compare(results, metric), cost, title, ax, [results])

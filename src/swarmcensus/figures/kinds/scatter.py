@@ -9,7 +9,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.errors import InputError
@@ -21,10 +20,14 @@ from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
     NAMES,
     NOTHING,
+    POOLED,
     SMALL,
+    Drawn,
+    Own,
     Scale,
     add_key,
     count_axis,
+    drawn_on,
     error_axis,
     label_dots,
     name_axes,
@@ -51,8 +54,8 @@ def scatter(
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw how fast and how well robots estimate: one dot a robot and trial, and the medians.
 
     The paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of robots that move
@@ -65,7 +68,7 @@ def scatter(
     where all but the earliest 5 % span less than half a decade); with "log-y" the error alone is, and x begins at 0;
     "linear" is the paper's. With `theory`, dots lie at the median error that is expected of robots alone after the last
     round, and dashes at that of the bound of all readings of the swarm (not with `local`). Dots above `error_limit` are
-    counted instead of drawn. Axes of your own, `ax`, hold one panel: leave room for the key on their right.
+    counted instead of drawn. Axes of your own, `ax`, hold a panel each: leave room for the key on their right.
 
     Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
     more than 24 panels.
@@ -82,8 +85,8 @@ def scatter_grid(
     scale: Scale = "log",
     theory: bool = False,
     title: str | None = None,
-    ax: Axes | None = None,
-) -> Figure:
+    ax: Own = None,
+) -> Drawn:
     """Draw `scatter` panels of one's own choice, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). So that panels compare, those
@@ -106,7 +109,7 @@ def scatter_grid(
             drawn[k] = told(panel, why)
     captions = [panel.caption for panel in drawn]
     above = max([LABELS, *((width_of(look.short, NAMES) + 5) / 72 for look in looks.values())])
-    axes = sheet(ax, captions, title, above=above)
+    axes = sheet(ax, captions, title, above=above, fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
     crossed, all_named = False, True
@@ -147,7 +150,7 @@ def scatter_grid(
         entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
     say_lacking(axes, [panel.results for panel in drawn])
-    return axes[0].figure.canvas.figure
+    return drawn_on(axes, ax)
 
 
 def _horizon(panel: Panel) -> float:
