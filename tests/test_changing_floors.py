@@ -75,7 +75,7 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
         assert f"true f = {float(along(Change(0.85, 0.25, 31, 71).course, tick)):.4g}" in [
             text.get_text() for text in arena.bar.texts
         ]
-    assert len(arena.figure.axes) == 2
+    assert len(arena.axes.child_axes) == 1
     assert arena.paint(100) is False
     empty = Arena(trace, None)
     before = empty.axes.get_facecolor()

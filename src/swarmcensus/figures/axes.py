@@ -125,10 +125,10 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
             room = 0.06 * (high - low) or 0.1 * abs(high) or 0.5
             show_range(ax, "y", low - (0.2 * room if low == 0 else room), high + room)
             ax.yaxis.set_major_locator(MaxNLocator(6, steps=[1, 2, 5, 10]))
-        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: _short(value)))
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: short(value)))
 
 
-def _short(value: float) -> str:
+def short(value: float) -> str:
     """A number beside an axis, where there is room for five letters."""
     for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
         if abs(value) >= least:

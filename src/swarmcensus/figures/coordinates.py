@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.results.contenders import parameters_in
 from swarmcensus.results.selecting import require
-from swarmcensus.results.summaries import told
+from swarmcensus.results.summaries import is_idle, told
 
 LIARS = {"liars", "adversary"}  # how many lie, and who: together they tell what members do
 NONE = "none"  # the density of a fixed network, the floor of one
@@ -53,6 +53,16 @@ TITLES = {  # how an axis or a key names them, where that is not their name
     "rounds": "rounds $C$",
     "side": "side of the arena $L$ (m)",
 }
+
+
+def caption_of(world: Mapping[str, Any]) -> str:
+    """What a caption says of a world of a comparison, by the coordinates in which it differs from others."""
+    said = {
+        name: IDLE[name] if is_idle(value) else CAPTIONS.get(name, name + " = {}").format(value)
+        for name, value in world.items()
+        if name in IDLE or not is_idle(value)
+    }
+    return ", ".join(said.values())
 
 
 def title_of(name: str) -> str:

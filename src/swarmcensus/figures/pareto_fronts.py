@@ -15,13 +15,12 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import measured_axis
-from swarmcensus.figures.coordinates import CAPTIONS, IDLE
+from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
 from swarmcensus.results.comparison_cells import head
 from swarmcensus.results.standings import Standings
-from swarmcensus.results.summaries import is_idle
 
 SIZE = 6.0  # points: a dot
 NEAR, BESIDE = 0.01, 5.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
@@ -75,10 +74,7 @@ def draw_pareto(
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
     looks = looks_of(found.contenders, "o", "brain")
-    captions = [
-        ", ".join(_said(name, value) for name, value in world.items() if name in IDLE or not is_idle(value))
-        for world in found.field.worlds
-    ]
+    captions = [caption_of(world) for world in found.field.worlds]
     axes = sheet(ax, captions, title)
     measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
     for k, place in enumerate(axes):
@@ -96,10 +92,6 @@ def draw_pareto(
     add_key(axes, "", entries)
     say_lacking(axes, results)
     return drawn_on(axes, ax)
-
-
-def _said(name: str, value: Any) -> str:
-    return IDLE[name] if is_idle(value) else CAPTIONS.get(name, name + " = {}").format(value)
 
 
 def _dot(look: Look, on_front: bool) -> Line2D:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:  # what a type checker or an editor should know more of than t
     from swarmcensus.figures.files import save as save
     from swarmcensus.figures.kinds.arena import arena as arena
     from swarmcensus.figures.kinds.beliefs import beliefs as beliefs
+    from swarmcensus.figures.kinds.compare import compare as compare
     from swarmcensus.figures.kinds.curves import curves as curves
     from swarmcensus.figures.kinds.decisions import decisions as decisions
     from swarmcensus.figures.kinds.film import film as film

@@ -17,7 +17,7 @@ def groups(found: Standings, axes: Sequence[str]) -> Any:
 
     ways = RANKED if found.against is None else AGAINST
     rows = []
-    for values, worlds in _grouped(found, axes).items():
+    for values, worlds in worlds_by(found, axes).items():
         for k, name in enumerate(found.contenders):
             met = worlds[found.settings[worlds, k] >= 0]
             if not met.size or k == found.against:
@@ -46,7 +46,7 @@ def _gaps(mine: NDArray[np.float64], other: NDArray[np.float64], share: bool) ->
     return np.asarray(gaps[~np.isnan(gaps)])
 
 
-def _grouped(found: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...], NDArray[np.intp]]:
+def worlds_by(found: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...], NDArray[np.intp]]:
     """The worlds of each combination of values, in the order of the worlds. Raises InputError."""
     names = list(dict.fromkeys(name for world in found.field.worlds for name in world))
     for name in axes:
