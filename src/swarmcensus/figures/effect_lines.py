@@ -93,7 +93,8 @@ def draw_effects(
         place.set_yticks(range(len(labels)), labels if named else [""] * len(labels), parse_math=False)
         unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
         better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
-        name_axes(place, f"{better}    difference{f' ({unit})' * bool(unit)}    {worse}", "")
+        of = effect.measure.label + f" ({unit})" * bool(unit)
+        name_axes(place, f"{better}    Δ {of}    {worse}", "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
     add_key(axes, f"less {found.contenders[mark]}", _entries(looks, effects, others))

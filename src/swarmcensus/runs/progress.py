@@ -1,6 +1,8 @@
 """How a run tells a person where it is: a bar on a terminal, plain lines elsewhere."""
 
 import contextlib
+import html
+import importlib
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -9,6 +11,7 @@ from typing import Any
 from swarmcensus.runs.working import Progress
 
 LINE_SECONDS = 5.0  # between plain lines
+SOON = 0.5  # seconds: what is over by then needs no bar in a notebook
 
 
 @contextlib.contextmanager
@@ -46,6 +49,58 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
             )
 
         yield show
+
+
+@contextlib.contextmanager
+def showing(label: str) -> Iterator[Callable[[Progress], None]]:
+    """The same for a program: a bar on a terminal or in a notebook, and elsewhere nothing."""
+    if in_notebook():
+        with _notebook_bar(label) as show:
+            yield show
+    elif sys.stderr is not None and sys.stderr.isatty():
+        with reporting(label) as show:
+            yield show
+    else:
+        yield lambda _: None
+
+
+def in_notebook() -> bool:
+    """Whether this process is a notebook's."""
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    return hasattr(shell, "kernel")
+
+
+@contextlib.contextmanager
+def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
+    """A bar under a notebook's cell, for a run that takes its time; in the end one line is left of it."""
+    display: Any = importlib.import_module("IPython.display").display  # there, for it is a notebook
+    begun = time.monotonic()
+    last: Progress | None = None
+    handle: Any = None
+
+    def put(text: str, bar: str = "") -> None:
+        nonlocal handle
+        shown = {"text/plain": text, "text/html": f"{bar}<small>{html.escape(text)}</small>"}
+        if handle is None:
+            handle = display(shown, raw=True, display_id=True)
+        else:
+            handle.update(shown, raw=True)
+
+    def show(progress: Progress) -> None:
+        nonlocal last
+        last, elapsed = progress, time.monotonic() - begun
+        if handle is None and elapsed < SOON:
+            return
+        pace = progress.note or ", ".join(filter(None, _pace(progress, elapsed)))
+        trials = f"{progress.done:,} of {progress.total:,} trials" if progress.total else ""
+        bar = f'<progress max="{max(progress.work_total, 1e-9)}" value="{progress.work_done}"></progress> '
+        put(": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))])), bar)
+
+    try:
+        yield show
+    finally:
+        if handle is not None and last is not None:
+            put(f"{label}: {last.done:,} of {last.total:,} trials in {clock(time.monotonic() - begun)}")
 
 
 def _lines(label: str) -> Callable[[Progress], None]:

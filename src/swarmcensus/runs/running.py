@@ -17,6 +17,7 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.results import store
 from swarmcensus.results.values import Values
 from swarmcensus.runs import pools
+from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.tasks import bundled, plan
 from swarmcensus.runs.working import Progress, State, work
@@ -28,7 +29,7 @@ from swarmcensus.studies.study import Study
 def run(
     study: Study,
     jobs: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
+    progress: Callable[[Progress], None] | bool | None = True,
     *,
     out: str | Path | None = None,
     fresh: bool = False,
@@ -38,8 +39,9 @@ def run(
 ) -> xr.Dataset:
     """Run every trial of every setting and return the dataset (see docs/data-format.md).
 
-    `jobs` threads, by default one a core; the numbers do not depend on it. `progress` is called from this
-    thread about ten times a second. With `out`, the dataset is written there, finished work is kept beside it as
+    `jobs` threads, by default one a core; the numbers do not depend on it. On a terminal and in a notebook a bar shows
+    how far it is, unless `progress` is False; a function is called in its place, from this thread about ten times a
+    second. With `out`, the dataset is written there, finished work is kept beside it as
     the run goes on, and what is there already is not run again, unless `fresh`; `say` gets a line on it.
     `cluster` is a Dask scheduler's address, "local:4", or a TOML file (docs/clusters.md). With `share` = (k, n), only
     the k-th of n parts of the trials is run, k from 1: for machines that share nothing, and `merge` afterwards.
@@ -64,10 +66,12 @@ def run(
     first = next(study.stages())
     state = State(
         study, settings, Values(study, settings, first),
-        progress or (lambda _: None), None, np.full(len(settings), np.nan),
+        progress if callable(progress) else _quiet, None, np.full(len(settings), np.nan),
         slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
     )  # fmt: skip
     with contextlib.ExitStack() as stack:
+        if progress is True:
+            state.report = stack.enter_context(showing(study.name))
         if out is not None:
             state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
             state.holding.share = "{}/{}".format(*share) if share else ""
@@ -109,6 +113,10 @@ def run(
     return data
 
 
+def _quiet(_: Progress) -> None:
+    """Show nothing."""
+
+
 def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
     """Write the dataset as it is before any trial: with the shards an early picture of the run."""
     study, settings = state.study, state.settings
@@ -132,7 +140,7 @@ def recompute(
     """Run the trials of these settings of a study that are `wanted`, (setting, trial); those that fail stay missing."""
     jobs = pools.threads(jobs)
     values = Values(study, settings, wanted.shape[1], local)
-    state = State(study, settings, values, progress or (lambda _: None), None, np.zeros(0), slice(None))
+    state = State(study, settings, values, progress or _quiet, None, np.zeros(0), slice(None))
     tasks = plan(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     with _pool(state, jobs, None) as pool:

@@ -13,6 +13,7 @@ from swarmcensus import brains, metrics
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Adversary, Brain, adversary
+from swarmcensus.studies import display
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.precision import Until
@@ -70,6 +71,14 @@ class Study:
                     "such a sensor says the same of black and white",
                     stacklevel=2,
                 )
+
+    def __repr__(self) -> str:
+        """The study in a line."""
+        return f"<Study {self.name!r}: {display.size_of(self)}>"
+
+    def _repr_html_(self) -> str:
+        """Its grid, as a notebook shows it."""
+        return display.grid(self)
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
