@@ -26,7 +26,7 @@ from swarmcensus.results.selecting import TooMuch
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 
-OURS = ["arena", "beliefs", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
+OURS = ["arena", "beliefs", "compare", "curves", "decisions", "film", "heatmap", "lines", "pareto", "ranks", "scatter"]
 
 GOOD = '''
 """Kinds of figures that are not ours."""
@@ -226,7 +226,7 @@ def test_the_page_s_table_has_every_kind_and_all_its_options():
     assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
 
 
-def test_the_page_s_image_is_what_its_commands_draw(tmp_path, monkeypatch):
+def test_the_page_s_images_are_what_its_commands_draw(tmp_path, monkeypatch):
     """Its numbers, that is: letters are drawn by a library of the machine."""
     page = ROOT / "docs" / "plotting.md"
     (run, plot), *_ = (list(commands(text)) for text in blocks(page, "console"))
@@ -234,13 +234,14 @@ def test_the_page_s_image_is_what_its_commands_draw(tmp_path, monkeypatch):
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
     monkeypatch.chdir(tmp_path)
     assert main(run[1:]) == main(plot[1:]) == 0
-    with Image.open("lines.png") as drawn, Image.open(ROOT / "docs" / "images" / "lines.png") as shown:
-        assert drawn.size == shown.size
-        differ = np.abs(np.asarray(drawn.convert("L"), int) - np.asarray(shown.convert("L"), int)) > 64
-    assert differ.mean() < 0.01
     for text in blocks(page, "console")[1:]:
         for command in commands(text):
             assert main(command[1:]) == 0
+    for name in ("lines.png", "differences.png"):
+        with Image.open(name) as drawn, Image.open(ROOT / "docs" / "images" / name) as shown:
+            assert drawn.size == shown.size
+            differ = np.abs(np.asarray(drawn.convert("L"), int) - np.asarray(shown.convert("L"), int)) > 64
+        assert differ.mean() < 0.01
 
 
 # ---- one trial

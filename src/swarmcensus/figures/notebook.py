@@ -42,12 +42,13 @@ def _curves(trace: Any) -> str:
 def _summary(data: Any) -> str:
     if "swarmcensus_version" not in data.attrs or "setting" not in data.dims:
         return ""
+    from swarmcensus.figures.coordinates import varies
     from swarmcensus.results.summaries import done, medians_in, summary
 
     count = data.sizes["setting"]
     frame = summary(data.isel(setting=slice(0, MOST_SETTINGS)))
     measured = [name for name in (*medians_in(data), "correct", "coverage", "interval_width") if name in frame]
-    told = frame[["setting", *(name for name in _varying(data) if name in frame), "trials"]].copy()
+    told = frame[["setting", *varies(data), "trials"]].copy()
     if frame["failed"].any():
         told["failed"] = frame["failed"]
     for name in measured:
@@ -58,12 +59,8 @@ def _summary(data: Any) -> str:
     more = f", the first {MOST_SETTINGS} here: sc.summary has all" if count > MOST_SETTINGS else ""
     note = "medians over robots and trials, of shares means, with 95 % intervals over trials"
     table = told.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:g}")
-    return f"<b>{title}</b>: {trials}{more}{table}<small>{note}</small>"
-
-
-def _varying(data: Any) -> list[str]:
-    several = (c for c in data.coords.values() if c.dims == ("setting",) and c.name != "setting")
-    return [str(c.name) for c in several if len(set(c.values.astype(str).tolist())) > 1]
+    scrolled = f"<div style='overflow-x: auto; white-space: nowrap'>{table}</div>"
+    return f"<b>{title}</b>: {trials}{more}{scrolled}<small>{note}</small>"
 
 
 def _with_interval(value: float, low: float, high: float) -> str:

@@ -141,4 +141,5 @@ def _draw_points(axes: Axes, x: list[float], group: list[Cost], look: Look, size
     axes.vlines(x, [c.low for c in group], [c.high for c in group], colors=look.colour, linewidths=1.2, zorder=3)
     dots = solid_dot(look, size, 0.5)
     dots.set(xdata=x, ydata=[cost.median for cost in group], label=f"median {look.name}", zorder=4, clip_on=False)
+    dots.set_in_layout(bool(group))  # matplotlib finds no room for what is nowhere
     axes.add_line(dots)

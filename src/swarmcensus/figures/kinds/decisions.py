@@ -137,6 +137,7 @@ def _draw_shares(
         some = np.isfinite(right)
         dashes = _dash(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
         dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
+        dashes.set_in_layout(bool(all_right.any()))  # matplotlib finds no room for what is nowhere
         axes.add_line(dashes)
         axes.vlines(
             x[some], 100 * low[some], 100 * high[some], colors=look.colour, alpha=0.7,
@@ -145,6 +146,7 @@ def _draw_shares(
         )  # fmt: skip
         diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
         diamonds.set(xdata=x[some], ydata=100 * right[some], label=f"right {text}", zorder=4, clip_on=False)
+        diamonds.set_in_layout(bool(some.any()))
         axes.add_line(diamonds)
         for name, line in expected.get(text, {}).items():
             if name in same:

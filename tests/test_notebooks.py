@@ -1,0 +1,164 @@
+"""What notebooks show: a study's grid, a summary of results, a trace's curves, and a bar while a study runs."""
+
+import os
+import pty
+import subprocess
+import sys
+import types
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import swarmcensus as sc
+from swarmcensus.figures.notebook import shown
+from swarmcensus.runs import progress
+from swarmcensus.runs.working import Progress
+
+CELLS = [
+    "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "
+    "world={'topology': 'ring', 'fill_ratio': 0.55}, schedule={'rounds': 5})\nstudy",
+    "results = sc.run(study)\nresults",
+    "sc.replay(results, setting=1, trial=0)",
+    "import xarray as xr\nxr.Dataset({'mine': 1})",
+]
+
+
+def test_a_notebook_shows_them():
+    nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
+    pytest.importorskip("ipykernel")
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
+    nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
+    outputs = [[o for o in cell.outputs if o.output_type == "execute_result"][0].data for cell in notebook.cells]
+    study, results, trace, other = (output["text/html"] for output in outputs)
+    assert "2 settings of 2 trials" in study
+    assert "4 trials of 2 settings" in results
+    assert "data:image/png;base64," in trace
+    assert "mine" in other
+    assert "<details><summary>the dataset" not in other
+    assert outputs[1]["text/plain"].startswith("<xarray.Dataset>")
+
+
+def test_a_study_shows_the_keys_that_span_its_grid_first():
+    study = sc.Study(
+        name="<b>", trials=3, swarm={"robots": list(range(2, 22)), "accuracy": ["U(0.6, 0.8)", 0.7]},
+        world={"topology": "ring", "fill_ratio": 0.55}, case=[{"robots": 50}],
+    )  # fmt: skip
+    assert repr(study) == "<Study '<b>': 42 settings of 3 trials>"
+    text = study._repr_html_()
+    assert "<b>&lt;b&gt;</b>: 42 settings of 3 trials, seed 0" in text
+    keys = [part.partition("</th>")[0].rpartition(">")[2] for part in text.split("<tr>")[2:]]
+    assert keys == [
+        "robots",
+        "accuracy",
+        "brain",
+        "topology",
+        "fill_ratio",
+        "rounds",
+        "observations_per_round",
+        "[[case]]",
+    ]
+    assert "2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, …" in text
+    moving = sc.Study(
+        trials=1, swarm={"robots": 4, "accuracy": 0.8}, schedule={"ticks": 10},
+        world={"topology": "moving", "density": [1, 2], "fill_ratio": 0.55},
+    )  # fmt: skip
+    assert "density" in moving._repr_html_()
+    assert "observations_per_round" not in moving._repr_html_()
+
+
+def test_results_show_the_numbers_of_their_summary(small_results):
+    text = shown(small_results)
+    row = sc.summary(small_results).iloc[0]
+    assert f"{row['convergence_error']:.3g}" in text
+    count = small_results.sizes["setting"]
+    assert text.count("<tr") == 1 + min(count, 20) + text.partition("<details>")[2].count("<tr")
+    assert small_results._repr_html_().partition(">")[2][:100] in text
+    assert "assumed_accuracy" not in text.partition("<details>")[0]
+    bare = xr.Dataset({"x": ("setting", [1])})
+    assert shown(bare) == bare._repr_html_() or "<details><summary>the dataset" not in shown(bare)
+    broken = small_results.drop_vars("convergence_round")
+    assert "<summary>the dataset" not in shown(broken)
+
+
+# ---- the bar
+
+
+@pytest.fixture
+def display(monkeypatch):
+    """What a notebook's cell comes to show, as texts."""
+    seen = []
+
+    class Handle:
+        def update(self, what, raw):
+            seen.append(what)
+
+    def display(what, raw, display_id):
+        seen.append(what)
+        return Handle()
+
+    module = types.ModuleType("IPython")
+    module.get_ipython = lambda: types.SimpleNamespace(kernel=1)
+    module.display = types.ModuleType("IPython.display")
+    module.display.display = display
+    monkeypatch.setitem(sys.modules, "IPython", module)
+    monkeypatch.setitem(sys.modules, "IPython.display", module.display)
+    return seen
+
+
+def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeypatch):
+    with progress.showing("<mine>") as show:
+        show(Progress(1, 4, 0.25, 1.0))
+    assert not display
+    monkeypatch.setattr(progress, "SOON", 0.0)
+    with pytest.raises(KeyboardInterrupt), progress.showing("<mine>") as show:
+        show(Progress(0, 0, 0.0, 0.0, "compiling"))
+        show(Progress(1, 4, 0.25, 1.0))
+        raise KeyboardInterrupt
+    texts = [one["text/plain"] for one in display]
+    assert texts[0] == "<mine>: compiling"
+    assert texts[1].startswith("<mine>: 1 of 4 trials, ")
+    assert texts[2] == "<mine>: 1 of 4 trials in 0:00"
+    assert '<progress max="1.0" value="0.25">' in display[1]["text/html"]
+    assert "&lt;mine&gt;" in display[1]["text/html"]
+
+
+RUN = """
+import swarmcensus as sc
+study = sc.Study(name="mine", trials=2, swarm={"robots": 2, "accuracy": 0.8},
+                 world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 5})
+sc.run(study%s)
+"""
+
+
+@pytest.mark.parametrize(("terminal", "option"), [(True, ""), (True, ", progress=False"), (False, "")])
+def test_a_bar_is_on_terminals_only(terminal, option, untraced_processes):
+    command = [sys.executable, "-c", RUN % option]
+    if not terminal:
+        done = subprocess.run(command, capture_output=True, check=True, env=os.environ | {"FORCE_COLOR": "1"})
+        assert done.stdout == done.stderr == b""
+        return
+    ours, theirs = pty.openpty()
+    with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=os.environ | {"TERM": "xterm"}) as process:
+        os.close(theirs)
+        said = b""
+        while True:
+            try:
+                part = os.read(ours, 4096)
+            except OSError:  # the other end is closed
+                break
+            if not part:
+                break
+            said += part
+    os.close(ours)
+    assert process.returncode == 0
+    assert (b"mine" in said) == (not option)
+
+
+def test_a_program_s_own_function_is_called_in_place_of_a_bar(small_study, display, monkeypatch):
+    monkeypatch.setattr(progress, "SOON", 0.0)
+    told = []
+    sc.run(small_study.with_(trials=1), progress=told.append)
+    assert told
+    assert not display
+    assert np.all([isinstance(one, Progress) for one in told])
