@@ -245,7 +245,7 @@ def test_the_title_names_brain_setting_and_trial_and_fits(results, scene, name):
     title = trace.attrs["title"].replace("pictures for $2 or $3", name)
     figure = snapshot(trace.assign_attrs(title=title), 3, floor)
     figure.draw_without_rendering()
-    boxes = {t.get_text(): t.get_window_extent() for t in figure.texts}
+    boxes = {t.get_text(): t.get_window_extent() for t in figure.axes[0].texts}
     (written,) = (text for text in boxes if "setting" in text)
     if "words" not in name:
         assert f"setting {number}, trial 1: minimalistic, moving, N = 9" in written.replace("\n", " ")

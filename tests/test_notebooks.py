@@ -29,7 +29,7 @@ def test_a_notebook_shows_them():
     pytest.importorskip("ipykernel")
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in CELLS])
     nbclient.NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
-    outputs = [[o for o in cell.outputs if o.output_type == "execute_result"][0].data for cell in notebook.cells]
+    outputs = [next(o for o in cell.outputs if o.output_type == "execute_result").data for cell in notebook.cells]
     study, results, trace, other = (output["text/html"] for output in outputs)
     assert "2 settings of 2 trials" in study
     assert "4 trials of 2 settings" in results
@@ -76,7 +76,7 @@ def test_results_show_the_numbers_of_their_summary(small_results):
     assert small_results._repr_html_().partition(">")[2][:100] in text
     assert "assumed_accuracy" not in text.partition("<details>")[0]
     bare = xr.Dataset({"x": ("setting", [1])})
-    assert shown(bare) == bare._repr_html_() or "<details><summary>the dataset" not in shown(bare)
+    assert "<summary>the dataset" not in shown(bare)
     broken = small_results.drop_vars("convergence_round")
     assert "<summary>the dataset" not in shown(broken)
 
@@ -111,10 +111,9 @@ def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeyp
         show(Progress(1, 4, 0.25, 1.0))
     assert not display
     monkeypatch.setattr(progress, "SOON", 0.0)
-    with pytest.raises(KeyboardInterrupt), progress.showing("<mine>") as show:
+    with progress.showing("<mine>") as show:
         show(Progress(0, 0, 0.0, 0.0, "compiling"))
         show(Progress(1, 4, 0.25, 1.0))
-        raise KeyboardInterrupt
     texts = [one["text/plain"] for one in display]
     assert texts[0] == "<mine>: compiling"
     assert texts[1].startswith("<mine>: 1 of 4 trials, ")
