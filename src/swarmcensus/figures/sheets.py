@@ -209,7 +209,7 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
 
 def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
     """Say at the foot of the sheet that the trials which are drawn are not all that are to be run."""
-    if note := lacking(parts):
+    if parts and (note := lacking(parts)):
         figure = axes[0].figure.canvas.figure
         before = sum(text.get_gid() == "lacking" for text in figure.texts)  # of a caller who has several axes
         figure.text(
