@@ -14,11 +14,11 @@ from matplotlib.lines import Line2D
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
+from swarmcensus.figures.dot_names import NAMES, label_dots
 from swarmcensus.figures.lettering import width_of
 from swarmcensus.figures.looks import Look, halo, keyed, looks_of, median_dot, solid_dot
 from swarmcensus.figures.panels import Names, Panel, panels_of
 from swarmcensus.figures.sheets import (
-    NAMES,
     NOTHING,
     POOLED,
     SMALL,
@@ -29,7 +29,6 @@ from swarmcensus.figures.sheets import (
     count_axis,
     drawn_on,
     error_axis,
-    label_dots,
     name_axes,
     say_empty,
     say_lacking,
