@@ -8,8 +8,10 @@ from typing import Any
 
 from pydantic import WrapValidator
 
+from swarmcensus.basics.forms import or_else
+
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
-TIME = re.compile(r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*")
+WRITTEN = r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
 NEAR = 1e-9  # of a number of ticks: how far from a whole one is rounding
 MOST = 2**31 - 1
 
@@ -41,7 +43,7 @@ class Time:
 
 def parse_time(text: str) -> Time:
     """Read a time such as "90 s", "17 min" or "1.5 h". Raises ValueError."""
-    found = TIME.fullmatch(text)
+    found = re.fullmatch(WRITTEN, text)
     if found is None:
         raise ValueError('should be a whole number, or a time such as "17 min" (s, min or h)')
     return Time(float(found[1]), found[2])
@@ -54,6 +56,7 @@ def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
 
 
 OR_TIME = WrapValidator(_time_or)  # of a whole number that may be a time, until its ticks are known
+TIME = or_else({"type": "string", "pattern": f"^{WRITTEN}$"})  # beside it, for schemas
 
 
 def in_ticks(value: Any, tick: float | None, key: str, least: int = 1) -> int:

@@ -8,9 +8,20 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.forms import ONE_OR_SEVERAL
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.times import OR_TIME
+from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.brains import adversary
+from swarmcensus.studies.forms import (
+    BELIEF,
+    BRAIN,
+    BRAIN_OR_ADVERSARY,
+    FILL_RATIO,
+    FLOOR,
+    METRIC,
+    TOPOLOGY,
+    TRUE_ACCURACY,
+)
 from swarmcensus.studies.precision import Until
 from swarmcensus.worlds.bodies import Number, Positive
 from swarmcensus.worlds.changes import OR_CHANGE
@@ -147,19 +158,19 @@ Trials = Annotated[
 
 # of keys that span a grid: one value, or a list of them
 _Listed, _Some = BeforeValidator(_listed), Field(min_length=1)
-Wholes = Annotated[list[Whole], _Listed, _Some]
-Times = Annotated[list[Annotated[Whole, OR_TIME]], _Listed, _Some]
-Shares = Annotated[list[Share], _Listed, _Some]
-Delays = Annotated[list[Annotated[int, Field(strict=True, ge=0, le=1000)]], _Listed, _Some]
-FillRatios = Annotated[list[Annotated[Share, OR_CHANGE]], _Listed, _Some]
-Positives = Annotated[list[Positive], _Listed, _Some]
-Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep)]], _Listed, _Some, AfterValidator(_joined)]
+Wholes = Annotated[list[Whole], _Listed, _Some, ONE_OR_SEVERAL]
+Times = Annotated[list[Annotated[Whole, OR_TIME, TIME]], _Listed, _Some, ONE_OR_SEVERAL]
+Shares = Annotated[list[Share], _Listed, _Some, ONE_OR_SEVERAL]
+Delays = Annotated[list[Annotated[int, Field(strict=True, ge=0, le=1000)]], _Listed, _Some, ONE_OR_SEVERAL]
+FillRatios = Annotated[list[Annotated[Share, OR_CHANGE, FILL_RATIO]], _Listed, _Some, ONE_OR_SEVERAL]
+Positives = Annotated[list[Positive], _Listed, _Some, ONE_OR_SEVERAL]
+Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep), BRAIN]], _Listed, _Some, AfterValidator(_joined), ONE_OR_SEVERAL]
 BrainsOrAdversaries = Annotated[
-    list[Annotated[Any, BeforeValidator(_sweep_of_members)]], _Listed, _Some, AfterValidator(_joined)
+    list[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], _Listed, _Some, AfterValidator(_joined), ONE_OR_SEVERAL
 ]
-Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology)]], _Listed, _Some]
-Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor)]], _Listed, _Some]
-Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy)]], _Listed, _Some]
-Beliefs = Annotated[list[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed)]], _Listed, _Some]
-Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric)], ...], _Listed]
+Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]], _Listed, _Some, ONE_OR_SEVERAL]
+Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor), FLOOR]], _Listed, _Some, ONE_OR_SEVERAL]
+Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy), TRUE_ACCURACY]], _Listed, _Some, ONE_OR_SEVERAL]
+Beliefs = Annotated[list[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed), BELIEF]], _Listed, _Some, ONE_OR_SEVERAL]
+Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric), METRIC], ...], _Listed, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from swarmcensus.basics.forms import ONE_OR_SEVERAL, ROBOTS
 from swarmcensus.brains import Adversary, Brain, worn
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
@@ -79,12 +80,12 @@ class Members(BaseModel):
     model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
 
     robots: Annotated[
-        list[Annotated[int | float, BeforeValidator(_number)]], BeforeValidator(_listed), Field(min_length=1)
+        list[Annotated[int | float, BeforeValidator(_number), ROBOTS]], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL
     ]
     brain: BrainsOrAdversaries | None = None
     accuracy: Accuracies | None = None
     assumed_accuracy: Beliefs | None = None
-    speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1)] | None = None
+    speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL] | None = None
     honest: Annotated[bool, Field(strict=True)] = True
 
     def every(self) -> Iterator[Member]:

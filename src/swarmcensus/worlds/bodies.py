@@ -6,7 +6,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
-from swarmcensus.basics.times import parse_time
+from swarmcensus.basics.times import TIME, parse_time
 
 
 def _plain_number(value: object) -> object:
@@ -52,7 +52,7 @@ class Body(BaseModel):
     tile: Positive = 0.01  # m, the side of a floor tile
     radio_range: Positive = 0.7  # m between centres
     line_of_sight: bool = True
-    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000)] = 1  # ticks
+    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000), TIME] = 1  # ticks
 
     @property
     def numbers(self) -> np.ndarray:

@@ -5,7 +5,8 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from swarmcensus.basics.times import OR_TIME
+from swarmcensus.basics.forms import ONE_OR_SEVERAL, ROBOTS
+from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.modes import MOVING, NEVER, PARTS, SENSING, TALKING
@@ -33,10 +34,10 @@ class Fault(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME]
-    robots: Annotated[int | float, BeforeValidator(_number)]
-    stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1)]
-    until: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME] | None = None
+    at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME, TIME]
+    robots: Annotated[int | float, BeforeValidator(_number), ROBOTS]
+    stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL]
+    until: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME, TIME] | None = None
 
     @property
     def content(self) -> dict[str, object]:

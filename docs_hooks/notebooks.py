@@ -1,0 +1,101 @@
+"""Tutorials are notebooks kept as Markdown: run when the site is built, and shown with what their cells print and draw.
+
+Each can be fetched as a notebook of Jupyter. With SWARMCENSUS_SITE=quick they are shown as they are written.
+"""
+
+import base64
+import functools
+import os
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import jupytext
+import nbformat
+from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files, InclusionLevel
+from mkdocs.structure.pages import Page
+from nbclient import NotebookClient
+
+FOLDER = "tutorials/"
+SECONDS = 300  # that a cell may take: the first on a machine compiles
+HEAD = """---
+jupyter:
+  kernelspec:
+    display_name: Python 3
+    language: python
+    name: python3
+---
+
+"""
+# a kernel claims to be a terminal with colours; what its cells print should be plain
+PLAIN = "import os; [os.environ.pop(k, None) for k in ('FORCE_COLOR', 'CLICOLOR_FORCE')]; os.environ['COLUMNS'] = '110'"
+MAGICS = {"%%bash": "sh", "%%writefile": "python"}
+
+
+def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Run a tutorial; its pictures and the notebook become files of the site."""
+    uri = page.file.src_uri
+    if not uri.startswith(FOLDER) or os.environ.get("SWARMCENSUS_SITE") == "quick":
+        return markdown
+    notebook = executed(markdown)
+    stem = uri.removesuffix(".md")
+    text, pictures = shown(notebook, Path(stem).name)
+    made = pictures | {f"{Path(stem).name}.ipynb": nbformat.writes(notebook).encode()}
+    for name, content in made.items():
+        files.append(File.generated(config, FOLDER + name, content=content, inclusion=InclusionLevel.INCLUDED))
+    title, below = text.split("\n", 1)
+    fetch = f"[As a Jupyter notebook]({Path(stem).name}.ipynb){{ .md-button .notebook download }}"
+    return f"{title}\n\n{fetch}\n{below}"
+
+
+@functools.cache  # so that `mkdocs serve` runs again only what changed
+def executed(markdown: str) -> Any:
+    """The notebook with its outputs, run in an empty folder."""
+    notebook = jupytext.reads(HEAD + markdown, "md")
+    scripts = str(Path(sys.executable).parent)
+    environment = os.environ | {"PATH": os.pathsep.join([scripts, os.environ["PATH"]])}
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(
+            notebook,
+            timeout=SECONDS,
+            resources={"metadata": {"path": folder}},
+            extra_arguments=[f"--IPKernelApp.exec_lines={PLAIN}"],
+        )
+        client.execute(env=environment | {"PYDEVD_DISABLE_FILE_VALIDATION": "1"})
+    return notebook
+
+
+def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
+    """A run notebook as Markdown, and its pictures by name."""
+    parts: list[str] = []
+    pictures: dict[str, bytes] = {}
+    for cell in notebook.cells:
+        if cell.cell_type != "code":
+            parts.append(cell.source)
+            continue
+        parts.append(_source(cell.source))
+        printed = "".join(o.text for o in cell.outputs if o.output_type == "stream")
+        if printed.strip():
+            parts.append(f"``` {{ .text .output }}\n{printed.strip(chr(10))}\n```")
+        for output in cell.outputs:
+            data = output.get("data", {})
+            if "image/png" in data:
+                name = f"{stem}-{len(pictures) + 1}.png"
+                pictures[name] = base64.b64decode(data["image/png"])
+                parts.append(f"![What the cell above draws]({name})")
+            elif "text/html" in data:
+                parts.append(f'<div class="output">\n{data["text/html"]}\n</div>')
+            elif "text/plain" in data:
+                parts.append(f"``` {{ .text .output }}\n{data['text/plain'].rstrip()}\n```")
+    return "\n\n".join(parts) + "\n", pictures
+
+
+def _source(text: str) -> str:
+    first, _, rest = text.partition("\n")
+    magic, _, file = first.partition(" ")
+    if magic not in MAGICS:
+        return f"```python\n{text}\n```"
+    title = f' title="{file}"' if file else ""
+    return f"```{Path(file).suffix[1:] or MAGICS[magic]}{title}\n{rest}\n```"

@@ -1,0 +1,33 @@
+"""What a value may look like in a file where a validator takes more than its type says: for JSON schemas."""
+
+from collections.abc import Callable
+from typing import Any
+
+Schema = dict[str, Any]
+
+
+class Form:
+    """A mark in an `Annotated` type: its JSON schema, made from that of the type inside, which is asked for if needed."""
+
+    def __init__(self, made: Callable[[Callable[[], Schema]], Schema]) -> None:
+        """Keep what makes the schema; it is called when one is asked for."""
+        self.made = made
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], Schema]) -> Schema:
+        """As pydantic asks for it."""
+        return self.made(lambda: handler(core))
+
+
+def or_else(*others: Schema) -> Form:
+    """The type itself, or one of others."""
+    return Form(lambda inner: {"anyOf": [inner(), *others]})
+
+
+def _one_or_several(inner: Callable[[], Schema]) -> Schema:
+    several = inner()
+    return {"anyOf": [several["items"], several]}
+
+
+ONE_OR_SEVERAL = Form(_one_or_several)  # of a list that may be written as its one value
+# a number of robots, or a fraction of them
+ROBOTS = Form(lambda _: {"anyOf": [{"type": "integer", "minimum": 0}, {"type": "number", "minimum": 0, "maximum": 1}]})
