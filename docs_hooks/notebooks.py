@@ -76,7 +76,7 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
             parts.append(cell.source)
             continue
         parts.append(_source(cell.source))
-        printed = "".join(o.text for o in cell.outputs if o.output_type == "stream")
+        printed = "".join(o.text for o in cell.outputs if o.get("name") == "stdout")  # no progress
         if printed.strip():
             parts.append(f"``` {{ .text .output }}\n{printed.strip(chr(10))}\n```")
         for output in cell.outputs:

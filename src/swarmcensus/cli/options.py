@@ -244,8 +244,8 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--wearing", metavar="BRAIN", default="", help="what an adversary wears (default: minimalistic)")
 
     add_new_options(command("new", "Write a study or a brain to begin with, every line explained."))
-    add_studies_options(command("studies", "List the studies that come with swarmcensus, or copy one."))
     add_watch_options(command("watch", "Watch one trial live in a browser, or write it as a page for others."))
+    add_studies_options(command("studies", "List the studies that come with swarmcensus, copy one, or print the schema of all."))
     add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
     add_completion_options(command("completion", "Print what makes a shell complete commands, options and files."))
     return top

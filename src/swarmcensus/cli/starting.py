@@ -29,10 +29,12 @@ def new(options: argparse.Namespace) -> int:
 
 
 def studies(options: argparse.Namespace) -> int:
-    """List the studies that come with swarmcensus, or copy one with the files that it names."""
+    """List the studies that come with swarmcensus, copy one with the files that it names, or print their schema."""
     from swarmcensus.basics.hints import did_you_mean
     from swarmcensus.basics.shipped import shipped_studies
 
+    if options.schema:
+        return _schema(options)
     known = shipped_studies()
     if options.name is None:
         from swarmcensus.basics.terminal import console, table
@@ -47,6 +49,17 @@ def studies(options: argparse.Namespace) -> int:
             f"{options.name}: no such study comes with swarmcensus: {hint}`swarmcensus studies` lists them"
         )
     _copy(known[name], options.out or Path(known[name].name))
+    return 0
+
+
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from swarmcensus.studies.schema import schema
+
+    if options.out:
+        raise InputError(f"--out {options.out}: a schema is printed: swarmcensus studies --schema > study.schema.json")
+    print(json.dumps(schema(), indent=2, ensure_ascii=False))
     return 0
 
 

@@ -12,7 +12,9 @@ def add_new_options(sub: argparse.ArgumentParser) -> None:
 
 def add_studies_options(sub: argparse.ArgumentParser) -> None:
     """Of `studies`."""
-    sub.add_argument("name", nargs="?", metavar="NAME", help="one to copy, with the files that it names")
+    what = sub.add_mutually_exclusive_group()
+    what.add_argument("name", nargs="?", metavar="NAME", help="one to copy, with the files that it names")
+    what.add_argument("--schema", action="store_true", help="print the JSON schema of study files, for editors")
     sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: its own name, here")
 
 

@@ -77,16 +77,22 @@ def _number(value: object) -> object:
 class Members(BaseModel):
     """A table of a study: each of its keys but `honest` may be a list, which spans the grid."""
 
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
 
     robots: Annotated[
         list[Annotated[int | float, BeforeValidator(_number), ROBOTS]], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL
     ]
+    """How many: a number, or a fraction of the swarm."""
     brain: BrainsOrAdversaries | None = None
+    """Their brain, or an adversary."""
     accuracy: Accuracies | None = None
+    """The true b and w of their sensors."""
     assumed_accuracy: Beliefs | None = None
+    """The b and w that they believe in."""
     speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL] | None = None
+    """How fast they move, in m/s."""
     honest: Annotated[bool, Field(strict=True)] = True
+    """Whether metrics count them."""
 
     def every(self) -> Iterator[Member]:
         """The members that its lists span."""

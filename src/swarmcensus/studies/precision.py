@@ -40,11 +40,14 @@ class Until(BaseModel):
     depends on the trials alone and not on who ran them.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     until: str
+    """What should be how precise, as "convergence_error median +- 0.001"."""
     at_least: Fewest = 30
+    """Trials before the first look."""
     at_most: Fewest = 1000
+    """Trials after which it ends at any rate."""
 
     @model_validator(mode="after")
     def _right(self) -> Self:

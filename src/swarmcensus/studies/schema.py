@@ -2,12 +2,13 @@
 
 from typing import Any
 
-from pydantic.json_schema import GenerateJsonSchema
-
 from swarmcensus.basics.forms import Schema
 from swarmcensus.studies.tables import Schedule, Swarm, Tables, World
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # which editors know best
+# a bound behind a validator comes out under pydantic's own name, and a pair of values under that of a later draft
+NAMES = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "prefixItems": "items"}
+NULL = {"type": "null"}  # which TOML has not
 
 
 def schema() -> Schema:
@@ -16,30 +17,27 @@ def schema() -> Schema:
     What it refuses is no study; what it lets through may still be none, for files and how keys go together are seen
     by `Study.load` alone.
     """
-    found = Tables.model_json_schema(schema_generator=_Plain)
+    found = _plain(Tables.model_json_schema())
     keys = {name: field for table in (Swarm, World, Schedule) for name, field in table.model_fields.items()}
     for name, told in found["$defs"]["Case"]["properties"].items():
         told["description"] = keys[name].description
-    return {"$schema": DRAFT, **found, "title": "swarmcensus study file"}
+    return {"$schema": DRAFT, "title": "swarmcensus study file", **found}
 
 
-class _Plain(GenerateJsonSchema):
-    """Schemas without what says nothing in TOML: titles, and null, which it has not."""
-
-    def nullable_schema(self, schema: Any) -> Schema:
-        return self.generate_inner(schema["schema"])
-
-    def field_title_should_be_set(self, schema: Any) -> bool:
-        return False
-
-    def default_schema(self, schema: Any) -> Schema:
-        found = super().default_schema(schema)
-        if found.get("default") is None or isinstance(found["default"], dict):
-            found.pop("default", None)
-        return found
-
-    def tuple_schema(self, schema: Any) -> Schema:
-        found = super().tuple_schema(schema)
-        if "prefixItems" in found:
-            found["items"] = found.pop("prefixItems")
-        return found
+def _plain(node: Any) -> Any:
+    """The same in one draft, without what says nothing in TOML: titles of keys, null, and tables as defaults."""
+    if isinstance(node, list):
+        return [_plain(one) for one in node]
+    if not isinstance(node, dict):
+        return node
+    found = {NAMES.get(key, key): _plain(value) for key, value in node.items()}
+    if isinstance(found.get("title"), str):
+        del found["title"]
+    if "default" in found and (found["default"] is None or isinstance(found["default"], dict)):
+        del found["default"]
+    if "anyOf" in found:
+        kinds = [inner for kind in found["anyOf"] for inner in (kind["anyOf"] if [*kind] == ["anyOf"] else [kind])]
+        found["anyOf"] = [kind for kind in kinds if kind != NULL]
+        if len(found["anyOf"]) == 1:
+            found |= found.pop("anyOf")[0]
+    return found

@@ -36,16 +36,22 @@ from swarmcensus.worlds.faults import Fault
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+    model_config = ConfigDict(
+        extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True
+    )
 
 
 class Swarm(_Table):
     """The robots: their brains, how many, how good their sensors are, and what they think of them."""
 
     brain: Brains = Field(default=["minimalistic"], validate_default=True)
+    """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
     robots: Wholes
+    """N, how many."""
     accuracy: Accuracies
+    """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Beliefs | None = None
+    """The b and w that robots believe in; by default the true ones."""
 
 
 class World(_Table):
@@ -56,21 +62,32 @@ class World(_Table):
     """
 
     topology: Topologies
+    """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: FillRatios
+    """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
     link_success: Shares = [1.0]
+    """The probability that a message gets through."""
     message_delay: Delays = [0]
+    """How many rounds late messages are on fixed networks."""
     density: Positives | None = None
+    """D = N π r² / L² of robots that move."""
     side: Positives | None = None
+    """The side L of the arena in metres, in place of a density."""
     floor: Floors | None = None
+    """What lies under robots that move: "tiles", {clusters = 0.2}, "half", an image."""
     body: Body = Body()
+    """The body of robots that move."""
 
 
 class Schedule(_Table):
     """How long: communication rounds (C), and observations in each (R); ticks of robots that move."""
 
     rounds: Wholes = [1000]
+    """C, communication rounds on fixed networks."""
     observations_per_round: Wholes = [10]
+    """R, observations of each robot before each exchange."""
     ticks: Times = [10_000]
+    """How long robots that move do so: a number of ticks, or a time such as "17 min"."""
 
 
 class Case(_Table):
@@ -96,27 +113,44 @@ class Measure(_Table):
     """What is kept: convergence within delta, decisions among bins at checkpoints; local and all estimates; metrics."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
+    """A robot has converged once its estimate stays within less than this of where it is."""
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
+    """B: a decision is one of so many equal bins of [0, 1]."""
     checkpoints: Times | None = None
+    """Rounds, ticks or times after which decisions are recorded."""
     local: Annotated[bool, Field(strict=True)] = False
+    """Also measure the local estimate, after every single observation."""
     estimates: Annotated[bool, Field(strict=True)] = False
+    """Also keep each robot's estimate at the checkpoints."""
     truth: Literal["nominal", "floor"] = "nominal"
+    """What errors and decisions are held against: f, or the black share of the floor that was drawn."""
     metrics: Metrics = ()
+    """What else is measured: shipped metrics or metric files."""
 
 
 class Tables(_Table):
     """The study file as a whole."""
 
     name: Name = "study"
+    """The title of the results and of figures."""
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
+    """The same seed gives the same numbers."""
     trials: Trials
+    """Repetitions of each setting, or a rule that adds them until they are enough."""
     swarm: Swarm
+    """The robots."""
     world: World
+    """What they live in."""
     schedule: Schedule = Schedule()
+    """How long."""
     measure: Measure = Measure()
+    """What is kept."""
     faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
+    """Robots that fail."""
     case: Annotated[tuple[Case, ...], SeveralTables] = ()
+    """Values that go together, beside the full grid."""
     members: Annotated[tuple[Members, ...], SeveralTables] = ()
+    """Robots that differ from the others."""
 
     @model_validator(mode="after")
     def _times_in_ticks(self) -> Self:

@@ -34,25 +34,42 @@ class Body(BaseModel):
     Sources: the paper, Sec. IV-C; docs/moving-robots.md for what it leaves open.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
-    speed: Least = 0.14  # m/s, straight
-    turn_speed: Least = 0.14  # m/s of each wheel, against each other, when turning on the spot
-    wheel_distance: Positive = 0.1054  # m
-    radius: Positive = 0.0704  # m
-    tick: Positive = 0.1  # s
-    wheel_lag: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1  # of a tick, until new wheel speeds take hold
-    straight_mean: Positive = 15.0  # ticks of a straight run: floor of an exponential
-    turn_most: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 10  # ticks of a turn: uniform from 0
-    proximity_range: Least = 0.12  # m from the body's edge, along 8 rays
-    proximity_near: Least = 0.04  # m, below which a ray reads 1
-    avoid_above: Positive = 0.01  # length of the mean reading from which there is an obstacle
-    avoid_within: Annotated[Number, Field(gt=0.0, le=180.0)] = 100.0  # degrees from straight ahead
-    sensor: tuple[Place, Place] = (0.0614, 0.010)  # m ahead and to the left: the ground sensor
-    tile: Positive = 0.01  # m, the side of a floor tile
-    radio_range: Positive = 0.7  # m between centres
+    speed: Least = 0.14
+    """m/s, straight."""
+    turn_speed: Least = 0.14
+    """m/s of each wheel, against each other, when turning on the spot."""
+    wheel_distance: Positive = 0.1054
+    """m, between the wheels."""
+    radius: Positive = 0.0704
+    """m, of the body, a disc."""
+    tick: Positive = 0.1
+    """s, between two decisions."""
+    wheel_lag: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
+    """Of a tick, until new wheel speeds take hold."""
+    straight_mean: Positive = 15.0
+    """Ticks of a straight run: floor of an exponential."""
+    turn_most: Annotated[int, Field(strict=True, ge=0, le=10_000)] = 10
+    """Ticks of a turn: uniform from 0."""
+    proximity_range: Least = 0.12
+    """m from the body's edge, along 8 rays."""
+    proximity_near: Least = 0.04
+    """m, below which a ray reads 1."""
+    avoid_above: Positive = 0.01
+    """Length of the mean reading from which there is an obstacle."""
+    avoid_within: Annotated[Number, Field(gt=0.0, le=180.0)] = 100.0
+    """Degrees from straight ahead, where an obstacle counts."""
+    sensor: tuple[Place, Place] = (0.0614, 0.010)
+    """m ahead and to the left of the centre: the ground sensor."""
+    tile: Positive = 0.01
+    """m, the side of a floor tile."""
+    radio_range: Positive = 0.7
+    """m between centres."""
     line_of_sight: bool = True
-    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000), TIME] = 1  # ticks
+    """Whether a body in between stops a message."""
+    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000), TIME] = 1
+    """Ticks, or a time: how old a message is when it is heard."""
 
     @property
     def numbers(self) -> np.ndarray:

@@ -32,12 +32,16 @@ class Fault(BaseModel):
     A robot that stops talking still hears; one that stops moving is still heard, seen and bumped into.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True)
+    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     at: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME, TIME]
+    """The first round, tick or time with the fault."""
     robots: Annotated[int | float, BeforeValidator(_number), ROBOTS]
+    """How many fail: a number, or a fraction of the swarm."""
     stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL]
+    """What they stop doing."""
     until: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME, TIME] | None = None
+    """The first round, tick or time in which they do it again."""
 
     @property
     def content(self) -> dict[str, object]:
