@@ -27,6 +27,14 @@ def lint(session: nox.Session) -> None:
 
 
 @nox.session
+def docs(session: nox.Session) -> None:
+    """The site is built, its tutorials run, and no link of it is dead."""
+    session.install("-c", "constraints.txt", ".[docs,test]")
+    session.run("mkdocs", "build", "--strict", *session.posargs)
+    session.run("pytest", "tests/test_site.py", env={"SWARMCENSUS_SLOW": "1"})
+
+
+@nox.session
 def package(session: nox.Session) -> None:
     """The wheel and the source archive are built, and a wheel that is installed alone runs its first study."""
     session.install("build")

@@ -4,6 +4,7 @@ import argparse
 import os
 import re
 from collections.abc import Iterator
+from typing import TypeAlias
 from unittest import mock
 
 from mkdocs.config.defaults import MkDocsConfig
@@ -12,6 +13,7 @@ from mkdocs.structure.files import File, Files
 from swarmcensus.cli.commands import COMMANDS, parser
 
 URI = "reference/command-line.md"
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 WIDTH = "88"  # of usage, so that it fits beside the contents
 
 
@@ -28,13 +30,13 @@ def page() -> str:
     return "\n".join(["# Command line", "", *_opening(top, commands), *_sections(commands)])
 
 
-def _opening(top: argparse.ArgumentParser, commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> list[str]:
+def _opening(top: argparse.ArgumentParser, commands: Commands) -> list[str]:
     rows = [f"| [`{one.dest}`](#{one.dest}) | {_told(str(one.help))} |" for one in commands._choices_actions]
     return [
         str(top.description),
         "",
-        "`swarmcensus COMMAND --help` tells the same in a terminal, and `swarmcensus completion bash` makes a shell complete it. "
-        "The exit code is 0, 2 where something given is wrong, and 130 after Ctrl-C.",
+        "`swarmcensus COMMAND --help` tells the same in a terminal, and `swarmcensus completion bash` makes a shell "
+        "complete it. The exit code is 0, 2 where something given is wrong, and 130 after Ctrl-C.",
         "",
         "| command | what it does |",
         "|---|---|",
@@ -42,7 +44,7 @@ def _opening(top: argparse.ArgumentParser, commands: "argparse._SubParsersAction
     ]
 
 
-def _sections(commands: "argparse._SubParsersAction[argparse.ArgumentParser]") -> Iterator[str]:
+def _sections(commands: Commands) -> Iterator[str]:
     for name, command in commands.choices.items():
         yield from ["", f"## {name}", "", str(command.description), "", "```text", _usage(command), "```"]
         given = [a for a in command._actions if not a.option_strings and a.help]

@@ -6,6 +6,7 @@ Each can be fetched as a notebook of Jupyter. With SWARMCENSUS_SITE=quick they a
 import base64
 import functools
 import os
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -61,7 +62,7 @@ def executed(markdown: str) -> Any:
             notebook,
             timeout=SECONDS,
             resources={"metadata": {"path": folder}},
-            extra_arguments=[f"--IPKernelApp.exec_lines={PLAIN}"],
+            extra_arguments=[f"--IPKernelApp.exec_lines={PLAIN}", "--IPKernelApp.log_level=40"],
         )
         client.execute(env=environment | {"PYDEVD_DISABLE_FILE_VALIDATION": "1"})
     return notebook
@@ -76,6 +77,8 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
             parts.append(cell.source)
             continue
         parts.append(_source(cell.source))
+        if cell.source.startswith("%%writefile"):
+            continue  # it would say that it wrote
         printed = "".join(o.text for o in cell.outputs if o.get("name") == "stdout")  # no progress
         if printed.strip():
             parts.append(f"``` {{ .text .output }}\n{printed.strip(chr(10))}\n```")
@@ -86,7 +89,7 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
                 pictures[name] = base64.b64decode(data["image/png"])
                 parts.append(f"![What the cell above draws]({name})")
             elif "text/html" in data:
-                parts.append(f'<div class="output">\n{data["text/html"]}\n</div>')
+                parts.append(f'<div class="output">\n{_bare(data["text/html"])}\n</div>')
             elif "text/plain" in data:
                 parts.append(f"``` {{ .text .output }}\n{data['text/plain'].rstrip()}\n```")
     return "\n\n".join(parts) + "\n", pictures
@@ -99,3 +102,8 @@ def _source(text: str) -> str:
         return f"```python\n{text}\n```"
     title = f' title="{file}"' if file else ""
     return f"```{Path(file).suffix[1:] or MAGICS[magic]}{title}\n{rest}\n```"
+
+
+def _bare(html: str) -> str:
+    """A table of pandas without its own looks."""
+    return re.sub(r"<style.*?</style>|(?<=<table) [^>]*|(?<=<tr) style=[^>]*", "", html, flags=re.DOTALL)

@@ -14,12 +14,14 @@ TABLES = {
     "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Fault": "[[faults]]",
     "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]", "Until": "trials, as a rule",
 }  # fmt: skip
+KINDS = {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}
 MANY = 12  # names that a cell lists at the most
 OPENING = """# Study file, as a schema
 
-Made from the [JSON schema of study files](study.schema.json), which is that of this version without additions of other packages;
-`swarmcensus studies --schema` prints that of an installation. The [study file's page](../study-file.md) explains each key, and
-[how an editor uses the schema](../study-file.md#in-an-editor). Where a *list* is named, one value will do, and several span a grid.
+Made from the [JSON schema of study files](study.schema.json), which is that of this version without additions of other
+packages; `swarmcensus studies --schema` prints that of an installation. The [study file's page](../study-file.md)
+explains each key, and [how an editor uses the schema](../study-file.md#in-an-editor). Where a *list* is named, one
+value will do, and several span a grid.
 """
 
 
@@ -68,7 +70,7 @@ def _type(told: dict[str, Any]) -> str:
         return "two numbers" if isinstance(items, list) else f"list of {_type(items)}"
     if kind == "object":
         return "table with " + ", ".join(f"`{key}`" for key in told["properties"])
-    return {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}.get(kind, "text") + _bounds(told)
+    return KINDS.get(str(kind), "text") + _bounds(told)
 
 
 def _bounds(told: dict[str, Any]) -> str:

@@ -245,7 +245,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
 
     add_new_options(command("new", "Write a study or a brain to begin with, every line explained."))
     add_watch_options(command("watch", "Watch one trial live in a browser, or write it as a page for others."))
-    add_studies_options(command("studies", "List the studies that come with swarmcensus, copy one, or print the schema of all."))
+    add_studies_options(
+        command("studies", "List the studies that come with swarmcensus, copy one, or print their schema.")
+    )
     add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
     add_completion_options(command("completion", "Print what makes a shell complete commands, options and files."))
     return top

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.forms import ONE_OR_SEVERAL
+from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Several
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.brains import adversary
@@ -30,10 +30,6 @@ from swarmcensus.worlds.patterns import Floor, parse_floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
-
-
-def _listed(value: object) -> object:
-    return value if isinstance(value, list | tuple) else [value]
 
 
 def _tables(value: object, info: ValidationInfo) -> object:
@@ -157,20 +153,19 @@ Trials = Annotated[
 ]
 
 # of keys that span a grid: one value, or a list of them
-_Listed, _Some = BeforeValidator(_listed), Field(min_length=1)
-Wholes = Annotated[list[Whole], _Listed, _Some, ONE_OR_SEVERAL]
-Times = Annotated[list[Annotated[Whole, OR_TIME, TIME]], _Listed, _Some, ONE_OR_SEVERAL]
-Shares = Annotated[list[Share], _Listed, _Some, ONE_OR_SEVERAL]
-Delays = Annotated[list[Annotated[int, Field(strict=True, ge=0, le=1000)]], _Listed, _Some, ONE_OR_SEVERAL]
-FillRatios = Annotated[list[Annotated[Share, OR_CHANGE, FILL_RATIO]], _Listed, _Some, ONE_OR_SEVERAL]
-Positives = Annotated[list[Positive], _Listed, _Some, ONE_OR_SEVERAL]
-Brains = Annotated[list[Annotated[Any, BeforeValidator(_sweep), BRAIN]], _Listed, _Some, AfterValidator(_joined), ONE_OR_SEVERAL]
+Wholes = Several[Whole]
+Times = Several[Annotated[Whole, OR_TIME, TIME]]
+Shares = Several[Share]
+Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
+FillRatios = Several[Annotated[Share, OR_CHANGE, FILL_RATIO]]
+Positives = Several[Positive]
+Brains = Annotated[Several[Annotated[Any, BeforeValidator(_sweep), BRAIN]], AfterValidator(_joined)]
 BrainsOrAdversaries = Annotated[
-    list[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], _Listed, _Some, AfterValidator(_joined), ONE_OR_SEVERAL
+    Several[Annotated[Any, BeforeValidator(_sweep_of_members), BRAIN_OR_ADVERSARY]], AfterValidator(_joined)
 ]
-Topologies = Annotated[list[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]], _Listed, _Some, ONE_OR_SEVERAL]
-Floors = Annotated[list[Annotated[Floor, BeforeValidator(_floor), FLOOR]], _Listed, _Some, ONE_OR_SEVERAL]
-Accuracies = Annotated[list[Annotated[Accuracy, BeforeValidator(parse_accuracy), TRUE_ACCURACY]], _Listed, _Some, ONE_OR_SEVERAL]
-Beliefs = Annotated[list[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed), BELIEF]], _Listed, _Some, ONE_OR_SEVERAL]
-Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric), METRIC], ...], _Listed, ONE_OR_SEVERAL]
+Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
+Floors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]]
+Accuracies = Several[Annotated[Accuracy, BeforeValidator(parse_accuracy), TRUE_ACCURACY]]
+Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed), BELIEF]]
+Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric), METRIC], ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from swarmcensus.basics.forms import ONE_OR_SEVERAL, ROBOTS
+from swarmcensus.basics.forms import ROBOTS, Several
 from swarmcensus.brains import Adversary, Brain, worn
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
@@ -63,10 +63,6 @@ class Member:
         return self.robots, self.share, brain, *beliefs, self.speed, self.honest
 
 
-def _listed(value: object) -> object:
-    return value if isinstance(value, list | tuple) else [value]
-
-
 def _number(value: object) -> object:
     whole = isinstance(value, int) and not isinstance(value, bool) and value >= 0
     if not whole and not (isinstance(value, float) and 0.0 <= value <= 1.0):
@@ -79,9 +75,7 @@ class Members(BaseModel):
 
     model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
 
-    robots: Annotated[
-        list[Annotated[int | float, BeforeValidator(_number), ROBOTS]], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL
-    ]
+    robots: Several[Annotated[int | float, BeforeValidator(_number), ROBOTS]]
     """How many: a number, or a fraction of the swarm."""
     brain: BrainsOrAdversaries | None = None
     """Their brain, or an adversary."""
@@ -89,7 +83,7 @@ class Members(BaseModel):
     """The true b and w of their sensors."""
     assumed_accuracy: Beliefs | None = None
     """The b and w that they believe in."""
-    speed: Annotated[list[Least], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL] | None = None
+    speed: Several[Least] | None = None
     """How fast they move, in m/s."""
     honest: Annotated[bool, Field(strict=True)] = True
     """Whether metrics count them."""

@@ -36,9 +36,7 @@ from swarmcensus.worlds.faults import Fault
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(
-        extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True
-    )
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
 
 
 class Swarm(_Table):

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, Self
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 
-from swarmcensus.basics.forms import ONE_OR_SEVERAL, ROBOTS
+from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, ROBOTS
 from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
@@ -13,10 +13,6 @@ from swarmcensus.engine.modes import MOVING, NEVER, PARTS, SENSING, TALKING
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"
-
-
-def _listed(value: object) -> object:
-    return value if isinstance(value, list | tuple) else (value,)
 
 
 def _number(value: object) -> object:
@@ -38,7 +34,12 @@ class Fault(BaseModel):
     """The first round, tick or time with the fault."""
     robots: Annotated[int | float, BeforeValidator(_number), ROBOTS]
     """How many fail: a number, or a fraction of the swarm."""
-    stop: Annotated[tuple[Literal["moving", "sensing", "talking"], ...], BeforeValidator(_listed), Field(min_length=1), ONE_OR_SEVERAL]
+    stop: Annotated[
+        tuple[Literal["moving", "sensing", "talking"], ...],
+        LISTED,
+        Field(min_length=1),
+        ONE_OR_SEVERAL,
+    ]
     """What they stop doing."""
     until: Annotated[int, Field(strict=True, ge=1, lt=2**31), OR_TIME, TIME] | None = None
     """The first round, tick or time in which they do it again."""
