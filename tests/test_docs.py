@@ -29,7 +29,18 @@ PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *s
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab"}
-OTHER_PROGRAMS = {"pip", "python", "pytest", "ruff", "lint-imports", "mypy", "pre-commit", "source", ".ci/run"}
+OTHER_PROGRAMS = {
+    "pip",
+    "python",
+    "pytest",
+    "ruff",
+    "lint-imports",
+    "mypy",
+    "pre-commit",
+    "mkdocs",
+    "source",
+    ".ci/run",
+}
 EXAMPLE = ROOT / "studies" / "example"
 
 
