@@ -1,7 +1,7 @@
 """How smooth the live page is: pictures a second, seconds to the first one, and what memory does while it plays.
 
-python benchmarks/watching.py [MINUTES]: a headless Chromium plays four swarms at 60 (ticks a second), then the first for
-so many minutes (5). Skipped pictures would be ticks that were never shown: none are at this speed.
+python benchmarks/watching.py [MINUTES]: a headless Chromium plays four swarms at 60 ticks a second, then the first for so
+many minutes (5). No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
 """
 
 import gc
@@ -83,7 +83,8 @@ def main() -> None:
             first_picture(page, served.address(asked))  # compiles
             first = first_picture(page, served.address(asked))
             pictures, ticks = play(page)
-            print(f"{name}: first picture {first:.2f} s, {pictures:.0f} pictures and {ticks:.1f} ticks a second", flush=True)
+            told = f"first picture {first:.2f} s, {pictures:.0f} pictures and {ticks:.1f} ticks a second"
+            print(f"{name}: {told}", flush=True)
         print(f"Memory over {minutes:g} minutes of play:")
         long_play(page, served, minutes)
         opened.close()

@@ -41,7 +41,7 @@ function shown(value) {
   if (value === null || value === undefined) return "–";
   if (Array.isArray(value)) return value.map(shown).join(", ");
   if (typeof value !== "number") return String(value);
-  if (Number.isInteger(value)) return value.toLocaleString("en");
+  if (Number.isInteger(value) && Math.abs(value) < 1e12) return value.toLocaleString("en");
   return String(Number(value.toPrecision(7)));
 }
 
