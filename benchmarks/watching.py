@@ -1,7 +1,7 @@
 """How smooth the live page is: pictures a second, seconds to the first one, and what memory does while it plays.
 
-python benchmarks/watching.py [MINUTES]: a headless Chromium plays four swarms at 60 ticks a second, then the first for so
-many minutes (5). No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
+python benchmarks/watching.py [MINUTES]: a headless Chromium plays four swarms at 60 ticks a second, then the first for
+so many minutes (5). No tick is left out at this speed: where fewer pictures are drawn, time goes slower.
 """
 
 import gc

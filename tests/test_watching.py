@@ -139,7 +139,7 @@ def test_no_file_is_run_that_a_page_names(offer, tmp_path, monkeypatch):
 @pytest.mark.parametrize("number", [0, 2, 4])
 def test_frames_and_robots_are_those_of_the_replay(offer, number):
     found = wanted(offer, {"setting": str(number), "trial": "2"})
-    show = Show(found.settings[0], found.seed, found.trial, 10)
+    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), number, 2)
     ticks = [0, 1, 2, 30, 60]
     shown = parsed(show.frames(ticks))
@@ -170,7 +170,7 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
     found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
-    show = Show(found.settings[0], found.seed, found.trial, 10)
+    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
     told = show.robot(12, 3)
     assert [one["from"] for one in told["heard"]] == [2, 4]
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
@@ -180,7 +180,7 @@ def test_what_a_robot_heard_is_what_its_neighbours_said():
 
 def test_lost_messages_are_not_lit():
     found = wanted(offer_of(None), {"topology": "ring", "robots": "40", "link_success": "0.3"})
-    show = Show(found.settings[0], found.seed, found.trial, 10)
+    show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
     shown = parsed(show.frames(list(range(1, 101))))
     carried = np.array([links.sum() for links in shown["links"]])
     heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)

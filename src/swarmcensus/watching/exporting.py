@@ -32,7 +32,7 @@ def export(offer: Offer, asked: dict[str, str], path: Path, said: Callable[[floa
     room, else of every so many. Raises InputError where the trial is too large, or the file cannot be written.
     """
     found = wanted(offer, asked)
-    shows = [Show(setting, found.seed, found.trial, found.study.measure.bins) for setting in found.settings]
+    shows = [Show(setting, found.seed, found.trial, found.study.measure) for setting in found.settings]
     rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
         raise InputError(f"{robots} robots for {rounds} rounds are too many for one file: fewer, or --set rounds=...")

@@ -48,8 +48,8 @@ class Session:
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
             raise InputError("ask: should be names and texts")
         found = wanted(self.offer, ask)
-        bins = found.study.measure.bins
-        self.shows = tuple(Show(setting, found.seed, found.trial, bins) for setting in found.settings)
+        measure = found.study.measure
+        self.shows = tuple(Show(setting, found.seed, found.trial, measure) for setting in found.settings)
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, found)}]
 
     def _frames(self, asked: Mapping[str, Any]) -> list[Answer]:

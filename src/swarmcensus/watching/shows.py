@@ -20,6 +20,7 @@ from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Life, Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
 from swarmcensus.studies.settings import Setting
+from swarmcensus.studies.tables import Measure
 
 KIND = 0x53574152
 COLUMNS = (
@@ -36,9 +37,9 @@ KEPT = 4  # stretches whose numbers are kept
 class Show:
     """One trial of a setting, as it is watched."""
 
-    def __init__(self, setting: Setting, seed: int, trial: int, bins: int) -> None:
-        """Begin it. Raises InputError where it cannot be run."""
-        self.setting, self.seed, self.trial, self.bins = setting, seed, trial, bins
+    def __init__(self, setting: Setting, seed: int, trial: int, measure: Measure) -> None:
+        """Begin it, to be held against the truth that a study measures against. Raises InputError if it cannot run."""
+        self.setting, self.seed, self.trial, self.bins = setting, seed, trial, measure.bins
         self.life = Life(setting, seed, trial)
         given = self.life.given
         self.honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
@@ -47,6 +48,7 @@ class Show:
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
         self._told: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
         self._ground = setting.ground(seed, trial) if self.moves else None
+        self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.crew for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
 
@@ -143,8 +145,8 @@ class Show:
         return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
-        """The fill ratio of these rounds: of the tiles in reach where robots move, as it is drawn."""
-        if self._ground is not None:
+        """The fill ratio of these rounds that robots are held against."""
+        if self._on_floor and self._ground is not None:
             return self._ground.truth(rounds)
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
