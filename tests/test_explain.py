@@ -194,7 +194,6 @@ def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
     [
         (["--setting", "99"], "setting 99: these results hold setting 0 to 7"),
         (["--setting", "-1"], "should be a whole number from 0"),
-        (["--setting", "1", "--json"], "--json is of all settings: it does not go with --setting"),
         (["--setting", "1", "--limit", "0"], "--limit is of all settings: it does not go with --setting"),
         (["--json", "--limit", "3"], "--limit 3 is of the table's rows: it does not go with --json, which has all"),
         (["--json", "--limit", "0"], "--limit 0 is of the table's rows: it does not go with --json"),

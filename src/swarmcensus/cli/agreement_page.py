@@ -1,8 +1,7 @@
 """What the terminal shows of all settings beside theory: a row each, why some have no verdict, and how many agree."""
 
-import json
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import xarray as xr
 from rich.table import Table
@@ -58,19 +57,6 @@ def verdict_of(found: "Agreement") -> str:
         f"{found.agree:,} of {found.exact:,} settings where theory is exact agree, at 1 in 1,000 each "
         f"({found.by_chance:.2g} expected to differ by chance; that any does: at most {100 * found.by_chance:.2g} %)"
     )
-
-
-def as_json(found: "Agreement") -> str:
-    """All of it as one JSON document; what is not known is null."""
-    rows = [{name: _plain(value) for name, value in row._asdict().items()} for row in found.settings]
-    about = {**{name: getattr(found, name) for name in ("exact", "agree", "by_chance")}, "settings": rows}
-    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
-
-
-def _plain(value: Any) -> Any:
-    if isinstance(value, tuple):
-        return [_plain(one) for one in value]
-    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _rows(left: dict[str, list[str]], shown: "list[Held]", reasons: list[str], narrow: bool = False) -> Table:

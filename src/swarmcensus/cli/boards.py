@@ -1,25 +1,57 @@
 """The command `leaderboard`: brains of one's own beside the shipped ones. Imports wait until needed."""
 
 import argparse
-import sys
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.cli.voice import answer, reporting, say, wrote
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from swarmcensus.leaderboard.board import Board
+    from swarmcensus.leaderboard.scores import Scores
 
 
 def leaderboard(options: argparse.Namespace) -> int:
     """Run the leaderboard and print its top, and where brains of one's own lose."""
     from swarmcensus.leaderboard.board import leaderboard
-    from swarmcensus.runs.progress import reporting
 
     board = leaderboard(
         options.files, options.out, trials=options.trials, seed=options.seed, jobs=options.jobs, fresh=options.fresh,
-        reporting=reporting, say=lambda line: print(line, file=sys.stderr),
+        reporting=reporting, say=say,
     )  # fmt: skip
-    _show(board)
-    print(board.page)
+    if options.json:
+        answer("leaderboard", _told(board))
+    else:
+        _show(board)
+    wrote(board.page)
     return 0
+
+
+def _told(board: "Board") -> dict[str, Any]:
+    """A row a brain in the order of the table, with its error and its share of right robots in every kind of world."""
+    from swarmcensus.leaderboard.scores import COLUMNS
+
+    scores = board.scores
+    rows: list[dict[str, Any]] = []
+    for place, k in _placed(scores):
+        row: dict[str, Any] = {"place": place, "brain": scores.contenders[k], "rank": scores.error.ranks[k]}
+        for score in (scores.error, scores.side):
+            row[score.name] = score.by_world[:, k].mean()
+            row[f"{score.name}_by_kind"] = dict(
+                zip((column.name for column in COLUMNS), score.values[k].tolist(), strict=True)
+            )
+        rows.append(row | {name: values[k] for name, values in scores.costs.items()})
+    return {"worlds": len(scores.worlds), "brains": rows, "losses": board.losses, "page": board.page}
+
+
+def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
+    """Each contender's place and number, the best first: None for bounds, and for those without errors, at the end."""
+    ranked, place = scores.error.order, 0
+    for k in [*ranked, *(k for k in scores.side.order if k not in ranked)]:
+        bound = scores.contenders[k] in scores.bounds
+        place += not bound
+        yield None if bound or k not in ranked else place, k
 
 
 def _show(board: "Board") -> None:
@@ -31,14 +63,11 @@ def _show(board: "Board") -> None:
     names = [column.name for column in COLUMNS]
     liars = [names.index("10 % liars"), names.index("30 % liars")]
     error, right = (score.by_world.mean(axis=0) for score in (scores.error, scores.side))
-    rest = [k for k in scores.side.order if k not in scores.error.order]
     rows = []
-    place = 0
-    for k in [*scores.error.order, *rest]:
-        ranked = k not in rest
-        place += scores.contenders[k] not in scores.bounds
+    for place, k in _placed(scores):
+        ranked = k in scores.error.order
         rows.append([
-            f"{place}" if ranked and scores.contenders[k] not in scores.bounds else "",
+            "" if place is None else f"{place}",
             scores.contenders[k],
             f"{scores.error.ranks[k]:.1f}" if ranked else "",
             *(cell(value, True) for value in (error[k], *scores.error.values[k, liars])),

@@ -7,6 +7,7 @@ from collections.abc import Collection, Iterator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import DOORS
+from swarmcensus.cli.voice import answer
 
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments a study gives
 
@@ -15,7 +16,11 @@ def choices(options: argparse.Namespace) -> int:
     """List what there is, kind by kind."""
     from swarmcensus.basics.terminal import console, table
 
-    for k, kind in enumerate([options.kind] if options.kind else DOORS):
+    kinds = [options.kind] if options.kind else list(DOORS)
+    if options.json:
+        answer("choices", {kind: [_told(row) for row in _rows(kind)] for kind in kinds})
+        return 0
+    for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
         ours = {row[-1] for row in rows} == {"swarmcensus"}  # then every line would end in the same word
         heads = [(kind, False), ("keys", False), ("what it is", False), *[("from", False)] * (not ours)]
@@ -23,6 +28,11 @@ def choices(options: argparse.Namespace) -> int:
             print()
         console().print(table(heads, [row[: len(heads)] for row in rows]))
     return 0
+
+
+def _told(row: tuple[str, str, str, str]) -> dict[str, object]:
+    name, keys, what, giver = row
+    return {"name": name, "keys": keys.split(", ") if keys else [], "what": what, "from": giver}
 
 
 def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:

@@ -3,7 +3,6 @@
 import argparse
 import os
 import sys
-import warnings
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.starting import doctor, new, studies
 from swarmcensus.cli.tracing import infer, replay
 from swarmcensus.cli.tuning import tune
+from swarmcensus.cli.voice import speaking
 from swarmcensus.cli.watching import watch
 from swarmcensus.results.presence import check_there
 
@@ -29,12 +29,9 @@ STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
-    every = parser(COMMANDS)
-    options = every.parse_args(arguments, argparse.Namespace(parser=every))
+    options = parser(COMMANDS).parse_args(arguments)
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("default", UserWarning)
-            warnings.showwarning = lambda message, *_, **__: print(f"warning: {message}", file=sys.stderr)
+        with speaking(options):
             _look_for_results(options)
             code = int(options.run(options) or 0)
             sys.stdout.flush()  # a full disk should be told of here

@@ -2,12 +2,12 @@
 
 import argparse
 import shlex
-import sys
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
+from swarmcensus.cli.voice import answer, say, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.results.comparing import Comparison
@@ -39,18 +39,28 @@ def compare(options: argparse.Namespace) -> int:
     found = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
     title, again = head(stored, options.results), _again(options)
-    if options.by:
+    if options.json:
+        answer("comparison", _told(found, list(dict.fromkeys(options.by))))
+    elif options.by:
         comparison_groups_page.show(found, title, again, list(dict.fromkeys(options.by)), limit)
     else:
         comparison_page.show(found, title, again, limit, options.pairs)
     if options.csv:
-        print(f"{options.csv}: {write_csv(found, options.csv):,} rows")
+        wrote(f"{options.csv}: {write_csv(found, options.csv):,} rows")
     if options.latex:
         write_latex(found, options.latex)
-        print(options.latex)
+        wrote(options.latex)
     if figures:
         _draw(found, figures)
     return 0
+
+
+def _told(found: "Comparison", axes: list[str]) -> dict[str, Any]:
+    """All its tables as data, a row an object; with `axes` also the one of `--by`."""
+    tables = {"worlds": found.table, "pairs": found.pairs, "ranks": found.ranks, "duels": found.duels}
+    tables |= {"groups": found.by(*axes)} if axes else {}
+    about = {"title": found.title, "measures": found.measures, "verdict": found.verdict, "cautions": found.cautions}
+    return about | {name: table.to_dict("records") for name, table in tables.items()}
 
 
 def _beside(out: Path, kind: str) -> Path:
@@ -76,8 +86,8 @@ def _draw(found: "Comparison", figures: dict[str, Path]) -> None:
     if found.against is None:
         save_figure(draw_ranks(found), figures["ranks"])
     else:
-        print(f"{figures['ranks']} is not drawn: ranks are of each against each", file=sys.stderr)
+        say(f"{figures['ranks']} is not drawn: ranks are of each against each")
     if "bytes_sent" in found.costs:
         save_figure(draw_pareto(found), figures["pareto"])
     else:
-        print(f"{figures['pareto']} is not drawn: these results do not say how many bytes were sent", file=sys.stderr)
+        say(f"{figures['pareto']} is not drawn: these results do not say how many bytes were sent")

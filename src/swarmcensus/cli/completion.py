@@ -1,6 +1,7 @@
 """The command `completion`: what makes a shell complete commands, options and files."""
 
 import argparse
+from collections import defaultdict
 from pathlib import Path
 
 
@@ -8,7 +9,9 @@ def completion(options: argparse.Namespace) -> int:
     """Print the script of a shell."""
     import shtab
 
-    top = options.parser
+    from swarmcensus.cli.options import parser
+
+    top = parser(defaultdict(lambda: completion))  # nothing is called
     for sub in _parsers(top):
         for action in sub._actions:
             if action.type is Path:

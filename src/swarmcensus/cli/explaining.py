@@ -6,6 +6,8 @@ import shlex
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.cli.voice import answer
+
 if TYPE_CHECKING:
     from swarmcensus.results.explaining import Explanation, Interval
 
@@ -33,14 +35,17 @@ def explain(options: argparse.Namespace) -> int:
 
     if options.setting is None:
         return _all(options)
-    for name in ("where", "limit", "json"):
+    for name in ("where", "limit"):
         given = getattr(options, name)
-        if given is not None and given is not False:  # a limit of 0 is given, and equals False
+        if given is not None:
             raise InputError(f"--{name} is of all settings: it does not go with --setting")
     data = opened(options.results)
     found = explaining.explain(data, options.setting)
     say_partial(data, options.results)
-    show(found, str(options.results))
+    if options.json:
+        answer("explanation", found._asdict())
+    else:
+        show(found, str(options.results))
     return 0
 
 
@@ -59,7 +64,7 @@ def _all(options: argparse.Namespace) -> int:
     data = selecting.where(stored, options.where)
     found = agreement(data)
     if options.json:
-        print(agreement_page.as_json(found))
+        answer("agreement", found._asdict())
         return 0
     again = ["swarmcensus", "explain", str(options.results)]
     again += ["--where", options.where] if options.where is not None else []

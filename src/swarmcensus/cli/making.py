@@ -6,13 +6,13 @@ import time
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.cli.voice import answer, reporting, say, wrote
 
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run, draw and check the paper."""
     from swarmcensus.basics.statistics import FEWEST
     from swarmcensus.paper import report, reproducing
-    from swarmcensus.runs.progress import reporting
 
     done = reproducing.reproduce(
         options.out,
@@ -23,12 +23,15 @@ def reproduce(options: argparse.Namespace) -> int:
         only=options.only,
         fresh=options.fresh,
         reporting=reporting,
+        say=wrote,
     )
-    if done.claims:
+    if options.json:
+        print(report.as_json(done.claims, done.datasets, done.of.source), end="")
+    elif done.claims:
         report.show(done.claims)
         if options.trials is not None and options.trials < FEWEST:
-            print(f"{options.trials} trials decide next to nothing: with fewer than {FEWEST}, intervals do not hold")
-    print(done.page)
+            say(f"{options.trials} trials decide next to nothing: with fewer than {FEWEST}, intervals do not hold")
+    wrote(done.page)
     return 0
 
 
@@ -45,14 +48,10 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     from swarmcensus.cli.tables import failures, settings  # once all is well: these take long
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
-    from swarmcensus.runs.progress import reporting
+    from swarmcensus.results.summaries import told_of
     from swarmcensus.runs.running import run as run_study
 
     begun = time.monotonic()
-
-    def say(line: str) -> None:
-        print(line, file=sys.stderr)
-
     try:
         with reporting(study.name) as progress:
             data = run_study(
@@ -66,14 +65,17 @@ def run(options: argparse.Namespace) -> int:
                 say=say,
             )
     except Interrupted as stopped:
-        print(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on", file=sys.stderr)
+        say(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on")
         raise
-    settings(data, out)
+    if options.json:
+        answer("summary", told_of(data, data))
+    elif not options.quiet:  # what was asked for is the file
+        settings(data, out)
     warn_of_start(data)
     warn_of_edges(data)
     trials = f"up to {study.trials}" if study.until else str(study.trials)
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
-    print(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
+    wrote(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
     return failures(data)
 
 
@@ -89,13 +91,17 @@ def _cluster(options: argparse.Namespace) -> str | None:
 
 def brains(options: argparse.Namespace) -> int:
     """List, show or check brains and adversaries."""
-    from swarmcensus.cli.shelves import checks, shipped, shipped_adversaries
+    from swarmcensus.cli import shelves
 
     if options.check is None and options.show is None:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing}: it goes with --check or --show, and an adversary")
-        shipped()
-        shipped_adversaries()
+        known, liars = shelves.brains(), shelves.adversaries()
+        if options.json:
+            answer("brains", {"brains": known, "adversaries": liars})
+        else:
+            shelves.show_brains(known)
+            shelves.show_adversaries(liars)
         return 0
     from swarmcensus.brains import find
     from swarmcensus.conformance.suite import check, subject
@@ -103,15 +109,26 @@ def brains(options: argparse.Namespace) -> int:
     if options.wearing:
         find(options.wearing)  # what is misspelt there is no fault of the adversary's
     if options.show is not None:
+        if options.json:
+            raise InputError("--json is of the list and of --check: --show prints a program")
         sys.stdout.write(subject(options.show, options.wearing).source)
         return 0
-    print(f"checking {options.check}: compiled too, which takes up to a minute", file=sys.stderr, flush=True)
-    return 0 if checks(options.check, check(options.check, wearing=options.wearing)) else 2
+    say(f"checking {options.check}: compiled too, which takes up to a minute")
+    found = check(options.check, wearing=options.wearing)
+    if not options.json:
+        return 0 if shelves.checks(options.check, found) else 2
+    conforms = all(one.fault is None for one in found)
+    answer("checks", {"file": options.check, "conforms": conforms, "checks": found})
+    return 0 if conforms else 2
 
 
 def status(options: argparse.Namespace) -> int:
     """Say how far a study is."""
     from swarmcensus.runs.status import status as status_of
 
-    print("\n".join(status_of(options.results).lines))
+    found = status_of(options.results)
+    if options.json:
+        answer("status", found.told)
+    else:
+        print("\n".join(found.lines))
     return 0

@@ -1,18 +1,16 @@
 """The options of every command of the command line."""
 
 import argparse
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
-from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.version import __version__
+from swarmcensus.cli.common_options import Parser, add_output_options
 from swarmcensus.cli.comparison_options import add_compare_options
 from swarmcensus.cli.mission_options import add_plan_options
 from swarmcensus.cli.starting_options import (
     add_completion_options,
-    add_doctor_options,
     add_new_options,
     add_studies_options,
 )
@@ -25,27 +23,6 @@ DOORS = {
 }  # fmt: skip  # what is added by files, and where its door is
 DIGITS = 18  # of a number, so that it fits into 64 bits
 MOST_ROWS = 40  # of a summary, unless one asks for more
-
-
-class Parser(argparse.ArgumentParser):
-    """A parser that says what was probably meant."""
-
-    def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Refuse what is not known here, where the options that are known here can be named."""
-        found, rest = super().parse_known_args(args, namespace)
-        if rest:
-            strange = next((one for one in rest if one.startswith("-")), rest[0])
-            hint = did_you_mean(
-                strange.partition("=")[0], (o for o in self._option_string_actions if o.startswith("--"))
-            )
-            self.error(f"unrecognized arguments: {' '.join(rest)}" + (f" ({hint.rstrip()})" if hint else ""))
-        return found, rest
-
-    def error(self, message: str) -> NoReturn:
-        """Say it, and where a choice is not known, which one is like it."""
-        wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
-        hint = did_you_mean(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ""
-        super().error(f"{message}: {hint.rstrip()}" if hint else message)
 
 
 def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.ArgumentParser:
@@ -98,7 +75,6 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument(
         "--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS}; of --json all)"
     )
-    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
     sub = command("compare", "Rank brains within each world, paired trial by trial, and say what trials tell.")
     add_compare_options(sub, _from_zero, MOST_ROWS)
@@ -110,7 +86,6 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     sub.add_argument("--setting", type=_from_zero, metavar="N", help="one, as 'show' numbers them (default: all)")
     sub.add_argument("--where", metavar="EXPR", help="settings to hold against theory, as 'topology == \"ring\"'")
     sub.add_argument("--limit", type=_from_zero, metavar="N", help=f"rows at the most, 0: all (default: {MOST_ROWS})")
-    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
 
     sub = command("leaderboard", "Run the shipped brains, and your own beside them, in one fixed set of worlds.")
     sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
@@ -248,8 +223,9 @@ def parser(runs: Mapping[str, Callable[[argparse.Namespace], int]]) -> argparse.
     add_studies_options(
         command("studies", "List the studies that come with swarmcensus, copy one, or print their schema.")
     )
-    add_doctor_options(command("doctor", "Say what this installation is made of, and what is missing."))
+    command("doctor", "Say what this installation is made of, and what is missing.")
     add_completion_options(command("completion", "Print what makes a shell complete commands, options and files."))
+    add_output_options(commands.choices)
     return top
 
 

@@ -1,10 +1,10 @@
 """The command `plan`: how many robots, and how many minutes, a mission takes. Imports wait until needed."""
 
 import argparse
-import sys
 import time
 
 from swarmcensus.cli.mission_options import tables_of
+from swarmcensus.cli.voice import answer, reporting, say
 
 
 def plan(options: argparse.Namespace) -> int:
@@ -17,7 +17,6 @@ def plan(options: argparse.Namespace) -> int:
     from swarmcensus.planning.mission import load_mission, mission_of
     from swarmcensus.planning.planning import plan as plan_of
     from swarmcensus.planning.plans import check_lines, check_out
-    from swarmcensus.runs.progress import reporting
 
     inputs = [options.mission] if options.mission else []
     where = f"mission file {options.mission}" if options.mission else "mission"
@@ -33,7 +32,10 @@ def plan(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     with reporting(str(tables.get("name", "mission"))) as progress:
         found = plan_of(tables, options.jobs, progress, where=where, base=base)
-    show(found)
+    if options.json:
+        answer("plan", found.data)
+    else:
+        show(found)
     if options.plot:
         from swarmcensus.figures.files import save
         from swarmcensus.figures.plan_lines import draw_plan
@@ -42,5 +44,5 @@ def plan(options: argparse.Namespace) -> int:
     if options.out:
         found.save(options.out)
     written = ", ".join(str(path) for path in (options.out, options.plot) if path)
-    print(f"{written}{': ' * bool(written)}{time.monotonic() - begun:.1f} s", file=sys.stderr)
+    say(f"{written}{': ' * bool(written)}{time.monotonic() - begun:.1f} s")
     return 0

@@ -2,12 +2,14 @@
 
 import argparse
 import contextlib
+import logging
 import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.voice import LOG, wrote
 
 HANDED_ON = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
@@ -39,7 +41,7 @@ def plot(options: argparse.Namespace) -> int:
     with _failures(options.kind), _telling(given, data):
         drawn = draw(data, **given)
     if "out" in given:
-        print(f"{out}: {drawn:,} frames" if isinstance(drawn, int) else out)
+        wrote(f"{out}: {drawn:,} frames" if isinstance(drawn, int) else out)
     else:
         save_figure(_as_figure(drawn, options.kind), out)
     return 0
@@ -121,7 +123,13 @@ def _telling(given: dict[str, Any], data: Any) -> Iterator[None]:
             stack.enter_context(compiling(brain_of(data, given["setting"])))
         if "progress" in given:
             console = Console(stderr=True)
-            bar = stack.enter_context(Progress(console=console, transient=True, disable=not console.is_terminal))
+            bar = stack.enter_context(
+                Progress(
+                    console=console,
+                    transient=True,
+                    disable=not (console.is_terminal and LOG.isEnabledFor(logging.INFO)),
+                )
+            )
             task = bar.add_task("drawing", total=None)
             given["progress"] = lambda done, total: bar.update(task, completed=done, total=total)
         yield
@@ -146,7 +154,7 @@ def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"
     from swarmcensus.figures.files import save
 
     for path in save(figure, *figure_files(out, default)):
-        print(path)
+        wrote(path)
 
 
 def figure_files(out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: Path) -> tuple[Path, tuple[str, ...]]:

@@ -3,9 +3,14 @@
 import argparse
 import shlex
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
+from swarmcensus.cli.voice import answer, reporting, wrote
+
+if TYPE_CHECKING:
+    from swarmcensus.runs.verifying import Verification
 
 DIFFER = 1  # results that do not come out again as stored
 
@@ -28,7 +33,7 @@ def show(options: argparse.Namespace) -> int:
         raise InputError("--reverse goes with --sort")
     if options.json:
         few = data.isel(setting=slice(options.limit or None))
-        print(summaries.as_json(stored, few, checkpoint))
+        answer("summary", summaries.told_of(stored, few, checkpoint))
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     title = tables.head(stored, options.results)
@@ -56,7 +61,7 @@ def merge(options: argparse.Namespace) -> int:
         raise InputError(f"--out {options.out}: results are written as .nc")
     data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
-    print(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
+    wrote(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
     return 0
 
 
@@ -65,7 +70,6 @@ def verify(options: argparse.Namespace) -> int:
     import secrets
 
     from swarmcensus.runs import verifying
-    from swarmcensus.runs.progress import reporting
 
     if options.all and options.seed is not None:
         raise InputError(f"--seed {options.seed} chooses a sample: it does not go with --all")
@@ -75,6 +79,11 @@ def verify(options: argparse.Namespace) -> int:
         found = verifying.verify(
             options.results, sample, brain=options.brain, seed=seed, jobs=options.jobs, progress=progress
         )
+    if options.json:
+        about = {"results": options.results, "trials_checked": found.checked, "trials_stored": found.stored}
+        about |= {"seed": None if options.all else seed, "differences": found.differences}
+        answer("verification", about | {"labels": found.labels, "notes": found.notes})
+        return _code(found)
     for difference in (*found.labels, *found.differences):
         print(difference)
     what = f"{found.checked:,} of {found.stored:,} trials run again" + ("" if options.all else f" (--seed {seed})")
@@ -83,6 +92,10 @@ def verify(options: argparse.Namespace) -> int:
     differ = f"{len(found.differences):,} differ" if found.differences else same
     labels = [f"{len(found.labels):,} of the file's labels are not its study's"] if found.labels else []
     print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))
+    return _code(found)
+
+
+def _code(found: "Verification") -> int:
     return DIFFER if found.differences or found.labels else 0
 
 
@@ -103,5 +116,5 @@ def export(options: argparse.Namespace) -> int:
     data = remeasure(opened(options.results), delta=options.delta)
     say_partial(data, options.results)
     rows = store.export(where(data, options.where), out, kind)
-    print(f"{out}: {rows:,} rows")
+    wrote(f"{out}: {rows:,} rows")
     return 0

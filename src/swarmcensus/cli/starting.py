@@ -7,6 +7,7 @@ import shutil
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.voice import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # what to do with them
@@ -24,7 +25,7 @@ def new(options: argparse.Namespace) -> int:
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
     with whole(out) as beside:
         beside.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
-    print(f"{out}: now swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
+    wrote(f"{out}: now swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
     return 0
 
 
@@ -40,8 +41,13 @@ def studies(options: argparse.Namespace) -> int:
         from swarmcensus.basics.terminal import console, table
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
+        if options.json:
+            answer("studies", {"studies": [{"name": name, "what": what} for name, what in rows]})
+            return 0
         console().print(table([("study", False), ("what it is", False)], rows))
         return 0
+    if options.json:
+        raise InputError(f"--json is of the list: it does not go with {options.name}, which is copied")
     name = options.name.removesuffix(".toml")
     if name not in known:
         hint = did_you_mean(name, known)
@@ -79,7 +85,8 @@ def _copy(study: Path, out: Path) -> None:
         text = text.replace(f'"{name}"', f'"{copy.name}"')
     with whole(out) as beside:
         beside.write_text(text, encoding="utf-8")
-    print(*(out, *copies.values()), sep="\n")
+    for path in (out, *copies.values()):
+        wrote(path)
 
 
 def _named_by(study: Path) -> list[str]:
@@ -120,13 +127,11 @@ def _first_words(study: Path) -> str:
 
 def doctor(options: argparse.Namespace) -> int:
     """Say what this installation is made of, and what is missing; 2 where compiled brains cannot be kept."""
-    import json
-
     from swarmcensus.cli.health import health
 
     found = health()
     if options.json:
-        print(json.dumps(found.told | {"faults": found.faults}, indent=2))
+        answer("installation", found.told | {"faults": found.faults})
     else:
         from swarmcensus.basics.terminal import console, table
 

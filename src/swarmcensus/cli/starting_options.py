@@ -18,11 +18,6 @@ def add_studies_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: its own name, here")
 
 
-def add_doctor_options(sub: argparse.ArgumentParser) -> None:
-    """Of `doctor`."""
-    sub.add_argument("--json", action="store_true", help="one JSON document, for programs")
-
-
 def add_completion_options(sub: argparse.ArgumentParser) -> None:
     """Of `completion`."""
     sub.add_argument(

@@ -15,14 +15,23 @@ from swarmcensus.basics.digits import places, rounded
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
+from swarmcensus.cli.voice import answer
+from swarmcensus.results.disturbances import disturbances
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.worlds.networks import MOVING
 
 SURE = {"coverage": "coverage", "interval width": "interval_width"}  # more columns, where brains have intervals
-TIMES = {"K": 1.0, "error": 1.0, "right": 100.0, "coverage": 100.0, "interval width": 1.0}
-DECIMALS = {"K": 0, "error": 4, "right": 1, "coverage": 1, "interval width": 4}  # of a value without an interval
+TIMES = {"K": 1.0, "error": 1.0, "final error": 1.0, "right": 100.0, "coverage": 100.0, "interval width": 1.0}
+DECIMALS = {
+    "K": 0,
+    "error": 4,
+    "final error": 4,
+    "right": 1,
+    "coverage": 1,
+    "interval width": 4,
+}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # that are named
 FOLDED = 12  # characters for what a setting is, where it is folded into one column
 MOST_DECIMALS = 6
@@ -119,6 +128,8 @@ def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, lis
     numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **sure, **watched}.items())
     if "consensus_right" in frame:
         numbers["exit %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["consensus_right"]]
+    if "done" in frame:
+        numbers["done %"] = ["-" if np.isnan(share) else f"{100.0 * share:.1f}" for share in frame["done"]]
     if "half_width" in frame or (frame["trials"] < trials).any():
         numbers["trials"] = [f"{n:,}" for n in frame["trials"]]
     if frame["failed"].any():
@@ -176,7 +187,7 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
-        f"K: {unit} of convergence, error: |x - f| at K (medians over robots and trials){floor}",
+        f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} (medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
         *(
@@ -185,6 +196,8 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
             else []
         ),
         *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
+        *(["done: robots that were done by the end"] if "done" in frame else []),
+        *disturbances(data),
         *(["robots that are not honest are not counted"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
         *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
@@ -233,13 +246,18 @@ def failures(data: xr.Dataset) -> int:
     return 2 if by_setting else 0
 
 
-def rounds(trace: xr.Dataset) -> None:
-    """The swarm's estimates at a few rounds of a trace."""
+def rounds(trace: xr.Dataset, json: bool = False) -> None:
+    """The swarm's estimates at a few rounds of a trace, as a table or as JSON."""
     honest = honest_in(trace)
     estimates = trace["estimate"].values[:, honest]
     last = len(estimates) - 1
     at = sorted({0, last} | {m * 10**e for e in range(9) for m in (1, 2, 5) if m * 10**e < last})
     ends = [(k, estimates[k].min(), np.median(estimates[k]), estimates[k].max()) for k in at]
+    if json:
+        names = ("round", "lowest", "median", "highest")
+        rows = [dict(zip(names, values, strict=True)) for values in ends]
+        answer("trace", {"title": trace.attrs["title"], "robots": int(honest.sum()), "rounds": rows})
+        return
     whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
     console().print(f"{trace.attrs['title']}: {whose} estimates")
     heads = [(name, True) for name in ("round", "lowest", "median", "highest")]

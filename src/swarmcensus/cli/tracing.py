@@ -5,6 +5,7 @@ from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.plotting import brain_of, figure_files, save_figure
+from swarmcensus.cli.voice import wrote
 
 
 def replay(options: argparse.Namespace) -> int:
@@ -38,8 +39,8 @@ def replay(options: argparse.Namespace) -> int:
         recordings.write_rows(options.recording / "observations.csv", robots, readings)
         header = ["i", "j"] if edges.shape[1] == 2 else ["step", "sender", "receiver"]
         recordings.write_rows(options.recording / "links.csv", header, edges)
-        print(options.recording)
-    rounds(trace)
+        wrote(options.recording)
+    rounds(trace, options.json)
     return 0
 
 
@@ -68,8 +69,8 @@ def infer(options: argparse.Namespace) -> int:
         name = next((str(f) for key, f in files.items() if str(error).startswith(key)), None)
         raise InputError(f"{name}: {error}" if name else str(error)) from error
     recordings.write_trace(trace, out)
-    rounds(trace)
-    print(out)
+    rounds(trace, options.json)
+    wrote(out)
     save_figure(plot.curves(trace), plotted, ("png",))
     return 0
 

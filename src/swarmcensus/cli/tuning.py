@@ -1,15 +1,15 @@
 """The command `tune`: values of a brain's parameters, with their evidence. Imports wait until needed."""
 
 import argparse
-import sys
 import time
 from pathlib import Path
+
+from swarmcensus.cli.voice import answer, reporting, say, wrote
 
 
 def tune(options: argparse.Namespace) -> int:
     """Search for values of a brain's parameters."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.runs.progress import reporting
     from swarmcensus.studies.study import Study
     from swarmcensus.tuning.plans import chosen
     from swarmcensus.tuning.tuning import files_of, tune
@@ -33,11 +33,14 @@ def tune(options: argparse.Namespace) -> int:
                 out=out,
                 fresh=options.fresh,
                 progress=progress,
-                say=lambda line: print(line, file=sys.stderr),
+                say=say,
             )
     except KeyboardInterrupt:
-        print(f"kept what is done in {files_of(out)['.csv']}: tune again to go on", file=sys.stderr)
+        say(f"kept what is done in {files_of(out)['.csv']}: tune again to go on")
         raise
-    print(found)
-    print(f"{out}: {len(found.evaluations):,} evaluations, {time.monotonic() - begun:.1f} s")
+    if options.json:
+        answer("tuning", found.told)
+    else:
+        print(found)
+    wrote(f"{out}: {len(found.evaluations):,} evaluations, {time.monotonic() - begun:.1f} s")
     return 0

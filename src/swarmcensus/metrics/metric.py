@@ -25,7 +25,7 @@ RESERVED = (  # names of the dataset
     "messages_sent", "messages_heard", "memory_bytes", "message_bytes", "anonymous", "honest", "parameters", "decision",
     "decision_round", "decision_change", "consensus", "consensus_round", "consensus_right", "right_option",
     "done_round", "done_estimate", "members", "liars", "adversary", "bytes_sent", "fill_ratio_change",
-    "coverage", "interval_width", "message_delay",
+    "coverage", "interval_width", "message_delay", "final_error", "done",
 )  # fmt: skip  # and of its summary
 PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other names of the dataset
 SUFFIXES = ("_low", "_high")  # of those of the summary

@@ -1,5 +1,6 @@
 """What all searches share: the mission, its worst fill ratios, and runs of so many robots for so long."""
 
+import logging
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -25,6 +26,7 @@ MOST_SECONDS = 3600.0  # of one core, predicted, for one run
 CONFIRMED = 3  # fill ratios of those that may be the worst, in all trials
 
 
+LOG = logging.getLogger(__name__)
 BEGUN = Progress(0, 0, 0.0, 0.0)
 
 
@@ -112,7 +114,9 @@ class Search:
             raise TooLong
         if most < trials:
             study = study_of(mission, robots, brains, cases, times, most, mission.seed)
-        label = f"{robots:,} robots, up to {times[-1] * mission.round_minutes:.3g} min"
+        minutes = times[-1] * mission.round_minutes
+        what = "first look" if trials < mission.trials else "confirming"
+        stage = f"{what}: {robots:,} robots, up to {minutes:.3g} min"
         ended = before = self.so_far
 
         def show(told: Progress) -> None:
@@ -123,10 +127,14 @@ class Search:
                 total=before.done + told.total,
                 work_done=before.work_done + told.work_done,
                 work_total=before.work_done + told.work_total,
-                note=told.note or (label if told.done == 0 else ""),
+                stage=stage,
             )
             self.show(ended)
 
         found = curves(mission, study, self.jobs, show)
         self.so_far = ended
+        for one in found:
+            lie = f" among {one.case.lie.told}" if one.case.lie else ""
+            right = f"{100 * one.at(-1).value:.1f} % of {robots:,} robots are right after {minutes:.3g} min"
+            LOG.debug("%s, f = %g%s: %s, in %s trials", one.brain, one.case.fill_ratio, lie, right, study.trials)
         return found

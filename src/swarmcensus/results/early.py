@@ -4,7 +4,7 @@ The first shard after a second is written beside a file that has all but numbers
 trial done. Reading takes no lock and alters nothing, so it may be done while the run goes on, or after it was killed.
 """
 
-import sys
+import logging
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +15,11 @@ from swarmcensus.results import checking
 from swarmcensus.results.store import load
 from swarmcensus.results.values import Values
 
+LOG = logging.getLogger(__name__)
+
 
 def opened(path: str | Path) -> xr.Dataset:
-    """A results file, or what its run has so far, which is said on stderr. Raises InputError where neither is there."""
+    """A results file, or what its run has so far, which is logged. Raises InputError where neither is there."""
     path = Path(path)
     if path.exists():
         return load(path)
@@ -34,16 +36,16 @@ def opened(path: str | Path) -> xr.Dataset:
         raise
     done = int(Values.of(data).done().sum())  # as `show` and `status` count; local estimates may be still to come
     has = f"this is what its run has so far, {done:,} of {data.attrs['trials_total']:,} trials"
-    print(f"{path} is not written yet: {has}", file=sys.stderr)
+    LOG.info("%s is not written yet: %s", path, has)
     return data
 
 
 def say_partial(data: xr.Dataset, path: Path) -> None:
-    """Say on stderr where trials of a results file are still to come; of one that is not written yet it is said."""
+    """Log where trials of a results file are still to come; of one that is not written yet it is said."""
     lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(checking.failures(data))
     if lacking > 0 and path.exists():
         done, total = data.attrs["trials_done"], data.attrs["trials_total"]
-        print(f"{path}: {done:,} of {total:,} trials done", file=sys.stderr)
+        LOG.info("%s: %s of %s trials done", path, f"{done:,}", f"{total:,}")
 
 
 def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:

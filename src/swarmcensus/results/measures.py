@@ -53,6 +53,7 @@ OURS = {
         Measure("decided_right", "decided right", "1", "robots that decided for the right option", False, "mean", True),
         Measure("decision_round", "decision", "rounds", "round of a robot's first decision"),
         Measure("decision_change", "last change", "rounds", "round of a robot's last change of its decision"),
+        Measure("done", "done share", "1", "robots that are done", False, "mean", True),
         Measure("done_round", "done", "rounds", "round in which a robot is done"),
         Measure("done_error", "error when done", "1", "|x - f| of the estimate that a robot is done with"),
         Measure("interval_width", "width", "1", "mean width of the robots' intervals at the last checkpoint"),
@@ -65,7 +66,7 @@ OURS = {
 }
 MADE_OF = {  # of measures that are no variable: the variables that they need
     "final_error": ("final_estimate",), "right_side": ("final_estimate",), "decided": ("decision",),
-    "decided_right": ("decision", "right_option"), "done_error": ("done_estimate",),
+    "decided_right": ("decision", "right_option"), "done": ("done_round",), "done_error": ("done_estimate",),
     "bytes_sent": ("messages_sent", "message_bytes"),
 }  # fmt: skip
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
@@ -181,6 +182,8 @@ def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
     some = _known(values)
     if name == "decided":  # of -1, which is no option, it is known that there is none
         return np.where(np.isnan(values), np.nan, values >= 0)
+    if name == "done":  # infinite: never
+        return np.where(np.isnan(values), np.nan, np.isfinite(values))
     if name == "decided_right":
         right = data["right_option"].isel(setting=rows).transpose("setting", "trial").values[:, :, np.newaxis]
         known_right = np.where(np.isnan(right), np.nan, 1.0)

@@ -1,6 +1,7 @@
 """Puts results together whose settings or trials differ, such as the shares of several machines."""
 
 import json
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -19,6 +20,8 @@ from swarmcensus.results.values import EVERY, MESSAGES, MISSING, kinds_in, metri
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
+
+LOG = logging.getLogger(__name__)
 
 
 def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
@@ -46,6 +49,9 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
             raise InputError(f"{name}: damaged or changed: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
+        LOG.debug(
+            "%s: %s settings, %s trials done", name, f"{len(data.setting):,}", f"{int(data.attrs['trials_done']):,}"
+        )
         planned.append(_planned(data, own))
     return _together(names, datasets, outline(list(studies.values()), True), planned)
 

@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.documents import plain
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.statistics import LEVEL, interval_of
@@ -17,14 +18,14 @@ from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, SHARES, bounds_in, metrics_in, robots_in
 
-FORMAT = "swarmcensus summary 1"
-SHORT = {"K": "convergence_round", "error": "convergence_error", "right": "correct"}  # names of columns on a terminal
-MEANS = ("messages_sent", "messages_heard", "bytes_sent", "decided", "decided_right", "consensus_right")
+SHORT = {
+    "K": "convergence_round", "error": "convergence_error", "final error": "final_error", "right": "correct",
+}  # fmt: skip  # names of columns on a terminal
+MEANS = ("messages_sent", "messages_heard", "bytes_sent", "decided", "decided_right", "consensus_right", "done")
 MEDIANS = (
-    *("convergence_round", "convergence_error", "local_convergence_step", "local_convergence_error"),
+    *("convergence_round", "convergence_error", "final_error", "local_convergence_step", "local_convergence_error"),
     *("decision_round", "consensus_round", "done_round"),
 )
-NEVER = "infinity"  # in JSON, which has no such number
 BLOCK = 2**22  # values that are sorted at once
 
 Columns = dict[str, NDArray[Any]]
@@ -34,7 +35,7 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
 
     Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
-    `convergence_error` (both medians over robots and trials, also of the local estimate where it was followed, of the
+    `convergence_error`, `final_error` (all medians over robots and trials, also of the local estimate where it was followed, of the
     rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the
     mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches) the value and
     its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an interval there are `coverage`
@@ -44,7 +45,7 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     """
     import pandas as pd
 
-    data = selecting.where(load(results) if isinstance(results, str | Path) else results, where)
+    data = _ready(selecting.where(load(results) if isinstance(results, str | Path) else results, where))
     columns = _with_intervals(data, checkpoint)
     varied = [
         k for k, c in data.coords.items() if c.dims == ("setting",) and len(set(c.values.astype(str).tolist())) > 1
@@ -60,6 +61,11 @@ def medians_in(data: xr.Dataset) -> list[str]:
     return [name for name in (*MEDIANS, *metrics_in(data)) if name in data]
 
 
+def _ready(data: xr.Dataset) -> xr.Dataset:
+    """With the error after the last round, which is no variable, as one."""
+    return measures.with_measure(data, "final_error")
+
+
 def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
     columns: Columns = {}
     looked = {*medians_in(data), "correct", *INTERVALS}
@@ -73,7 +79,7 @@ def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
 
 def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     """The columns of a summary without its intervals, which take the most time. Raises InputError."""
-    ran = done(data)
+    data, ran = _ready(data), done(data)
     columns: Columns = {"setting": data["setting"].values}
     columns |= {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
     failed = Counter(one["setting"] for one in failed_trials(data))
@@ -121,16 +127,15 @@ def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
     return [one for one in json.loads(data.attrs.get("failed", "[]")) if one["setting"] in there]
 
 
-def as_json(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> str:
-    """The summary of these settings of a file as JSON: see docs/data-format.md. Raises InputError."""
+def told_of(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
+    """The summary of these settings of a file as JSON takes it: see docs/data-format.md. Raises InputError."""
     import pandas as pd
 
-    frame = pd.DataFrame(_with_intervals(data, checkpoint))
+    frame = pd.DataFrame(_with_intervals(_ready(data), checkpoint))
     rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
-    about = {
-        "format": FORMAT,
+    return {
         "title": str(data.attrs["title"]),
-        **{key: _plain(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+        **{key: plain(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
         "asked_anew": asked_anew(stored),
         "rule": rule,
         "level": LEVEL,
@@ -141,29 +146,20 @@ def as_json(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None)
         "failed": failed_trials(data),
         "settings": [_nested(row) for row in frame.to_dict("records")],
     }
-    return json.dumps(about, indent=1, allow_nan=False, ensure_ascii=False)
 
 
 def _nested(row: dict[str, Any]) -> dict[str, Any]:
     out: dict[str, Any] = {}
     for name, value in row.items():
         if f"{name}_low" in row:
-            ends = [_plain(row[f"{name}_low"]), _plain(row[f"{name}_high"])]
+            ends = [plain(row[f"{name}_low"]), plain(row[f"{name}_high"])]
             what = "mean" if name in SHARES else "median"
-            out[name] = {what: _plain(value), "interval": None if None in ends else ends}
+            out[name] = {what: plain(value), "interval": None if None in ends else ends}
         elif name == "checkpoint":
             out[name] = None if value < 0 else value
         elif name.removesuffix("_low").removesuffix("_high") not in out:
-            out[name] = _plain(value)
+            out[name] = plain(value)
     return out
-
-
-def _plain(value: Any) -> Any:
-    """A NumPy number as JSON takes it; None for one that is missing."""
-    value = value.item() if isinstance(value, np.generic) else value
-    if value == np.inf:
-        return NEVER
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def done(data: xr.Dataset) -> NDArray[np.bool_]:

@@ -1,6 +1,8 @@
 """Where bundles of trials are run: threads of this process here, the workers of a cluster in `clusters.py`."""
 
+import logging
 import os
+import time
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -18,6 +20,8 @@ from swarmcensus.worlds.networks import Topology
 
 BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
 MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and none beyond the cores helps
+
+LOG = logging.getLogger(__name__)
 
 
 class Pool(Protocol):
@@ -97,12 +101,25 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     for name, moves in dict.fromkeys(told):
         loops = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
         show(f"compiling {loops}{name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
+    for setting, study in tiny:
+        if (setting, study) not in new:
+            LOG.debug("%s: machine code found in %s", _loops(setting), modules.cache_root())
+    begun = time.monotonic()
     moving = [one for one in new if one[0].body]
     if moving and len(moving) < len(new) and modules.keeps():
         ended = beside(lambda: _run_all(moving))
         _run_all([one for one in new if not one[0].body])
         ended()
     _run_all(tiny)
+    if new:
+        kept = f", kept in {modules.cache_root()}" if modules.keeps() else ""
+        LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
+
+
+def _loops(setting: Setting) -> str:
+    """What is compiled for a setting."""
+    brains = " and ".join(brain.name for brain in setting.crew)
+    return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}"
 
 
 def _run_all(tiny: list[tuple[Setting, Study]]) -> None:

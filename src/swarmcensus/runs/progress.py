@@ -3,6 +3,7 @@
 import contextlib
 import html
 import importlib
+import logging
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -10,6 +11,7 @@ from typing import Any
 
 from swarmcensus.runs.working import Progress
 
+LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
 SOON = 0.5  # seconds: what is over by then needs no bar in a notebook
 
@@ -41,7 +43,7 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
             rate, left = _pace(progress, time.monotonic() - begun)
             bar.update(
                 task,
-                description=escape(progress.note or label),
+                description=escape(progress.note or ": ".join(filter(None, (label, progress.stage)))),
                 total=progress.total,
                 completed=progress.done,
                 rate=rate,
@@ -105,16 +107,17 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
 
 def _lines(label: str) -> Callable[[Progress], None]:
     begun = last = time.monotonic()
-    note = ""
+    before = "", ""
 
     def show(progress: Progress) -> None:
-        nonlocal last, note
-        now = time.monotonic()
-        if progress.note != note or (not note and now - last >= LINE_SECONDS):
-            last, note = now, progress.note
+        nonlocal last, before
+        now, this = time.monotonic(), (progress.note, progress.stage)
+        if this != before or (not progress.note and now - last >= LINE_SECONDS):
+            last, before = now, this
             pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
             trials = f"{progress.done:,} of {progress.total:,} trials, " if progress.total else ""
-            print(f"{label}: {trials}{pace}", file=sys.stderr, flush=True)
+            stage = f"{progress.stage}: " if progress.stage else ""
+            print(f"{label}: {stage}{trials}{pace}", file=sys.stderr, flush=True)
 
     return show
 
@@ -128,7 +131,7 @@ def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
 
 @contextlib.contextmanager
 def compiling(name: str, what: str = "replay") -> Iterator[None]:
-    """Say on stderr that `name`, and for `what`, is being compiled where it is: not where it lies in the cache."""
+    """Log that `name`, and for `what`, is being compiled where it is: not where it lies in the cache."""
     from numba.core import event
 
     class Teller(event.Listener):  # type: ignore[misc]
@@ -136,7 +139,7 @@ def compiling(name: str, what: str = "replay") -> Iterator[None]:
 
         def on_start(self, event: object) -> None:
             if not self.told:
-                print(f"compiling what {what} needs for {name}, once on this machine", file=sys.stderr, flush=True)
+                LOG.info("compiling what %s needs for %s, once on this machine", what, name)
             self.told = True
 
         def on_end(self, event: object) -> None:

@@ -2,6 +2,7 @@
 
 import contextlib
 import json
+import logging
 import time
 import warnings
 from collections.abc import Callable, Iterator
@@ -24,6 +25,8 @@ from swarmcensus.runs.working import Progress, State, work
 from swarmcensus.simulation.trials import seconds
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+
+LOG = logging.getLogger(__name__)
 
 
 def run(
@@ -63,6 +66,8 @@ def run(
         )
     settings = study.settings()
     marks = [setting.fingerprint(study.seed) for setting in settings]
+    where = f"on {cluster}" if cluster else f"in {jobs} thread{'s' * (jobs > 1)}"
+    LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
     state = State(
         study, settings, Values(study, settings, first),
@@ -143,6 +148,7 @@ def recompute(
     state = State(study, settings, values, progress or _quiet, None, np.zeros(0), slice(None))
     tasks = plan(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
+    LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
     with _pool(state, jobs, None) as pool:
         if work(state, bundled(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt

@@ -4,6 +4,7 @@ import json
 import time
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -32,6 +33,16 @@ class Status:
     rule: str = ""  # trials are still added until it holds
     share: str = ""  # how far the share of a machine is, where it ran no more
     goes_on: str = ""  # how, where it is neither running nor done
+
+    @property
+    def told(self) -> dict[str, Any]:
+        """The same as JSON takes it, by the names that a summary has for it."""
+        return {
+            "title": self.study, "settings_total": self.settings, "trials_done": self.done, "trials_total": self.total,
+            "trials_failed": self.failed, "running": self.running or None, "seconds_left": self.seconds_left,
+            "rule": self.rule or None, "share": self.share or None, "goes_on": self.goes_on or None,
+            "damaged": self.damaged,
+        }  # fmt: skip
 
     @property
     def lines(self) -> list[str]:

@@ -1,5 +1,6 @@
 """Bundles go out to a pool and come back: what a run has so far grows by them, until all are done or Ctrl-C comes."""
 
+import logging
 from collections.abc import Callable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import AbstractContextManager
@@ -15,6 +16,7 @@ from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
+LOG = logging.getLogger(__name__)
 WAIT_SECONDS = 0.1
 
 
@@ -27,6 +29,7 @@ class Progress:
     work_done: float
     work_total: float
     note: str = ""  # what is going on where it is not trials
+    stage: str = ""  # which part of several this is
 
 
 Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # a bar of a label
@@ -102,7 +105,19 @@ def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> 
         state.values.put(piece.setting, piece.first, piece.columns)
         state.done += 0 if piece.local else piece.shape[0]
     state.failures += failures
+    if LOG.isEnabledFor(logging.DEBUG):
+        for number in dict.fromkeys(piece.setting for piece in pieces):
+            _tell_of(state, number)
     cost = sum(task.cost for task in bundle)
     state.work_done += cost
     if state.holding:
         state.holding.parts.add(pieces, cost)
+
+
+def _tell_of(state: State, number: int) -> None:
+    """Log that a setting has all trials that are asked for so far."""
+    wanted = len(range(state.values.trials)[state.share])
+    done = int(state.values.finished()[number, state.share].sum())
+    if done == wanted:
+        setting = state.settings[number]
+        LOG.debug("setting %s: %s trials done: %s, %s", number, f"{done:,}", setting.brain.told, setting)

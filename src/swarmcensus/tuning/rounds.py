@@ -1,5 +1,6 @@
 """The search, generation by generation: asked for, tried on trials of its own, told, and all of it in the log."""
 
+import logging
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -16,6 +17,7 @@ from swarmcensus.tuning.searching import Search
 from swarmcensus.tuning.seeds import seed_for
 from swarmcensus.tuning.trying import Training
 
+LOG = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
 
 
@@ -73,19 +75,21 @@ class _Course:
                 log.set_usual(scales_of(numbers, plan.worlds, plan.measure, plan.least))
             assert log.usual is not None
             lost = loss(numbers, plan.measure, log.usual)
+            told = ", ".join(f"{r.place} = {v:.6g}" for r, v in zip(plan.ranges, asked[place], strict=True))
+            LOG.debug("generation %s: %s: loss %.6g", generation, told, lost)
             log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers).sum()), self.seconds))
 
         failures = self.training.run(
             [plan.brain_of(values) for values in asked],
             seed_for(plan.study.seed, "training", generation),
             keep,
-            self._showing(),
+            self._showing(f"generation {generation}"),
         )
         if log.usual is None:
             why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
             raise InputError(f"--metric {plan.metric}: {why}")
 
-    def _showing(self) -> Callable[[Progress], None]:
+    def _showing(self, stage: str) -> Callable[[Progress], None]:
         """Progress of some candidates as that of the whole search."""
         each = len(self.plan.worlds) * self.plan.trials
         budget, before = self.plan.budget, len(self.log.evaluations) * each
@@ -97,7 +101,9 @@ class _Course:
                 work = min(self.seconds, budget.seconds), budget.seconds
             else:
                 work = before / each * cost + progress.work_done, total / each * cost
-            self.show(replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1]))
+            self.show(
+                replace(progress, done=done, total=total or done, work_done=work[0], work_total=work[1], stage=stage)
+            )
 
         return show
 

@@ -44,6 +44,17 @@ class Tuned:
         """Whether the tuned brain is "better" than it was, "worse", or "not told apart"."""
         return self.evidence.verdict
 
+    @property
+    def told(self) -> dict[str, Any]:
+        """What came of it as plain data: values before and after, the verdict, and the comparison pair by pair."""
+        found = self.evidence.comparison
+        return {
+            "brain": self.before.name, "values": self.values, "parameters": self.parameters,
+            "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "verdict": self.verdict,
+            "sentences": self.evidence.sentences, "notes": self.notes,
+            "pairs": [] if found is None else found.pairs.to_dict("records"),
+        }  # fmt: skip
+
     def __str__(self) -> str:
         """What came of it, in sentences."""
         return "\n".join([*self.evidence.sentences, *self.notes])

@@ -1,0 +1,76 @@
+"""How much a command says: answers and files on stdout, what goes on on stderr, as loud as one asked for.
+
+Rooms log to the logger `swarmcensus` and below: INFO is what everybody is told, DEBUG what --verbose adds.
+"""
+
+import argparse
+import contextlib
+import logging
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from swarmcensus.runs.working import Progress
+
+LOG = logging.getLogger("swarmcensus")
+WROTE = LOG.getChild("wrote")
+
+
+class _Voice(logging.Handler):
+    """Prints to the streams there are at that moment: a progress bar puts its own in their place."""
+
+    def __init__(self, json: bool) -> None:
+        super().__init__()
+        self.json = json
+
+    def emit(self, record: logging.LogRecord) -> None:
+        to_files = record.name == WROTE.name and not self.json
+        print(record.getMessage(), file=sys.stdout if to_files else sys.stderr, flush=not to_files)
+
+
+@contextlib.contextmanager
+def speaking(options: argparse.Namespace) -> Iterator[None]:
+    """Say as much as the options ask for while the block lasts: warnings are left out with --quiet too."""
+    level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
+    voice, before = _Voice(options.json), LOG.level
+    LOG.setLevel(level)
+    LOG.addHandler(voice)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("default", UserWarning)
+            warnings.showwarning = lambda message, *_, **__: LOG.warning("warning: %s", message)
+            yield
+    finally:
+        LOG.removeHandler(voice)
+        LOG.setLevel(before)
+
+
+def say(line: str) -> None:
+    """What goes on, on stderr; not with --quiet."""
+    LOG.info("%s", line)
+
+
+def wrote(line: object) -> None:
+    """What was written, on stdout; not with --quiet, and with --json on stderr."""
+    WROTE.info("%s", line)
+
+
+def answer(kind: str, about: Mapping[str, Any]) -> None:
+    """The one document of --json, on stdout."""
+    from swarmcensus.basics.documents import document
+
+    print(document(kind, about))
+
+
+@contextlib.contextmanager
+def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
+    """A callback for `run` that shows how far it is; with --quiet it shows nothing."""
+    if not LOG.isEnabledFor(logging.INFO):
+        yield lambda _: None
+        return
+    from swarmcensus.runs.progress import reporting as shown
+
+    with shown(label) as show:
+        yield show
