@@ -187,7 +187,8 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
-        f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} (medians over robots and trials){floor}",
+        f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
+        f"(medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
         + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
         *(

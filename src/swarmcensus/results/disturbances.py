@@ -8,7 +8,7 @@ import xarray as xr
 
 
 def disturbances(data: xr.Dataset) -> list[str]:
-    """A sentence for each fault of its studies, and one for the adversaries of its settings; none where all was well."""
+    """A line for each fault of its studies, and one for the adversaries of its settings; none where all was well."""
     texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
     faults = [_told(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
@@ -20,5 +20,5 @@ def _told(fault: dict[str, Any]) -> str:
     some, stop, at = fault["robots"], fault["stop"], fault["at"]
     who = f"{100 * some:g} % of robots" if isinstance(some, float) else f"{some:,} robot{'s' * (some != 1)}"
     what = stop if isinstance(stop, str) else " and ".join(stop)
-    until = f" to {fault['until']}" if "until" in fault else " on"
+    until = f" until {fault['until']}" if "until" in fault else " on"
     return f"faults: {who} stop {what}, from {at}{until}"

@@ -35,8 +35,8 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
     """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
 
     Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
-    `convergence_error`, `final_error` (all medians over robots and trials, also of the local estimate where it was followed, of the
-    rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the
+    `convergence_error`, `final_error` (medians over robots and trials, also of the local estimate where it was
+    followed, of the rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the
     mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches) the value and
     its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an interval there are `coverage`
     (the mean over trials) and `interval_width` (the median) after that round too. `where` picks settings, as in
