@@ -115,3 +115,62 @@ def test_python_names_what_was_meant():
     with pytest.raises(AttributeError) as error:
         sc.sumary  # noqa: B018
     assert (error.value.name, error.value.obj) == ("sumary", sc)  # what a traceback makes its own hint from
+
+
+@pytest.mark.parametrize(
+    ("change", "meant"),
+    [
+        (('accuracy = [0.675, "U(0.525, 0.975)"]', "accuracy = {blak = 0.6, white = 0.9}"), "black"),
+        (("trials = 4", 'trials = {until = "convergence_eror median +- 0.1"}'), "convergence_error"),
+        (("trials = 4", 'trials = {until = "convergence_error medain +- 0.1"}'), "median"),
+        (("trials = 4", 'trials = {util = "convergence_error median +- 0.1"}'), "until"),
+    ],
+)
+def test_what_a_table_or_a_rule_may_say(change, meant):
+    assert change[0] in SMALL
+    with pytest.raises(sc.InputError, match=re.escape(f"did you mean '{meant}'?")):
+        sc.Study.parse(SMALL.replace(*change))
+
+
+@pytest.mark.parametrize(
+    ("command", "meant"),
+    [
+        (["studies", "comare"], "example/compare"),
+        (["studies", "toplogies"], "paper/topologies"),
+        (["reproduce", "rivls"], "rivals"),
+        (["show", "small.nc", "--sort", "eror"], "error"),
+        (["show", "small.nc", "--sort", "finl"], "final error"),
+        (["plot", "small.nc", "--kind", "lnes"], "lines"),
+        (["plot", "small.nc", "--kind", "lines", "--x", "robots", "--y", "eror"], "convergence_error"),
+        (["plot", "small.nc", "--set", "scle=linear"], "scale"),
+        (["explain", "small.nc", "--where", "robot == 5"], "robots"),
+        (["brains", "--show", "comons"], "commons"),
+        (["brains", "--show", "shoter"], "shouter"),
+        (["leaderboard", "comons"], "commons"),
+        (["plan", "--robots", "9", "--topology", "ring", "--accuracy", "0.8", "--right", "majorty"], "majority"),
+        (["show", "smal.nc"], "small.nc"),
+        (["run", "smll.toml"], "small.toml"),
+        (["list", "topology"], "topologies"),
+        (["completion", "bsh"], "bash"),
+        (["replay", "small.nc", "--setting", "1", "--trail", "0"], "--trial"),
+        (["doctor", "--jsn"], "--json"),
+    ],
+)  # fmt: skip
+def test_every_door_names_what_was_meant(command, meant, small_results, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    small_results.to_netcdf("small.nc", engine="h5netcdf")
+    (tmp_path / "small.toml").write_text(SMALL)
+    try:
+        code = main(command)
+    except SystemExit as stopped:
+        code = stopped.code
+    assert code == 2
+    assert f"did you mean '{meant}'?" in capsys.readouterr().err
+
+
+def test_a_file_that_is_like_none_beside_it_gets_no_hint(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "other.nc").touch()
+    (tmp_path / "rest.toml").touch()
+    assert main(["show", "rest.nc"]) == 2
+    assert capsys.readouterr().err == "swarmcensus: results file rest.nc: there is no such file\n"

@@ -18,6 +18,7 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse what is not known here, where the options that are known here can be named."""
+        self.given = [one for one in args or [] if one.startswith("--")]
         found, rest = super().parse_known_args(args, namespace)
         if rest:
             strange = next((one for one in rest if one.startswith("-")), rest[0])
@@ -28,9 +29,14 @@ class Parser(argparse.ArgumentParser):
         return found, rest
 
     def error(self, message: str) -> NoReturn:
-        """Say it, and where a choice is not known, which one is like it."""
+        """Say it, and which choice was meant by one that is not known, or which option that is lacking."""
         wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
         hint = did_you_mean(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ""
+        if message.startswith("the following arguments are required"):
+            options = [one for one in self._option_string_actions if one.startswith("--")]
+            names = (one.partition("=")[0] for one in self.given)
+            strange = (one for one in names if not any(known.startswith(one) for known in options))
+            hint = next(filter(None, (did_you_mean(one, options) for one in strange)), "")
         super().error(f"{message}: {hint.rstrip()}" if hint else message)
 
 

@@ -24,14 +24,8 @@ from swarmcensus.worlds.networks import MOVING
 
 SURE = {"coverage": "coverage", "interval width": "interval_width"}  # more columns, where brains have intervals
 TIMES = {"K": 1.0, "error": 1.0, "final error": 1.0, "right": 100.0, "coverage": 100.0, "interval width": 1.0}
-DECIMALS = {
-    "K": 0,
-    "error": 4,
-    "final error": 4,
-    "right": 1,
-    "coverage": 1,
-    "interval width": 4,
-}  # of a value without an interval
+# of a value without an interval
+DECIMALS = {"K": 0, "error": 4, "final error": 4, "right": 1, "coverage": 1, "interval width": 4}
 MOST_CHECKPOINTS = 8  # that are named
 FOLDED = 12  # characters for what a setting is, where it is folded into one column
 MOST_DECIMALS = 6

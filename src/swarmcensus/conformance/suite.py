@@ -13,6 +13,7 @@ from pathlib import Path
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
 from swarmcensus.studies.checks import taken_in_results
 
@@ -67,6 +68,9 @@ def subject(path: str | Path, wearing: str = "") -> brains.Brain:
     if str(path) in brains.DOOR or not adversary.is_meant(str(path), None):
         if wearing:
             raise InputError(f"--wearing {wearing}: {path} is a brain, and it is adversaries that wear one")
+        hint = did_you_mean(str(path), [*brains.DOOR.names, *adversary.DOOR.names])
+        if str(path) not in brains.DOOR and not Path(path).is_file() and hint:
+            raise InputError(f"brain {str(path)!r}: {hint}neither a brain nor an adversary of this name, nor a file")
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or USUAL)
     try:

@@ -14,6 +14,7 @@ from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
@@ -62,7 +63,7 @@ def draw_pareto(
     """
     known = found.costs | found.sizes
     if cost not in known:
-        raise InputError(f"cost {cost!r}: these results have no such cost; there are {', '.join(known) or 'none'}")
+        raise InputError(f"cost {cost!r}: {did_you_mean(cost, known)}there are {', '.join(known) or 'none'}")
     if len(found.field.worlds) > MOST_PANELS:
         raise InputError(
             f"a figure holds 1 to {MOST_PANELS} worlds, not {len(found.field.worlds)}: select some settings"

@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, Brain, adversary, load
 from swarmcensus.planning.liars import check_liars
 from swarmcensus.planning.sites import check_sites
@@ -51,7 +52,8 @@ def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, 
 
 def _right(value: object) -> object:
     if value != "majority" and (isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 10_000):
-        raise ValueError('should be "majority", or a number of bins from 2 to 10,000')
+        hint = did_you_mean(value, ["majority"]) if isinstance(value, str) else ""
+        raise ValueError(f'{hint}should be "majority", or a number of bins from 2 to 10,000')
     return value
 
 

@@ -36,12 +36,13 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
 
     Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
     `convergence_error`, `final_error` (medians over robots and trials, also of the local estimate where it was
-    followed, of the rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files) and `correct` (the
-    mean over trials after round `checkpoint`, by default the last checkpoint that the setting reaches) the value and
-    its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an interval there are `coverage`
-    (the mean over trials) and `interval_width` (the median) after that round too. `where` picks settings, as in
-    `swarmcensus show`. What pandas shows of a wide table comes first and last: the coordinates that vary, and the
-    values. Raises InputError.
+    followed, of the rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files)
+    and `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that the setting
+    reaches) the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an
+    interval there are `coverage` (the mean over trials) and `interval_width` (the median) after that round too; of
+    those that may be done, `done` is the share of robots that were. `where` picks settings, as in `swarmcensus show`.
+    What pandas shows of a wide table comes first and last: the coordinates that vary, and the values. Raises
+    InputError.
     """
     import pandas as pd
 

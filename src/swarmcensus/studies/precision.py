@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from swarmcensus.basics import statistics
+from swarmcensus.basics.hints import did_you_mean
 
 EARLY = 20  # trials: a look at so many may err half as often as one that is the last
 GROWTH = 1.25  # trials of a setting from look to look: at most a quarter are more than were needed
@@ -17,6 +18,7 @@ RULE = re.compile(
     r"(?P<width>[0-9.]+(?:[eE][-+]?\d+)?)\s*"
 )
 VARIABLES = ("convergence_round", "convergence_error", "final_estimate", "correct")
+WORDS = (*VARIABLES, "median", "mean")
 FORM = '"convergence_error median +- 0.001", or of convergence_round, final_estimate or correct@100, median or mean'
 
 Fewest = Annotated[int, Field(strict=True, ge=statistics.FEWEST, lt=2**31)]
@@ -55,7 +57,9 @@ class Until(BaseModel):
         good = found is not None and found["variable"] in VARIABLES
         good = good and (found["variable"] == "correct") == (found["checkpoint"] is not None)  # type: ignore[index]
         if not good or not self._number(found["width"]) > 0.0:  # type: ignore[index]
-            raise ValueError(f"until = {self.until!r}: should be such as {FORM}")
+            hint = next(filter(None, (did_you_mean(w, WORDS) for w in re.findall("[A-Za-z_]+", self.until)
+                                      if w not in WORDS)), "")  # fmt: skip
+            raise ValueError(f"until = {self.until!r}: {hint}should be such as {FORM}")
         if self.at_most < self.at_least:
             raise ValueError(f"at_most = {self.at_most} is less than at_least = {self.at_least}")
         return self

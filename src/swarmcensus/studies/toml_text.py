@@ -12,6 +12,7 @@ from pydantic import BaseModel
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import file_meant
 from swarmcensus.metrics import Metric
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.networks import Topology, parse_topology
@@ -27,7 +28,9 @@ def text_of_file(path: str | Path, where: str) -> str:
     try:
         return Path(path).read_text(encoding="utf-8-sig")
     except OSError as error:
-        raise InputError(f"{where}: cannot be read: {error.strerror or error}") from error
+        hint = file_meant(path) if isinstance(error, FileNotFoundError) else ""
+        why = f"{error.strerror or error}{': ' * bool(hint)}{hint.rstrip()}"
+        raise InputError(f"{where}: cannot be read: {why}") from error
     except ValueError as error:
         raise InputError(f"{where}: cannot be read as text: {error}") from error
 

@@ -12,6 +12,7 @@ from typing import Self
 
 import numpy as np
 
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.addresses import address
 from swarmcensus.worlds.drifting import Drift, parse_drift
 from swarmcensus.worlds.spreading import Spread, parse_spread
@@ -112,6 +113,9 @@ class Misjudgement:
         return tuple(np.ascontiguousarray(np.clip(side + error, 0.0, 1.0)) for side in true)
 
 
+TABLE_KEYS = ("black", "white", "start", "drift")
+
+
 def parse_accuracy(value: object) -> Accuracy:
     """Read any form of accuracy that a study file may hold. Raises ValueError with what would be right."""
     if isinstance(value, Accuracy):
@@ -121,7 +125,10 @@ def parse_accuracy(value: object) -> Accuracy:
         return Accuracy(start, None, drift)
     if isinstance(value, Mapping):
         if set(value) != {"black", "white"}:
-            raise ValueError("an accuracy table has the keys black and white, or start and drift")
+            hints = (did_you_mean(str(key), TABLE_KEYS) for key in value if key not in TABLE_KEYS)
+            raise ValueError(
+                f"{next(filter(None, hints), '')}an accuracy table has the keys black and white, or start and drift"
+            )
         if any(isinstance(side, Mapping) for side in value.values()):
             raise ValueError(
                 "an accuracy that drifts is b = w: {start = ..., drift = ...} alone, not of black or white"
