@@ -1,12 +1,17 @@
 """What the workflow does, at home: `nox` runs all, `nox -s tests-3.12` one; Pythons that are missing are skipped."""
 
+import subprocess
+import tarfile
 import tempfile
+import zipfile
 from pathlib import Path
 
 import nox
 
 nox.options.error_on_missing_interpreters = False
 PYTHONS = ["3.11", "3.12", "3.13", "3.14"]
+IN_BOTH = ("LICENSE", "starters/study.toml", "starters/brain.py", "py.typed")  # ends of names
+IN_WHEEL = {"src/swarmcensus/": "swarmcensus/", "studies/": "swarmcensus/shipped_studies/"}  # where files go
 
 
 @nox.session(python=PYTHONS)
@@ -36,13 +41,38 @@ def docs(session: nox.Session) -> None:
 
 @nox.session
 def package(session: nox.Session) -> None:
-    """The wheel and the source archive are built, and a wheel that is installed alone runs its first study."""
-    session.install("build")
+    """Wheel and source archive hold what they should, and a wheel that is installed alone runs its first study."""
+    session.install("build", "twine")
     folder = Path(tempfile.mkdtemp())
     session.run("python", "-m", "build", "--outdir", str(folder))
-    [wheel] = folder.glob("*.whl")
-    session.install("-c", "constraints.txt", str(wheel))
+    [wheel], [archive] = folder.glob("*.whl"), folder.glob("*.tar.gz")
+    session.run("twine", "check", "--strict", str(wheel), str(archive))
+    _check_contents(session, wheel, archive)
+    session.run("python", "-m", "venv", str(folder / "alone"))
+    scripts = folder / "alone" / ("Scripts" if (folder / "alone" / "Scripts").is_dir() else "bin")
+    session.run(str(scripts / "python"), "-m", "pip", "install", "-c", "constraints.txt", str(wheel), external=True)
     session.chdir(folder)
-    session.run("swarmcensus", "doctor")
-    session.run("swarmcensus", "new", "study", "first.toml")
-    session.run("swarmcensus", "run", "first.toml", "--trials", "2")
+    program = str(scripts / "swarmcensus")
+    session.env["SWARMCENSUS_CACHE"] = str(folder / "cache")
+    for words in ("--help", "doctor", "studies", "new study first.toml", "run first.toml --trials 2"):
+        session.run(program, *words.split(), external=True)
+
+
+def _check_contents(session: nox.Session, wheel: Path, archive: Path) -> None:
+    """Fail where a file that git knows is missing, or one is there that has no place in a release."""
+    known = subprocess.run(["git", "ls-files"], capture_output=True, text=True, check=True).stdout.splitlines()
+    with zipfile.ZipFile(wheel) as file:
+        wheeled = set(file.namelist())
+    with tarfile.open(archive) as file:
+        archived = {name.partition("/")[2] for name in file.getnames()}
+    due = {place + name[len(here) :] for here, place in IN_WHEEL.items() for name in known if name.startswith(here)}
+    faults = [f"{wheel.name} lacks {name}" for name in sorted(due - wheeled)]
+    code = {name for name in wheeled if ".dist-info/" not in name}
+    faults += [f"{wheel.name} has {name}" for name in sorted(code - due)]
+    wanted = {name for name in known if not name.startswith(".ci/")}
+    faults += [f"{archive.name} lacks {name}" for name in sorted(wanted - archived)]
+    faults += [f"{archive.name} has {name}" for name in sorted(archived - wanted - {"PKG-INFO", ""})]
+    for name, held in ((wheel.name, wheeled), (archive.name, archived)):
+        faults += [f"{name} lacks {end}" for end in IN_BOTH if not any(one.endswith(end) for one in held)]
+    if faults:
+        session.error("\n".join(faults))
