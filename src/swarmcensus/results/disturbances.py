@@ -16,9 +16,10 @@ def disturbances(data: xr.Dataset) -> list[str]:
 
 
 def _told(fault: dict[str, Any]) -> str:
-    """Such as "faults: 3 robots stop sensing, talking from round 50 on"."""
+    """Such as "faults: 3 robots stop sensing and talking, from 50 on"."""
     some, stop, at = fault["robots"], fault["stop"], fault["at"]
-    who = f"{100 * some:g} % of robots" if isinstance(some, float) else f"{some:,} robot{'s' * (some != 1)}"
+    who = f"{100 * some:g} % of robots stop" if isinstance(some, float) else f"{some:,} robots stop"
+    who = "1 robot stops" if some == 1 and isinstance(some, int) else who
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"
-    return f"faults: {who} stop {what}, from {at}{until}"
+    return f"faults: {who} {what}, from {at}{until}"
