@@ -83,9 +83,9 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
 def test_pandas_shows_what_varies_and_what_came_of_it(many):
     frame = sc.summary(many)
     assert frame.columns[:5].tolist() == ["setting", "topology", "robots", "accuracy", "assumed_accuracy"]
-    assert frame.columns[-3:].tolist() == ["convergence_round", "convergence_error", "correct"]
+    assert frame.columns[-4:].tolist() == ["convergence_round", "convergence_error", "final_error", "correct"]
     shown = repr(frame)
-    for word in ("topology", "convergence_error ", "correct "):
+    for word in ("topology", "final_error ", "correct "):
         assert word in shown.replace("\n", " \n")
 
 
@@ -129,7 +129,7 @@ def test_show_prints_a_line_a_setting_whole(file, capsys, monkeypatch):
     for k, (line, row) in enumerate(zip(lines, sc.summary(file).to_dict("records"), strict=False)):
         shown = [str(k), row["topology"], str(row["robots"]), *row["accuracy"].split()]
         assert line.split()[: len(shown)] == shown
-        assert line.count("[") == line.count("]") == 3
+        assert line.count("[") == line.count("]") == 4
     assert not any("…" in line or "..." in line for line in lines)
     assert len(lines) == 48 + 3
     assert lines[-1] == "all with brain minimalistic, fill_ratio 0.55, observations_per_round 10"
@@ -182,7 +182,7 @@ def test_show_sorts(file, many, capsys):
     [
         (["--where", "robots == 99"], "no setting is so"),
         (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
-        (["--sort", "eror"], "--sort eror: did you mean 'error'? known are K, error, right, setting"),
+        (["--sort", "eror"], "--sort eror: did you mean 'error'? known are K, error, final error, right, setting"),
         (["--reverse"], "--reverse goes with --sort"),
     ],
 )
