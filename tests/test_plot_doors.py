@@ -183,7 +183,7 @@ def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(kind, optio
             ["--kind", "lines", "--x", "robot"],
             "x 'robot': did you mean 'robots'? the coordinates that vary here are top",
         ),
-        (["--kind", "lines", "--y", "error"], "y 'error': did you mean 'convergence_error'? what is measured here is convergence_round, convergence_err"),
+        (["--kind", "lines", "--y", "error"], "y 'error': did you mean 'convergence_error'? what is measured"),
         (["--kind", "lines", "--x", "checkpoint"], "x 'checkpoint': the coordinates that vary"),
         (
             ["--color", "brian"],

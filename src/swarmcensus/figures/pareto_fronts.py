@@ -63,7 +63,8 @@ def draw_pareto(
     """
     known = found.costs | found.sizes
     if cost not in known:
-        raise InputError(f"cost {cost!r}: {did_you_mean(cost, known)}there are {', '.join(known) or 'none'}")
+        told = f"these results have no such cost; {did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
+        raise InputError(f"cost {cost!r}: {told}")
     if len(found.field.worlds) > MOST_PANELS:
         raise InputError(
             f"a figure holds 1 to {MOST_PANELS} worlds, not {len(found.field.worlds)}: select some settings"
