@@ -6,6 +6,7 @@ import os
 import sys
 import threading
 
+import hypothesis
 import numpy as np
 import pytest
 from numba.core import event
@@ -16,6 +17,11 @@ from tests.slow import Clock, skip_what_takes_long
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should be what a plain pipe gets, here and in processes begun here
+
+
+# how long a draw takes is the machine's business
+hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.HealthCheck.too_slow], deadline=None)
+hypothesis.settings.load_profile("here")
 
 
 def pytest_addoption(parser):
