@@ -12,6 +12,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
+from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session
 from swarmcensus.watching.shows import COLUMNS, Show, spread
 from tests.slow import times
@@ -160,18 +161,21 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
         assert heard[1:] == trace["neighbours"].values[ticks[1:]].tolist()
     for tick in ticks:
         for robot in range(6):
-            told = show.robot(tick, robot)
+            told = robot_of(show, tick, robot)
+            if number != 2 and tick:
+                assert (told["blacks"], told["looks"]) == (trace["blacks"].values[tick, robot], 10)
             for name in show.setting.brain.memory:
                 assert told["fields"][name] == trace[name].values[tick, robot].tolist()
             assert told["estimate"] == trace["estimate"].values[tick, robot]
-    json.dumps(show.robot(60, 0), allow_nan=False)
+    json.dumps(robot_of(show, 60, 0), allow_nan=False)
 
 
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
     found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})
     show = Show(found.settings[0], found.seed, found.trial, found.study.measure)
-    told = show.robot(12, 3)
+    told = robot_of(show, 12, 3)
+    assert told["heard_at"] == 12
     assert [one["from"] for one in told["heard"]] == [2, 4]
     beta = sum(one["said"]["heard_alpha"] for one in told["heard"])
     assert told["fields"]["beta"] == pytest.approx(beta, rel=1e-12)

@@ -2,10 +2,10 @@
 
 import argparse
 import contextlib
-import sys
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.voice import say, wrote
 
 
 def watch(options: argparse.Namespace) -> int:
@@ -29,9 +29,9 @@ def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str]) ->
     served = listen(offer, options.host, options.port)  # type: ignore[arg-type]
     address = served.address(urlencode(asked))
     print(address, flush=True)
-    print("Ctrl-C ends it.", file=sys.stderr)
+    say("Ctrl-C ends it.")
     if options.host not in LOOPBACK:
-        print(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.", file=sys.stderr)  # fmt: skip  # noqa: E501
+        say(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.")
     if not options.no_browser:
         _open_browser(address)
     with contextlib.suppress(KeyboardInterrupt):
@@ -55,10 +55,10 @@ def _export(options: argparse.Namespace, offer: object, asked: dict[str, str]) -
     from swarmcensus.watching.exporting import export
 
     check_writable(options.export, *([options.of] if options.of else []))
-    with Progress(console=console(stderr=True), transient=True, disable=not sys.stderr.isatty()) as bar:
+    with Progress(console=console(stderr=True), transient=True, disable=options.quiet) as bar:
         task = bar.add_task("recording", total=1.0)
         size = export(offer, asked, options.export, lambda share: bar.update(task, completed=share))  # type: ignore[arg-type]
-    print(f"{options.export} ({size / 1e6:.1f} MB)")
+    wrote(f"{options.export} ({size / 1e6:.1f} MB)")
     return 0
 
 

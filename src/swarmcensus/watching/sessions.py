@@ -12,6 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
 from swarmcensus.watching.offers import KEYS, Offer, Wanted, names_of, wanted
+from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.shows import Show
 
@@ -82,7 +83,7 @@ class Session:
         robot = _whole(asked, "robot", 0, show.setting.robots - 1)
         if not show.ready(tick):
             return [{"going": True, "to": tick}]
-        return [{"told": show.robot(tick, robot), "side": side}]
+        return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _last(self) -> int:
         if not self.shows:

@@ -1,4 +1,4 @@
-"""One trial as a page sees it: frames as bytes, and what one robot holds, hears and reads.
+"""One trial as a page sees it: frames as bytes.
 
 A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers,
 which layers, links, 0); of all frames their rounds (u32), numbers (f32, see COLUMNS), where links begin (u32, and the
@@ -6,16 +6,15 @@ end), layers (u16) and flags and headings (u8), both robot by robot; and the lin
 else a number for each edge (u8), 1 where it carried a message.
 """
 
+import functools
 from collections import OrderedDict
-from typing import Any
 
 import numpy as np
 
 from swarmcensus.basics.bins import right_bins
-from swarmcensus.brains.fields import slots
 from swarmcensus.engine import compiler
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import LISTED, SAID, TALKING
+from swarmcensus.engine.modes import LISTED, NOISE, SAID, TALKING
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Life, Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
@@ -31,6 +30,7 @@ HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
 SCALE = 65_535
 MOST_LINKS = 20_000  # that a page draws
+MOST_READINGS = 4_000_000  # that are told of a network
 KEPT = 4  # stretches whose numbers are kept
 
 
@@ -163,8 +163,21 @@ class Show:
             return stretch.links[begin:end, 1:].ravel() if end - begin <= MOST_LINKS else np.zeros(0)
         return self.carried(stretch, row, self.edges[:, 0], self.edges[:, 1])
 
+    @functools.cached_property
+    def blacks(self) -> np.ndarray:
+        """How many readings of each round said black on a fixed network (round, robot); nothing of a large swarm."""
+        setting, given = self.setting, self.life.given
+        if setting.rounds * setting.robots > MOST_READINGS:
+            return np.zeros((0, 0))
+        out = np.zeros((setting.rounds, setting.robots))
+        sensors = (side[0] for side in (*given.sensors, given.drift))
+        compiler.compile_world().round_readings(
+            *sensors, setting.course, setting.observations_per_round, given.readings, given.first, out
+        )
+        return out
+
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
-        """Whether a message came along each of these links in a round (link), 1 where it did."""
+        """Whether a message came along each link in a round (link), 1 where it did; of receivers all links are given."""
         given, setting, tick = self.life.given, self.setting, stretch.first + row
         out = np.zeros(receivers.size, np.uint8)
         delay = setting.message_delay
@@ -174,66 +187,17 @@ class Show:
             given.losses, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64),
             given.loss_threshold, out,
         )  # fmt: skip
-        talks = np.ones(setting.robots, np.bool_)
-        if self.life.swarm.flag >= 0:
-            talks = stretch.said[row][:, self.life.swarm.flag] == SAID
+        works_now = np.ones(setting.robots, np.bool_)
         if given.stops[0].shape[1]:
-            talks &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
-        return np.asarray(out * talks[senders])
-
-    def robot(self, tick: int, robot: int) -> dict[str, Any]:
-        """What a robot holds after a round, field by field as `sc.replay` has it, what it heard, read and stands on."""
-        stretch, row = self.find(tick)
-        fields = self.fields(stretch, slice(row, row + 1))
-        brain = self.setting.crew[self.group[robot]]
-        b, w, believed_b, believed_w = (
-            float(side[0][robot if side.shape[1] > 1 else 0])
-            for side in (*self.life.given.sensors, *self.life.given.beliefs)
-        )
-        told: dict[str, Any] = {
-            "robot": robot,
-            "tick": tick,
-            "brain": brain.told,
-            "honest": bool(self.honest[robot]),
-            "estimate": float(stretch.estimates[row, robot]),
-            "truth": float(self.truths(np.array([tick]))[0]),
-            "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
-            "fields": {name: plain(value[0, robot]) for name, value in fields.items()},
-            "adds": self.adds,
-            "heard": self.heard(stretch, row, robot) if tick > 0 else [],
-        }
-        if self.moves:
-            x, y, heading = map(float, stretch.poses[row, robot])
-            told |= {"x": x, "y": y, "heading": heading}
-            told |= {"tile": plain(stretch.colours[row, robot]), "reading": plain(stretch.readings[row, robot])}
-        return told
-
-    def heard(self, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
-        """The messages that a robot heard in a round: from whom, and what they say, or add to a memory's sums."""
-        senders = self.neighbours(stretch, row, robot)
-        here = self.carried(stretch, row, np.full(senders.size, robot), senders) > 0
-        brain = self.setting.brain
-        names = slots({name: brain.lengths[name] for name in brain.sums} if self.adds else brain.message)
-        return [
-            {"from": int(sender), "said": dict(zip(names, map(plain, stretch.said[row, sender]), strict=False))}
-            for sender in senders[here]
-        ]
-
-    @property
-    def adds(self) -> bool:
-        """Whether what a robot says is kept as what it adds to the sums of whoever hears it."""
-        return bool(self.life.swarm.additive)
-
-    def neighbours(self, stretch: Stretch, row: int, robot: int) -> np.ndarray:
-        """Whom a robot can hear in a round, in order."""
-        everyone = np.delete(np.arange(self.setting.robots), robot)
-        links = self.life.given.links
-        if links is not None:
-            return np.sort(links.senders[links.receivers == robot]) if links.mode == LISTED else everyone
-        if self.setting.brain.is_oracle:
-            return everyone
-        pairs = stretch.links[stretch.links[:, 0] == stretch.first + row, 1:]
-        return np.sort(np.concatenate([pairs[pairs[:, 0] == robot, 1], pairs[pairs[:, 1] == robot, 0]]))
+            works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]
+        talks = works_now
+        if self.life.swarm.flag >= 0:
+            talks = works_now & (stretch.said[row][:, self.life.swarm.flag] == SAID)
+        out *= talks[senders]
+        if self.life.swarm.jams:
+            noisy = (stretch.said[row][:, self.life.swarm.flag] == NOISE) & works_now
+            out[np.isin(receivers, receivers[noisy[senders]])] = 0
+        return out
 
 
 def spread(x: np.ndarray) -> list[np.ndarray]:
@@ -268,10 +232,3 @@ def edges_of(show: Show) -> np.ndarray:
     else:
         pairs = np.zeros((0, 2), np.int64)
     return pairs if len(pairs) <= MOST_LINKS else pairs[:0]
-
-
-def plain(value: Any) -> Any:
-    """A number for JSON: none for NaN, lists for vectors."""
-    if np.ndim(value):
-        return [plain(one) for one in value]
-    return None if np.isnan(value) else float(value)

@@ -58,6 +58,7 @@ function tellRobot(host, told, scene) {
     rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
     rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
   }
+  if (told.looks !== undefined) rows.push(["its sensor says", `${told.blacks} of ${told.looks} black`]);
   if (belief) {
     rows.push(["sensor's b, w", `${shown(belief.b)}, ${shown(belief.w)}`]);
     rows.push(["believed b, w", `${shown(belief.believed_b)}, ${shown(belief.believed_w)}`]);
@@ -69,7 +70,8 @@ function tellRobot(host, told, scene) {
     tableOf(`Memory${at}`, Object.entries(told.fields)),
   ];
   if (told.heard) {
-    const caption = told.heard.length ? `Heard in this ${scene.unit}${told.adds ? ", as it adds up" : ""}` : `Heard nothing in this ${scene.unit}`;
+    const when = told.heard_at === told.tick ? `this ${scene.unit}` : `${scene.unit} ${told.heard_at}`;
+    const caption = told.heard.length ? `Heard in ${when}${told.adds ? ", as it adds up" : ""}` : "Heard nothing lately";
     parts.push(tableOf(caption, told.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
     if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${told.heard.length - 40} more`));
   }

@@ -1,0 +1,89 @@
+"""One robot in full: what it holds after a round, what it heard, reads and stands on."""
+
+from typing import Any
+
+import numpy as np
+
+from swarmcensus.brains.fields import slots
+from swarmcensus.engine.modes import LISTED
+from swarmcensus.simulation.living import Stretch
+from swarmcensus.watching.shows import Show
+
+LOOK_BACK = 200  # rounds, for messages
+
+
+def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
+    """What a robot holds after a round, field by field as `sc.replay` has it, what it heard, read and stands on."""
+    stretch, row = show.find(tick)
+    fields = show.fields(stretch, slice(row, row + 1))
+    brain = show.setting.crew[show.group[robot]]
+    b, w, believed_b, believed_w = (
+        float(side[0][robot if side.shape[1] > 1 else 0])
+        for side in (*show.life.given.sensors, *show.life.given.beliefs)
+    )
+    told: dict[str, Any] = {
+        "robot": robot,
+        "tick": tick,
+        "brain": brain.told,
+        "honest": bool(show.honest[robot]),
+        "estimate": float(stretch.estimates[row, robot]),
+        "truth": float(show.truths(np.array([tick]))[0]),
+        "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
+        "fields": {name: plain(value[0, robot]) for name, value in fields.items()},
+        "adds": adds(show),
+        **last_heard(show, stretch, row, robot),
+    }
+    if show.moves:
+        x, y, heading = map(float, stretch.poses[row, robot])
+        told |= {"x": x, "y": y, "heading": heading}
+        told |= {"tile": plain(stretch.colours[row, robot]), "reading": plain(stretch.readings[row, robot])}
+    elif tick > 0 and show.blacks.size:
+        told |= {"looks": show.setting.observations_per_round, "blacks": float(show.blacks[tick - 1, robot])}
+    return told
+
+
+def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, Any]:
+    """The messages of this round, or of the last one before it in which any came, if that is not long ago."""
+    if stretch.first == 0:
+        return {"heard": [], "heard_at": None}
+    for back in range(row, max(row - LOOK_BACK, -1), -1):
+        heard = heard_in(show, stretch, back, robot)
+        if heard:
+            return {"heard": heard, "heard_at": stretch.first + back}
+    return {"heard": [], "heard_at": None}
+
+
+def heard_in(show: Show, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
+    """The messages that a robot heard in a round: from whom, and what they say, or add to a memory's sums."""
+    senders = neighbours_of(show, stretch, row, robot)
+    here = show.carried(stretch, row, np.full(senders.size, robot), senders) > 0
+    brain = show.setting.brain
+    names = slots({name: brain.lengths[name] for name in brain.sums} if adds(show) else brain.message)
+    return [
+        {"from": int(sender), "said": dict(zip(names, map(plain, stretch.said[row, sender]), strict=False))}
+        for sender in senders[here]
+    ]
+
+
+def neighbours_of(show: Show, stretch: Stretch, row: int, robot: int) -> np.ndarray:
+    """Whom a robot can hear in a round, in order."""
+    everyone = np.delete(np.arange(show.setting.robots), robot)
+    links = show.life.given.links
+    if links is not None:
+        return np.sort(links.senders[links.receivers == robot]) if links.mode == LISTED else everyone
+    if show.setting.brain.is_oracle:
+        return everyone
+    pairs = stretch.links[stretch.links[:, 0] == stretch.first + row, 1:]
+    return np.sort(np.concatenate([pairs[pairs[:, 0] == robot, 1], pairs[pairs[:, 1] == robot, 0]]))
+
+
+def adds(show: Show) -> bool:
+    """Whether what a robot says is kept as what it adds to the sums of whoever hears it."""
+    return bool(show.life.swarm.additive)
+
+
+def plain(value: Any) -> Any:
+    """A number for JSON: none for NaN, lists for vectors."""
+    if np.ndim(value):
+        return [plain(one) for one in value]
+    return None if np.isnan(value) else float(value)
