@@ -177,7 +177,7 @@ class Show:
         return out
 
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
-        """Whether a message came along each link in a round (link), 1 where it did; of receivers all links are given."""
+        """Whether a message came along each link in a round (link), 1 where it did; receivers have all theirs here."""
         given, setting, tick = self.life.given, self.setting, stretch.first + row
         out = np.zeros(receivers.size, np.uint8)
         delay = setting.message_delay
