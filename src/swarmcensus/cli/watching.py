@@ -7,6 +7,8 @@ from urllib.parse import parse_qsl, urlsplit
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.voice import say, wrote
 
+PLAYED = ("tick", "robot", "side", "colour")  # what of a page's address is about the page alone
+
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until it is interrupted, or write it with one trial."""
@@ -16,7 +18,7 @@ def watch(options: argparse.Namespace) -> int:
     if options.export is not None and options.export.suffix != ".html":
         raise InputError(f"--export {options.export}: a page is written as .html")
     offer = offer_of(options.of, tuple(options.brain))
-    play = {key: asked.pop(key) for key in ("tick", "robot", "side") if key in asked}
+    play = {key: asked.pop(key) for key in PLAYED if key in asked}
     wanted(offer, asked)  # what is wrong is told here, rather than in the browser
     return _export(options, offer, asked) if options.export is not None else _serve(options, offer, asked | play)
 

@@ -46,7 +46,7 @@ def watch(
     """
     offer = offer_of(Path(of) if isinstance(of, str) else of, () if brain is None else (Path(brain),))
     words = {key: str(value) for key, value in asked.items()}
-    wanted(offer, {key: value for key, value in words.items() if key not in ("tick", "robot", "side")})
+    wanted(offer, {key: value for key, value in words.items() if key not in ("tick", "robot", "side", "colour")})
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))

@@ -30,6 +30,7 @@ def scene_of(show: Show) -> dict[str, Any]:
         "bins": show.bins,
         "right": [float(low), float(min(high, 1.0))],
         "options": max((brain.options for brain in setting.crew if brain.decides), default=0),
+        "ends": any(brain.ends for brain in setting.crew),
         "memory": setting.brain.memory_bytes,
         "message": setting.brain.message_bytes,
         "dishonest": np.flatnonzero(~show.honest).tolist(),

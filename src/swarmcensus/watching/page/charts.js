@@ -3,6 +3,7 @@
 
 const MOST_POINTS = 2000;
 const SIDES = ["--a", "--b"];
+const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
 class History {
   constructor(scene) {
@@ -75,7 +76,7 @@ class Charts {
       {
         width: Math.max(260, this.host.clientWidth), height: 190, bands,
         scales: { x: { time: false, range: [0, this.scenes[0].rounds] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
-        axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62 }],
+        axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit }, ...series],
         legend: { live: true },
         cursor: { drag: { setScale: false } },
@@ -97,6 +98,7 @@ class Charts {
     g.save();
     g.strokeStyle = tone("--ink");
     g.lineWidth = 1.5;
+    g.setLineDash([]);
     g.beginPath();
     g.moveTo(x, u.bbox.top);
     g.lineTo(x, u.bbox.top + u.bbox.height);
@@ -137,9 +139,13 @@ class Charts {
     this.scenes.forEach((scene, side) => {
       series.push(this.line("in the right bin", side));
       names.push([side, "right"]);
-      if (scene.layers & LAYER.decisions) {
-        series.push(this.line("decided", side, { dash: [8, 4] }), this.line("decided right", side, { dash: [2, 3] }), this.line("done", side, { dash: [8, 3, 2, 3] }));
-        names.push([side, "decided"], [side, "decided_right"], [side, "done"]);
+      if (scene.options) {
+        series.push(this.line("decided", side, { dash: [8, 4] }), this.line("decided right", side, { dash: [2, 3] }));
+        names.push([side, "decided"], [side, "decided_right"]);
+      }
+      if (scene.ends) {
+        series.push(this.line("done", side, { dash: [8, 3, 2, 3] }));
+        names.push([side, "done"]);
       }
     });
     return this.make("Robots that are right", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: [0, 1] });

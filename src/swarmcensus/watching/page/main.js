@@ -26,8 +26,8 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 
 function wishOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
-  const { tick, robot, side, colour, speed, ...ask } = asked;
-  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour, speed };
+  const { tick, robot, side, colour, ...ask } = asked;
+  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour === "error" ? "error" : "belief" };
 }
 
 function fragment() {
@@ -37,6 +37,7 @@ function fragment() {
   words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
+  if (state.colour !== "belief") words.set("colour", state.colour);
   return `#${words}`;
 }
 
@@ -372,10 +373,14 @@ $("speed").value = "60";
 $("speed").addEventListener("change", () => {
   state.speed = Number($("speed").value);
 });
-$("colour").addEventListener("change", () => {
-  state.colour = $("colour").value;
+function paint(colour) {
+  state.colour = $("colour").value = colour;
   legend();
   again();
+}
+$("colour").addEventListener("change", () => {
+  paint($("colour").value);
+  remember();
 });
 $("play").addEventListener("click", () => (state.playing ? pause() : play()));
 $("first").addEventListener("click", () => hop(-Infinity));
@@ -420,12 +425,14 @@ window.addEventListener("hashchange", () => {
   const wish = wishOf(location.hash);
   if (state.playing) pause();
   state.side = wish.side;
+  paint(wish.colour);
   begin(wish.ask, wish.tick, wish.robot);
 });
 
 async function start() {
   const wish = wishOf(location.hash);
   state.side = wish.side;
+  paint(wish.colour);
   try {
     await state.source.open();
     state.source.closed = (error) => complain(error);
