@@ -170,6 +170,25 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
     json.dumps(robot_of(show, 60, 0), allow_nan=False)
 
 
+@pytest.mark.parametrize("brain", ["voter", "sure"])
+def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
+    monkeypatch.setattr("swarmcensus.simulation.living.MOST_ROUNDS", 7)
+    swarm, world = {"robots": 6, "accuracy": 0.9, "brain": brain}, {"topology": "full", "fill_ratio": 0.9}
+    study = sc.Study(trials=2, seed=2, swarm=swarm, world=world, schedule={"rounds": 150})
+    trace = sc.replay(sc.run(study, jobs=1), 0, 1)
+    show = Show(study.settings()[0], 2, 1, study.measure)
+    shown = parsed(show.frames(list(range(151))))
+    flags = shown["flags"][:, 0]
+    assert ((flags >> 4).astype(int) - 1 == trace["decided"].values if brain == "voter" else flags >> 4 == 0).all()
+    assert ((flags & 8 > 0) == (trace["is_done"].values == 1 if brain == "sure" else False)).all()
+    if brain == "sure":
+        assert 0 < (flags & 8 > 0).sum() < flags.size
+        for tick in (0, 1, 7, 8, 100):
+            told = robot_of(show, tick, 2)["fields"]
+            for name in ("interval_low", "interval_high", "is_done"):
+                assert told[name] == trace[name].values[tick, 2]
+
+
 def test_what_a_robot_heard_is_what_its_neighbours_said():
     """Of the paper's brain on a ring: the sums of what was heard make its new social estimate."""
     found = wanted(offer_of(None), {"topology": "ring", "robots": "7"})

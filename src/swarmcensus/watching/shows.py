@@ -152,8 +152,11 @@ class Show:
 
     def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
         """What minds hold after some rounds of a stretch, as a trace has it; vectors have an axis more."""
-        history, estimates = (np.ascontiguousarray(a[rows]) for a in (stretch.history, stretch.estimates))
-        return fields_of(self.setting.crew, self.life.swarm, history, estimates)
+        parts = (a[rows] for a in (stretch.history, stretch.estimates))
+        again = stretch.first > 0  # the first row is taken for that before any observation, when nobody decides
+        history, estimates = (np.concatenate([part[:again], part]) for part in parts)
+        found = fields_of(self.setting.crew, self.life.swarm, history, estimates)
+        return {name: values[int(again) :] for name, values in found.items()}
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
         """Robots that move: pairs in reach, one after the other. Else a number for each edge: 1 where it carried."""
