@@ -174,9 +174,10 @@ def test_two_brains_go_in_step(page, served):
 @pytest.mark.parametrize("setting", [0, 1])
 def test_an_export_opens_from_disk(page, folder, setting):
     path = folder / f"run-{setting}.html"
-    export(offer_of(folder / "study.toml"), {"setting": str(setting), "trial": "2"}, path)
+    export(offer_of(folder / "study.toml"), {"setting": str(setting), "trial": "2"}, path, {"tick": "77"})
     text = path.read_text()
     assert not re.search(r"(src|href)=.https?:|url\(|import ", text.split('<script id="recorded"')[0])
+    come(page, f"file://{path}", 77)
     come(page, f"file://{path}#tick=120&robot=5", 120)
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
     shown = told(page, 5, 120)

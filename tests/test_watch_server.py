@@ -205,6 +205,11 @@ def test_it_listens_on_loopback_alone(served):
         (["--set", "robots"], "--set robots: should be such as robots=100"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
         (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20000"),
+        (["--at", "not a link"], "--at not a link: should be a copied link, or what stands behind its #"),
+        (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10000"),
+        (["--set", "robot=25"], "robot = 25: should be a whole number from 0 to 24"),
+        (["--set", "colour=red"], "colour = red: should be belief or error"),
+        (["mine.py"], "neither a shipped brain"),
         (["--export", "run.txt"], "--export run.txt: a page is written as .html"),
         (["none.toml"], "study file none.toml: cannot be read"),
         (["--host", "256.1.1.1"], "cannot listen on 256.1.1.1, port 0"),
@@ -234,6 +239,8 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
 def test_from_python_it_is_a_frame(tmp_path):
     with pytest.raises(InputError, match="robots = many: should be a whole number"):
         sc.watch(robots="many")
+    with pytest.raises(InputError, match="robot = 500: should be a whole number from 0 to 24"):
+        sc.watch(robot=500)
     study = sc.Study(trials=2, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.5})
     shown = sc.watch(study, trial=1, tick=30, beside="commons")
     try:

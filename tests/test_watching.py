@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
-from swarmcensus.watching.robots import robot_of
+from swarmcensus.watching.robots import plain, robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session
 from swarmcensus.watching.shows import COLUMNS, Show, spread
 from tests.slow import times
@@ -46,10 +47,10 @@ def parsed(message):
     planes = 1 + 2 * bool(layers & 4) + 2 * bool(layers & 1)
     at = 32
     parts = []
-    for kind, size in (("<u4", count), ("<f4", count * columns), ("<u4", count + 1), ("<u2", count * planes * robots), ("u1", count * 2 * robots)):  # fmt: skip  # noqa: E501
+    for kind, size in (("<f8", count * columns), ("<u4", count), ("<u4", count + 1), ("<u2", count * planes * robots), ("u1", count * 2 * robots)):  # fmt: skip  # noqa: E501
         parts.append(np.frombuffer(message, kind, size, at))
         at += parts[-1].nbytes
-    ticks, numbers, starts, values, flags = parts
+    numbers, ticks, starts, values, flags = parts
     links = np.frombuffer(message, "<u2" if layers & 4 else "u1", starts[-1], at)
     assert at + links.nbytes == len(message)
     return {
@@ -101,12 +102,16 @@ def test_values_are_changed(offer, asked, line):
     ("asked", "said"),
     [
         ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
-        ({"brain": "comons"}, "brain = comons: did you mean 'commons'? no brain of this study, nor a shipped one"),
+        (
+            {"brain": "comons"},
+            "brain = comons: did you mean 'commons'? no brain of this study, nor a shipped",
+        ),
         ({"beside": "comons"}, "beside = comons: did you mean"),
         ({"robots": "1e3"}, "robots = 1e3: should be a whole number from 1 to 20000"),
         ({"robots": "-1"}, "robots = -1: should be a whole number"),
         ({"robots": "٣"}, "robots = ٣: should be a whole number"),
         ({"setting": "99"}, "setting = 99: there are 0 to 7"),
+        ({"of": "00000000"}, "of = 00000000: this link is of another study than study.toml, or it has changed"),
         ({"accuracy": "1.5"}, "accuracy = 1.5: a sensor accuracy lies in"),
         ({"fill_ratio": "nan"}, "fill_ratio = nan: should be a number from 0 to 1"),
         ({"link_success": "2"}, "link_success = 2: should be a number from 0 to 1"),
@@ -173,7 +178,8 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
 @pytest.mark.parametrize("brain", ["voter", "sure"])
 def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
     monkeypatch.setattr("swarmcensus.simulation.living.MOST_ROUNDS", 7)
-    swarm, world = {"robots": 6, "accuracy": 0.9, "brain": brain}, {"topology": "full", "fill_ratio": 0.9}
+    who = {"file": "sure", "within": 0.05} if brain == "sure" else brain
+    swarm, world = {"robots": 6, "accuracy": 0.9, "brain": who}, {"topology": "full", "fill_ratio": 0.9}
     study = sc.Study(trials=2, seed=2, swarm=swarm, world=world, schedule={"rounds": 150})
     trace = sc.replay(sc.run(study, jobs=1), 0, 1)
     show = Show(study.settings()[0], 2, 1, study.measure)
@@ -187,6 +193,39 @@ def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
             told = robot_of(show, tick, 2)["fields"]
             for name in ("interval_low", "interval_high", "is_done"):
                 assert told[name] == trace[name].values[tick, 2]
+
+
+def test_after_a_failure_it_fails_again(tmp_path):
+    """And does not go on from what a brain left half-way."""
+    fuse = "def fuse(me):"
+    text = brains.load("minimalistic").source.replace(fuse, f"{fuse}\n    me.t *= (500.0 - me.t) / (500.0 - me.t)")
+    (tmp_path / "fails.py").write_text(text)
+    study = sc.Study(
+        trials=1, swarm={"robots": 5, "accuracy": 0.7, "brain": str(tmp_path / "fails.py")},
+        world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 100},
+    )  # fmt: skip
+    session = Session(offer_of(study))
+    session.answer('{"do": "begin", "ask": {}}')
+    for _ in range(4):
+        [answer] = session.answer('{"do": "frames", "from": 60, "step": 1, "count": 1}')
+        assert "fails in trial 0" in answer["error"]
+
+
+def test_infinity_is_said_in_a_word():
+    assert plain(np.array([np.inf, -np.inf, np.nan, 2.0])) == ["infinity", "-infinity", None, 2.0]
+
+
+def test_what_cannot_be_watched_is_told(offer, tmp_path):
+    results = sc.run(sc.Study.parse(STUDY), jobs=1)
+    for chosen in ([], 2):
+        with pytest.raises(InputError, match="no setting"):
+            offer_of(results.isel(setting=chosen))
+    big = {"robots": 30_000, "accuracy": 0.7}
+    study = sc.Study(trials=1, swarm=big, world={"topology": "ring", "fill_ratio": 0.5})
+    with pytest.raises(InputError, match="up to 20000"):
+        wanted(offer_of(study), {})
+    with pytest.raises(InputError, match="tiles wide"):
+        wanted(offer, {"topology": "moving", "density": "1e-300"})
 
 
 def test_what_a_robot_heard_is_what_its_neighbours_said():

@@ -2,25 +2,30 @@
 
 import argparse
 import contextlib
+import sys
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.voice import say, wrote
 
-PLAYED = ("tick", "robot", "side", "colour")  # what of a page's address is about the page alone
-
 
 def watch(options: argparse.Namespace) -> int:
     """Serve the page until it is interrupted, or write it with one trial."""
-    from swarmcensus.watching.offers import offer_of, wanted
+    from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
 
     asked = _asked(options)
+    if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
+        options.brain, options.of = [options.of, *options.brain], None
+    if options.brain and (options.of is None or options.of.suffix != ".nc"):
+        asked.setdefault("brain", str(options.brain[0]))
     if options.export is not None and options.export.suffix != ".html":
         raise InputError(f"--export {options.export}: a page is written as .html")
     offer = offer_of(options.of, tuple(options.brain))
     play = {key: asked.pop(key) for key in PLAYED if key in asked}
-    wanted(offer, asked)  # what is wrong is told here, rather than in the browser
-    return _export(options, offer, asked) if options.export is not None else _serve(options, offer, asked | play)
+    check_moment(wanted(offer, asked), play)  # what is wrong is told here, rather than in the browser
+    if options.export is not None:
+        return _export(options, offer, asked, play)
+    return _serve(options, offer, asked | play)
 
 
 def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
@@ -49,7 +54,7 @@ def _open_browser(address: str) -> None:
     threading.Timer(0.3, webbrowser.open, (address,)).start()
 
 
-def _export(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
+def _export(options: argparse.Namespace, offer: object, asked: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
     from swarmcensus.basics.files import check_writable
@@ -57,9 +62,10 @@ def _export(options: argparse.Namespace, offer: object, asked: dict[str, str]) -
     from swarmcensus.watching.exporting import export
 
     check_writable(options.export, *([options.of] if options.of else []))
-    with Progress(console=console(stderr=True), transient=True, disable=options.quiet) as bar:
+    silent = options.quiet or not sys.stderr.isatty()
+    with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)
-        size = export(offer, asked, options.export, lambda share: bar.update(task, completed=share))  # type: ignore[arg-type]
+        size = export(offer, asked, options.export, play, lambda share: bar.update(task, completed=share))  # type: ignore[arg-type]
     wrote(f"{options.export} ({size / 1e6:.1f} MB)")
     return 0
 
@@ -68,6 +74,8 @@ def _asked(options: argparse.Namespace) -> dict[str, str]:
     """What is asked for by an address, or part of one, and by --set."""
     text = urlsplit(options.at).fragment or options.at
     asked = dict(parse_qsl(text.lstrip("#")))
+    if options.at and not asked:
+        raise InputError(f"--at {options.at[:80]}: should be a copied link, or what stands behind its #")
     for one in options.set:
         key, sign, value = one.partition("=")
         if not sign:

@@ -13,7 +13,7 @@ import numpy as np
 
 from swarmcensus.engine import compiler
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import HEARD, SENT, TALKING
+from swarmcensus.engine.modes import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.swarms import Swarm
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
@@ -24,6 +24,7 @@ from swarmcensus.studies.settings import Setting
 
 STRETCH_BYTES = 4_000_000  # of minds
 KEPT_BYTES = 32_000_000  # of stretches, and as much of copies to go on from
+ASTRAY = -1  # what comes next is not known: one begins with a copy
 MOST_ROUNDS = 200  # in a stretch: where little is to be done, a hundredth of a second
 
 
@@ -40,6 +41,7 @@ class Stretch:
     colours: np.ndarray  # the true tile under the sensor, 1 black
     readings: np.ndarray  # NaN where none was made
     links: np.ndarray  # (link, 3): tick, robot, robot
+    done: np.ndarray  # (robot): who was done before the first of these rounds; nobody where no brain ever is
 
     @property
     def bytes(self) -> int:
@@ -86,13 +88,18 @@ class Life:
                 for array, copy in zip(self._world.arrays, self._copies[near], strict=True):
                     array[...] = copy
                 self._next = near
-            first = self._next * self.length + 1
-            self._keep(self._next, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
-            self._next += 1
+            now, self._next = self._next, ASTRAY  # until it is there: a brain may fail half-way
+            first = now * self.length + 1
+            self._keep(now, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
+            self._next = now + 1
             self._copy()
         if k in self._kept:
             self._kept.move_to_end(k)
         return k in self._kept
+
+    def kept(self, k: int) -> Stretch | None:
+        """A stretch, if it need not be computed."""
+        return self._kept.get(k)
 
     def _keep(self, k: int, stretch: Stretch) -> None:
         self._kept[k] = stretch
@@ -126,12 +133,13 @@ class _Network:
             beliefs = (belief[0] for belief in given.beliefs)
             self.kernel.wake(*self.swarm, self.memory, *beliefs, start, self.verdicts, self.agreed)
         self.arrays = [self.memory, self.outbox, self.counts, self.verdicts, self.agreed]
-        self.start = _standing(0, self.memory[np.newaxis].copy(), self.outbox[np.newaxis, :0], start, np.zeros((1, 2)))
+        minds, nobody = self.memory[np.newaxis].copy(), np.zeros(robots, np.bool_)
+        self.start = _standing(0, minds, self.outbox[np.newaxis, :0], start, np.zeros((1, 2)), nobody)
 
     def on(self, first: int, rounds: int) -> Stretch:
         setting, given, links = self.setting, self.given, self.given.links
         assert links is not None
-        history = np.empty((rounds, *self.memory.shape))
+        history, done = np.empty((rounds, *self.memory.shape)), _done(self.verdicts, setting.robots)
         said = np.empty((rounds, setting.robots, self.outbox.shape[1]))
         estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
         sensors = (a[0] for a in (*given.sensors, given.drift))
@@ -142,15 +150,20 @@ class _Network:
                 links.senders, given.loss_threshold, given.stops[0], setting.message_delay, self.counts, self.verdicts,
                 self.agreed, history, said, messages, np.zeros(1, np.uint8),
             )  # fmt: skip
-        return _standing(first, history, said, estimates, messages)
+        return _standing(first, history, said, estimates, messages, done)
 
 
 def _standing(
-    first: int, history: np.ndarray, said: np.ndarray, estimates: np.ndarray, messages: np.ndarray
+    first: int, history: np.ndarray, said: np.ndarray, estimates: np.ndarray, messages: np.ndarray, done: np.ndarray
 ) -> Stretch:
     nothing = np.zeros((0, estimates.shape[1]))
     poses, links = np.zeros((*nothing.shape, 3)), np.zeros((0, 3), np.int64)
-    return Stretch(first, history, said, estimates, messages, poses, nothing, nothing, links)
+    return Stretch(first, history, said, estimates, messages, poses, nothing, nothing, links, done)
+
+
+def _done(verdicts: np.ndarray, robots: int) -> np.ndarray:
+    """Who is done by now."""
+    return verdicts[:, IS_DONE] == 1.0 if verdicts.size else np.zeros(robots, np.bool_)
 
 
 class _Moving:
@@ -177,7 +190,7 @@ class _Moving:
         self.start = Stretch(
             0, rider.memory[np.newaxis].copy(), rider.outbox[np.newaxis, :0], rider.start, np.zeros((1, 2)),
             self.walk.poses_now()[np.newaxis], np.full(shape, np.nan), np.full(shape, np.nan),
-            np.zeros((0, 3), np.int64),
+            np.zeros((0, 3), np.int64), np.zeros(setting.robots, np.bool_),
         )  # fmt: skip
 
     def on(self, first: int, rounds: int) -> Stretch:
@@ -185,7 +198,7 @@ class _Moving:
         shape = (rounds, robots)
         history, said = np.empty((rounds, *rider.memory.shape)), np.empty((*shape, rider.outbox.shape[1]))
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
-        messages, links = np.zeros((rounds, 2), np.int64), []
+        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.verdicts, robots)
         done = 0
         while done < rounds:
             chunk = self.walk.on(first + done, 1 if self.wishes.size else rounds - done)
@@ -208,7 +221,9 @@ class _Moving:
         estimates = rider.rows[first - 1 : first - 1 + rounds].copy()
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
-        return Stretch(first, history, said, estimates, messages, poses, colours, readings, np.concatenate(links))
+        return Stretch(
+            first, history, said, estimates, messages, poses, colours, readings, np.concatenate(links), ended
+        )
 
 
 def _tick(chunk: Chunk, k: int) -> Chunk:

@@ -5,7 +5,7 @@ import hashlib
 import html
 import json
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,11 +25,18 @@ MINDS = 1_800_000  # bytes of what robots remember, packed
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # from one moment with memories to the next
 
 
-def export(offer: Offer, asked: dict[str, str], path: Path, said: Callable[[float], None] = lambda share: None) -> int:
-    """Write a trial as an HTML file; `said` hears how much of it is done. Returns its size in bytes.
+def export(
+    offer: Offer,
+    asked: dict[str, str],
+    path: Path,
+    played: Mapping[str, str] | None = None,
+    said: Callable[[float], None] = lambda share: None,
+) -> int:
+    """Write a trial as an HTML file that opens at the moment `played`, and return its size in bytes.
 
     Estimates, places, readings and links are of every round; what robots remember is of every round where there is
-    room, else of every so many. Raises InputError where the trial is too large, or the file cannot be written.
+    room, else of every so many. `said` hears how much is done. Raises InputError where the trial is too large, or the
+    file cannot be written.
     """
     found = wanted(offer, asked)
     shows = [Show(setting, found.seed, found.trial, found.study.measure) for setting in found.settings]
@@ -41,7 +48,8 @@ def export(offer: Offer, asked: dict[str, str], path: Path, said: Callable[[floa
         blocks, fields = [], []
         for ticks in _blocks(rounds):
             blocks.append(_packed(show.frames(ticks, side)))
-            fields.append(_minds(show, [tick for tick in ticks if tick % step == 0]))
+            if kept := [tick for tick in ticks if tick % step == 0]:
+                fields.append(_minds(show, kept))
             said((side + ticks[-1] / rounds) / len(shows))
         frames.append(blocks)
         names.append(fields[0][0])
@@ -53,6 +61,7 @@ def export(offer: Offer, asked: dict[str, str], path: Path, said: Callable[[floa
         "minds": minds,
         "names": names,
         "step": step,
+        "played": dict(played or {}),
     }
     text = _page(recording)
     with whole(path) as beside:
@@ -86,7 +95,7 @@ def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
         }
         names = list(flat)
         rows.append(np.stack(list(flat.values())))
-    return names, np.stack(rows, axis=2).astype("<f4") if rows else np.zeros((0, 0, 0), "<f4")
+    return names, np.stack(rows, axis=2).astype("<f4")
 
 
 def _shuffled(values: np.ndarray) -> bytes:

@@ -8,8 +8,9 @@ from urllib.parse import urlencode
 
 import xarray as xr
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.studies.study import Study
-from swarmcensus.watching.offers import offer_of, wanted
+from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
 from swarmcensus.watching.server import listen, serving
 
 
@@ -41,12 +42,18 @@ def watch(
     """Serve the live page of a study, results, or a file of either, in the background; a notebook shows it as a frame.
 
     `asked` is what to begin with, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4; `brain`
-    a brain file that may be watched too, or the one that the results were made with; `height` that of the frame, in
+    is one by its name, or a brain file, of results the one that they were made with; `height` that of the frame, in
     pixels; `port` 0 takes a free one. `address` opens it in a browser on this machine. Raises InputError.
     """
-    offer = offer_of(Path(of) if isinstance(of, str) else of, () if brain is None else (Path(brain),))
+    if not isinstance(of, str | Path | Study | xr.Dataset | None):
+        raise InputError(f"{type(of).__name__}: should be a study, results, the file of either, or nothing")
     words = {key: str(value) for key, value in asked.items()}
-    wanted(offer, {key: value for key, value in words.items() if key not in ("tick", "robot", "side", "colour")})
+    files = (Path(brain),) if brain is not None and str(brain).endswith(".py") else ()
+    if brain is not None and not (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc"))):
+        words["brain"] = str(brain)
+    offer = offer_of(Path(of) if isinstance(of, str) else of, files)
+    found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
+    check_moment(found, words)
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))

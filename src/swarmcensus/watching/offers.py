@@ -19,6 +19,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, adversary
 from swarmcensus.results.early import opened
 from swarmcensus.results.origins import setting_of, studies_of
+from swarmcensus.results.selecting import require
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -28,6 +29,7 @@ from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
+MOST_TILES = 1_000_000  # from wall to wall
 MOST_PAIRS = 4_000_000  # of robots that all hear each other
 SHOWN = {
     "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
@@ -38,8 +40,9 @@ FLOORS = ("tiles", "half", {"clusters": 0.3}, {"stripes": 0.5})
 LIAR = "always-black"
 KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
-    "link_success", "floor", "liars", "adversary", "rounds",
+    "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
+PLAYED = ("tick", "robot", "side", "colour")  # what of a page's address is about the page alone
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,6 @@ class Offer:
     name: str
     numbers: tuple[int, ...]
     find: Callable[[int], tuple[Study, Setting]]
-    study: Study
     topologies: dict[str, Topology]
     floors: dict[str, Floor]
     brains: dict[str, brains.Brain]  # those of the study, beside all that are installed
@@ -65,6 +67,7 @@ class Wanted:
     seed: int
     trial: int
     asked: dict[str, str]  # what differs from the first trial of the first setting
+    mark: str  # of the setting before anything was changed: links of other studies have others
 
 
 def offer_of(of: Path | Study | xr.Dataset | None, given: tuple[Path, ...] = ()) -> Offer:
@@ -76,34 +79,37 @@ def offer_of(of: Path | Study | xr.Dataset | None, given: tuple[Path, ...] = ())
     if isinstance(of, Path) and of.suffix == ".nc":
         of = opened(of)
     if isinstance(of, xr.Dataset):
-        data, study = of, studies_of(of, given)[0]
+        require(of)
+        data, studies = of, studies_of(of, given)
         numbers = tuple(map(int, data["setting"].values))
-        return _offer(name or study.name, numbers, study, {}, lambda number: setting_of(data, number, given))
+        return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
     more = {brain.told: brain for brain in map(brains.load, given)}
     asked = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = asked.settings()
-    return _offer(name or asked.name, tuple(range(len(settings))), asked, more, lambda k: (asked, settings[k]))
+    return _offer(name or asked.name, tuple(range(len(settings))), [asked], more, lambda k: (asked, settings[k]))
 
 
 def _offer(
     name: str,
     numbers: tuple[int, ...],
-    study: Study,
+    studies: list[Study],
     more: Mapping[str, brains.Brain],
     find: Callable[[int], tuple[Study, Setting]],
 ) -> Offer:
-    floors = [floor for grid in study.grids if grid.moves for floor in grid.world.floor or ()]
+    if not numbers:
+        raise InputError(f"{name}: there is no setting to be watched")
+    grids = [grid for study in studies for grid in study.grids]
+    floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.DOOR.shipped]
-    theirs = (brain for grid in study.grids for brain in grid.swarm.brain)
+    named = [topology for study in studies for topology in study.topologies]
     return Offer(
         name=name,
         numbers=numbers,
         find=find,
-        study=study,
-        topologies={str(topology): topology for topology in (*study.topologies, *plain)},
+        topologies={str(topology): topology for topology in (*named, *plain)},
         floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(one, None, {}) for one in FLOORS))},
-        brains={brain.told: brain for brain in theirs} | dict(more),
-        adversaries={one.name: one for one in study.adversaries},
+        brains={brain.told: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
+        adversaries={one.name: one for study in studies for one in study.adversaries},
     )
 
 
@@ -111,12 +117,16 @@ def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
     """The trial that is asked for, key by key; what is not asked for is as in the setting. Raises InputError."""
     for key in asked:
         if key not in KEYS:
-            raise InputError(f"{key}: {did_you_mean(key, KEYS)}known here: {', '.join(KEYS)}")
+            known = (*KEYS, *PLAYED)
+            raise InputError(f"{key}: {did_you_mean(key, known)}known here: {', '.join(known)}")
     number = _whole(asked, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
         raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
-    trial = _whole(asked, "trial", 1, 0, 2**31 - 1)
+    mark = setting.fingerprint(study.seed)[:8]
+    if asked.get("of", mark) != mark:
+        raise InputError(f"of = {asked['of'][:40]}: this link is of another study than {offer.name}, or it has changed")
+    trial = _whole(asked, "trial", 0, 0, 2**31 - 1)
     seed = _whole(asked, "seed", study.seed, 0, 2**63 - 1)
     changed = _changed(offer, setting, asked)
     _check(changed, study)
@@ -124,7 +134,18 @@ def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
     if asked.get("beside"):
         settings.append(replace(changed, brain=_brain(offer, "beside", asked["beside"])))
         _check(settings[1], study)
-    return Wanted(study, tuple(settings), seed, trial, {key: value for key, value in asked.items() if value != ""})
+    given = {key: value for key, value in asked.items() if value != ""}
+    return Wanted(study, tuple(settings), seed, trial, given, mark)
+
+
+def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
+    """Raise InputError for a moment, robot, side or colouring that a page could not show."""
+    setting = found.settings[0]
+    _whole(played, "tick", 0, 0, setting.rounds)
+    _whole(played, "robot", 0, 0, setting.robots - 1)
+    _whole(played, "side", 0, 0, len(found.settings) - 1)
+    if played.get("colour", "belief") not in ("belief", "error"):
+        raise InputError(f"colour = {played['colour'][:40]}: should be belief or error")
 
 
 def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Setting:
@@ -169,12 +190,18 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
 def _check(setting: Setting, study: Study) -> None:
     """Raise InputError where values do not go together, or are more than can be watched."""
     try:
+        if setting.robots > MOST_ROBOTS or setting.rounds > MOST_ROUNDS:
+            raise ValueError(
+                f"{setting.robots} robots for {setting.rounds}: up to {MOST_ROBOTS} for {MOST_ROUNDS} can be watched"
+            )
         setting.topology.check(setting.robots)
         if setting.body is not None:
             assert setting.density is not None
             most = arena.largest_density(setting.robots, setting.body)
             if not 0.0 < setting.density <= most:
                 raise ValueError(f"density = {setting.density:g}: should be above 0 and at most {most:.4g} here")
+            if setting.arena_side > MOST_TILES * setting.body.tile:
+                raise ValueError(f"density = {setting.density:g}: the arena is more than {MOST_TILES} tiles wide")
             (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
         elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
             raise ValueError(
@@ -193,9 +220,8 @@ def _check(setting: Setting, study: Study) -> None:
 def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
     """A brain of the study, or one that is installed: never a file, whatever its name."""
     if name not in offer.brains and name not in brains.DOOR:
-        raise InputError(
-            f"{key} = {name}: {did_you_mean(name, names_of(offer))}no brain of this study, nor a shipped one"
-        )
+        meant = did_you_mean(name, names_of(offer))
+        raise InputError(f"{key} = {name}: {meant}no brain of this study, nor a shipped one; --brain names a file")
     return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
 
 

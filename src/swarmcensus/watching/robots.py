@@ -26,30 +26,39 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         "tick": tick,
         "brain": brain.told,
         "honest": bool(show.honest[robot]),
-        "estimate": float(stretch.estimates[row, robot]),
+        "estimate": plain(stretch.estimates[row, robot]),
         "truth": float(show.truths(np.array([tick]))[0]),
         "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
         "fields": {name: plain(value[0, robot]) for name, value in fields.items()},
         "adds": adds(show),
         **last_heard(show, stretch, row, robot),
     }
+    ended = bool(show.ended(stretch)[row, robot])
     if show.moves:
         x, y, heading = map(float, stretch.poses[row, robot])
         told |= {"x": x, "y": y, "heading": heading}
-        told |= {"tile": plain(stretch.colours[row, robot]), "reading": plain(stretch.readings[row, robot])}
+        told |= {
+            "tile": plain(stretch.colours[row, robot]),
+            "reading": None if ended else plain(stretch.readings[row, robot]),
+        }
     elif tick > 0 and show.blacks.size:
-        told |= {"looks": show.setting.observations_per_round, "blacks": float(show.blacks[tick - 1, robot])}
+        told |= {
+            "looks": show.setting.observations_per_round,
+            "blacks": 0.0 if ended else float(show.blacks[tick - 1, robot]),
+        }
     return told
 
 
 def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, Any]:
-    """The messages of this round, or of the last one before it in which any came, if that is not long ago."""
-    if stretch.first == 0:
-        return {"heard": [], "heard_at": None}
-    for back in range(row, max(row - LOOK_BACK, -1), -1):
-        heard = heard_in(show, stretch, back, robot)
+    """The messages of this round, or of the last one before it in which any came, if that is at hand."""
+    tick = stretch.first + row
+    for at in range(tick, max(tick - LOOK_BACK, 0), -1):
+        kept = stretch if at >= stretch.first else show.life.kept(show.stretch_of(at))
+        if kept is None:
+            break
+        heard = heard_in(show, kept, at - kept.first, robot)
         if heard:
-            return {"heard": heard, "heard_at": stretch.first + back}
+            return {"heard": heard, "heard_at": at}
     return {"heard": [], "heard_at": None}
 
 
@@ -83,7 +92,9 @@ def adds(show: Show) -> bool:
 
 
 def plain(value: Any) -> Any:
-    """A number for JSON: none for NaN, lists for vectors."""
+    """A number for JSON: none for NaN, a word for infinity, lists for vectors."""
     if np.ndim(value):
         return [plain(one) for one in value]
+    if np.isinf(value):
+        return "infinity" if value > 0 else "-infinity"
     return None if np.isnan(value) else float(value)

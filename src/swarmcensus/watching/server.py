@@ -109,7 +109,7 @@ def app_of(served: Served) -> Any:
 
     async def talk(page: WebSocket) -> None:
         host, origin = page.headers.get("host", ""), page.headers.get("origin")
-        same = origin is not None and urlsplit(origin).netloc == host
+        same = origin is not None and origin.partition("://")[2] == host
         if not (same and _is_meant(served, host) and _knows(served, page.url.query)) or len(pages) >= MOST_PAGES:
             await page.close(1008)
             return
@@ -123,7 +123,10 @@ def app_of(served: Served) -> Any:
                     break
                 words: str | bytes = said["text"] if said.get("text") is not None else said["bytes"]
                 for answer in await anyio.to_thread.run_sync(session.answer, words, limiter=limiter):
-                    await (page.send_bytes(answer) if isinstance(answer, bytes) else page.send_text(json.dumps(answer)))
+                    if isinstance(answer, bytes):
+                        await page.send_bytes(answer)
+                    else:
+                        await page.send_text(json.dumps(answer, allow_nan=False))
         except (WebSocketDisconnect, RuntimeError):  # it went while it was answered
             pass
         finally:

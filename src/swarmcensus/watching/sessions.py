@@ -43,6 +43,8 @@ class Session:
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[asked["do"]](asked)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
+        except Exception as error:  # a page should hear of it, and go on
+            return [{"id": number, "error": f"unforeseen: {type(error).__name__}: {str(error)[:200]}"}]
 
     def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
         ask = asked.get("ask")
@@ -116,6 +118,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
         "name": offer.name,
         "now": now,
         "asked": found.asked,
+        "mark": found.mark,
         "keys": KEYS,
         "settings": [offer.numbers[0], offer.numbers[-1]],
         "trials": found.study.trials,

@@ -1,7 +1,7 @@
 """One trial as a page sees it: frames as bytes.
 
 A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers,
-which layers, links, 0); of all frames their rounds (u32), numbers (f32, see COLUMNS), where links begin (u32, and the
+which layers, links, 0); of all frames their numbers (f64, see COLUMNS), rounds (u32), where links begin (u32, and the
 end), layers (u16) and flags and headings (u8), both robot by robot; and the links, of robots that move as pairs (u16),
 else a number for each edge (u8), 1 where it carried a message.
 """
@@ -82,7 +82,7 @@ class Show:
         return b"".join(
             part.tobytes()
             for part in (
-                np.array(words, "<u4"), np.array(ticks, "<u4"), np.array(numbers, "<f4"), np.array(starts, "<u4"),
+                np.array(words, "<u4"), np.array(numbers, "<f8"), np.array(ticks, "<u4"), np.array(starts, "<u4"),
                 np.array(layers, "<u2"), np.array(flags, np.uint8), *(np.asarray(one, kind) for one in links),
             )
         )  # fmt: skip
@@ -115,7 +115,8 @@ class Show:
             layers += [np.clip(np.nan_to_num(end), 0.0, 1.0) * SCALE for end in (low, high)]
         flags = np.zeros((2, *x.shape), np.uint8)
         if self.moves:
-            flags[0] = LOOKED * ~np.isnan(stretch.readings) + READ_BLACK * (stretch.readings == 1.0)
+            readings = np.where(self.ended(stretch), np.nan, stretch.readings)
+            flags[0] = LOOKED * ~np.isnan(readings) + READ_BLACK * (readings == 1.0)
             flags[0] += (ON_BLACK * (stretch.colours == 1.0)).astype(np.uint8)
             flags[1] = np.round(stretch.poses[..., 2] % (2 * np.pi) / (2 * np.pi) * 256).astype(np.int64) % 256
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
@@ -138,6 +139,14 @@ class Show:
         }
         numbers = np.stack([np.broadcast_to(values[name], truths.shape) for name in COLUMNS], axis=1)
         return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
+
+    def ended(self, stretch: Stretch) -> np.ndarray:
+        """Who makes no reading in these rounds, having been done before (round, robot)."""
+        before = np.zeros(stretch.estimates.shape, np.bool_)
+        if any(brain.ends for brain in self.setting.crew):
+            before[0] = stretch.done
+            before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
+        return before
 
     def options_right(self, truths: np.ndarray) -> np.ndarray:
         """Which option is right in rounds of these fill ratios; NaN where nobody decides."""

@@ -75,10 +75,10 @@ class Charts {
     const plot = new uPlot(
       {
         width: Math.max(260, this.host.clientWidth), height: 190, bands,
-        scales: { x: { time: false, range: [0, this.scenes[0].rounds] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
+        scales: { x: { time: false, range: () => [0, this.end()] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
         axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit }, ...series],
-        legend: { live: true },
+        legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
         cursor: { drag: { setScale: false } },
         hooks: {
           draw: [(u) => this.mark(u)],
@@ -174,7 +174,18 @@ class Charts {
   }
 
   refresh() {
-    for (const plot of this.plots) plot.setData([this.xs(), ...plot.values()]);
+    const idx = Math.min(Math.floor(this.tick / this.histories[0].every), this.histories[0].points - 1);
+    for (const plot of this.plots) {
+      plot.setData([this.xs(), ...plot.values()]);
+      plot.setLegend({ idx });
+    }
+  }
+
+  // the axis grows with what was seen
+  end() {
+    const { seen, every } = this.histories[0];
+    const reached = seen.lastIndexOf(1) * every;
+    return Math.min(this.scenes[0].rounds, Math.max(50, Math.ceil(1.2 * reached)));
   }
 
   resize() {

@@ -11,10 +11,10 @@ function framesOf(buffer) {
   if (kind !== KIND) throw new Error("no frames");
   const planes = 1 + (layers & LAYER.moves ? 2 : 0) + (layers & LAYER.intervals ? 2 : 0);
   let at = 32;
+  const numbers = new Float64Array(buffer, at, count * columns);
+  at += 8 * count * columns;
   const ticks = new Uint32Array(buffer, at, count);
   at += 4 * count;
-  const numbers = new Float32Array(buffer, at, count * columns);
-  at += 4 * count * columns;
   const starts = new Uint32Array(buffer, at, count + 1);
   at += 4 * (count + 1);
   const values = new Uint16Array(buffer, at, count * planes * robots);

@@ -34,6 +34,7 @@ function fragment() {
   const words = new URLSearchParams(state.ask);
   if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
   if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
+  if (state.form) words.set("of", state.form.mark);
   words.set("tick", state.tick);
   if (state.chosen !== null) words.set("robot", state.chosen);
   if (state.side) words.set("side", state.side);
@@ -61,7 +62,7 @@ async function begin(ask, tick = 0, robot = state.chosen) {
         buildControls($("controls"), state.form, change, Boolean(recordedText));
       } else {
         $("title").textContent = "";
-        await begin({}, 0, null);
+        if (Object.keys(ask).length) await begin({}, 0, null);
         complain(error);
       }
     }
@@ -103,10 +104,14 @@ function buildPage() {
   $("moment").max = rounds();
   $("which").max = scenes[0].robots - 1;
   $("which").value = state.chosen ?? "";
+  $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
+  $("which-side").value = state.side;
+  $("which-side").hidden = scenes.length < 2;
+  if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see all that it remembers, reads and hears."));
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build();
-  if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds.";
+  if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds. Its estimates are rounded to four digits.";
   legend();
 }
 
@@ -127,6 +132,7 @@ function change(key, value) {
   if (value === "" && key !== "beside") delete ask[key];
   else ask[key] = value;
   if (key === "beside" && value === "") delete ask[key];
+  if (key === "setting" || key === "seed") delete ask.of;
   if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
   if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
   begin(ask, 0);
@@ -141,7 +147,6 @@ async function fetchAt(from, run) {
     if (run !== state.run) return;
     if (sides) {
       sides.forEach((frames, side) => {
-        state.charts.put(side, frames);
         for (const frame of frames) {
           if (!state.frames.has(frame.tick)) state.frames.set(frame.tick, []);
           state.frames.get(frame.tick)[side] = frame;
@@ -227,6 +232,11 @@ function show(frames, now) {
   const seconds = scene.seconds ? `, ${clockOf(state.tick * scene.seconds)}` : "";
   $("clock").textContent = `${scene.unit} ${state.tick.toLocaleString("en")} of ${scene.rounds.toLocaleString("en")}${seconds}`;
   $("moment").setAttribute("aria-valuetext", $("clock").textContent);
+  for (const [tick, sides] of state.frames) {
+    if (tick > state.tick || sides.charted) continue;
+    sides.forEach((frame, side) => state.charts.put(side, [frame]));
+    sides.charted = true;
+  }
   state.charts.show(state.tick, now, !state.playing);
   state.pictures.push(now);
   while (state.pictures[0] < now - 1000) state.pictures.shift();
@@ -299,6 +309,7 @@ function choose(robot, side = state.side) {
   state.chosen = robot;
   state.side = side;
   $("which").value = robot ?? "";
+  $("which-side").value = side;
   again();
   remember();
   tellChosen();
@@ -362,7 +373,7 @@ function zoom(by) {
 
 document.addEventListener("keydown", (event) => {
   const typing = event.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
-  const own = event.target.matches("[type=range]") ? event.key !== " " : event.key === " " && event.target.matches("button, summary, [type=checkbox]");
+  const own = event.target.matches("[type=range]") ? !event.shiftKey && ["ArrowLeft", "ArrowRight", "Home", "End"].includes(event.key) : event.key === " " && event.target.matches("button, summary, [type=checkbox]");
   if (typing || own || event.ctrlKey || event.altKey || event.metaKey || !KEYS[event.key] || !state.scenes.length) return;
   event.preventDefault();
   KEYS[event.key](event);
@@ -395,7 +406,9 @@ $("moment").addEventListener("change", () => {
 $("which").addEventListener("change", () => {
   const robot = Number.parseInt($("which").value, 10);
   if (robot >= 0 && robot < state.scenes[0].robots) choose(robot);
+  else $("which").value = state.chosen ?? "";
 });
+$("which-side").addEventListener("change", () => choose(state.chosen, Number($("which-side").value)));
 $("follow").addEventListener("change", () => {
   state.follow = $("follow").checked;
   for (const stage of state.stages) stage.zoom = state.follow ? Math.max(stage.zoom, 3) : 1;
@@ -406,7 +419,7 @@ $("world").addEventListener("submit", (event) => event.preventDefault());
 $("copy").addEventListener("click", async () => {
   remember();
   try {
-    await navigator.clipboard.writeText(location.href);
+    await navigator.clipboard.writeText(recordedText ? location.hash : location.href);
     $("copy").textContent = "Copied";
   } catch {
     $("copy").textContent = "Copy it from the address bar";
@@ -430,7 +443,8 @@ window.addEventListener("hashchange", () => {
 });
 
 async function start() {
-  const wish = wishOf(location.hash);
+  const played = recordedText ? new URLSearchParams(state.source.recording.played).toString() : "";
+  const wish = wishOf(location.hash || played);
   state.side = wish.side;
   paint(wish.colour);
   try {

@@ -53,7 +53,7 @@ function tableOf(caption, rows) {
 
 function tellRobot(host, told, scene) {
   const belief = told.sensor;
-  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", Math.abs(told.estimate - told.truth)]];
+  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
   if (told.tile !== undefined) {
     rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
     rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
