@@ -162,3 +162,12 @@ def test_a_difference_without_end_is_an_arrow_at_the_edge():
     (ax,) = sc.plot.compare(results, metric="consensus_round").axes
     np.testing.assert_array_equal(drawn(ax, "infinite "), [[1.0, 0.0]])
     assert "infinite" in texts(ax.figure)
+
+
+def test_what_are_no_axes_and_no_trials_are_told(small_results):
+    with pytest.raises(InputError, match="ax = int: should be matplotlib Axes"):
+        sc.plot.scatter(small_results, ax=3, panels=[])
+    nothing = small_results.isel(trial=[])
+    for draw in (sc.plot.lines, sc.plot.scatter, sc.plot.curves):
+        with pytest.raises(InputError, match=r"no trial|nothing to draw"):
+            draw(nothing)

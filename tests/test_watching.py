@@ -193,6 +193,9 @@ def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
             told = robot_of(show, tick, 2)["fields"]
             for name in ("interval_low", "interval_high", "is_done"):
                 assert told[name] == trace[name].values[tick, 2]
+        for tick in (1, 7, 8, 100, 150):  # who is done reads nothing any more
+            for robot in range(6):
+                assert robot_of(show, tick, robot)["blacks"] == trace["blacks"].values[tick, robot]
 
 
 def test_after_a_failure_it_fails_again(tmp_path):

@@ -95,7 +95,7 @@ def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: 
 
 def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
     """Each setting's value of a coordinate as text. Raises InputError where there is no such coordinate."""
-    require(results, name)
+    require(results, name, dimensions=("setting", "trial"))
     values = results[name].values
     texts = values.astype(str)
     return np.where((texts == "") | (values != values), NONE, texts)

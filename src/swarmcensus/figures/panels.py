@@ -42,7 +42,7 @@ def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), 
 
 
 def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] | None) -> list[Panel]:
-    require(results)
+    require(results, dimensions=("setting", "trial"))
     varying = _varying(results, apart_from, by)
     by_floor = "floor" in by if by is not None else "floor" not in apart_from
     if (

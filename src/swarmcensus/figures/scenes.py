@@ -65,7 +65,7 @@ def trace_of(
     results: xr.Dataset, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
 ) -> xr.Dataset:
     """Replay a trial of a setting, by default of the first. Raises InputError as `replay` does."""
-    require(results)
+    require(results, dimensions=("setting", "trial"))
     number = int(results["setting"].values[0]) if setting is None else setting
     return replaying.replay(results, number, trial, brain)
 

@@ -114,6 +114,8 @@ def sheet(
 def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     """The caller's axes in a row. Raises InputError if they are not as many as there are panels."""
     own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
+    if strange := next((type(one).__name__ for one in own if not hasattr(one, "get_figure")), None):
+        raise InputError(f"ax = {strange}: should be matplotlib Axes, or a list of them")
     if len(own) != panels and panels == 1:
         raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
     if len(own) != panels:
