@@ -186,6 +186,15 @@ def test_too_much_at_once_closes_one_page_alone(served):
         ask(other, id=1, do="begin", ask={})
 
 
+def test_who_comes_early_waits():
+    made = listen(offer_of(None))
+    connection = http.client.HTTPConnection("127.0.0.1", made.port, timeout=10)
+    with contextlib.closing(connection):
+        connection.request("GET", f"/?token={made.token}")
+        with serving(made), connection.getresponse() as answer:
+            assert answer.status == 200
+
+
 def test_a_port_that_is_taken_is_told(served):
     with pytest.raises(InputError, match=f"cannot listen on 127.0.0.1, port {served.port}: Address already in use"):
         listen(served.offer, port=served.port)

@@ -21,7 +21,7 @@ from swarmcensus.watching.shows import Show
 
 BLOCK = 500  # frames that are packed at a time
 MOST_FRAMES = 400_000_000  # bytes, before they are packed
-MINDS = 1_800_000  # bytes of what robots remember, packed
+MINDS = 1_200_000  # bytes of what robots remember, packed
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # from one moment with memories to the next
 
 

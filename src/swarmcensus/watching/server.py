@@ -72,6 +72,7 @@ def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.bind((host, port))
+        made.listen()  # who comes before the server answers should wait, and not be refused
     except (OSError, OverflowError) as error:
         made.close()
         raise InputError(f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
