@@ -26,6 +26,7 @@ COLUMNS = (
     "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
     "interval_low", "interval_high", "decided", "decided_right", "done",
 )  # fmt: skip  # of the honest robots; shares of them, and numbers of messages of all
+COUNTS = ("sent", "heard", "bytes")
 HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
 SCALE = 65_535
@@ -137,7 +138,9 @@ class Show:
             "decided_right": share(decided[:, mine], decided[:, mine] == self.options_right(truths)[:, np.newaxis]),
             "done": share(done[:, mine], done[:, mine] == 1.0),
         }
-        numbers = np.stack([np.broadcast_to(values[name], truths.shape) for name in COLUMNS], axis=1)
+        # what is no count needs no more digits than a picture shows, and packs better without
+        exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
+        numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
         return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
 
     def ended(self, stretch: Stretch) -> np.ndarray:
