@@ -15,7 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
 from swarmcensus.watching.robots import plain, robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session
-from swarmcensus.watching.shows import COLUMNS, Show, spread
+from swarmcensus.watching.shows import COLUMNS, Show
 from tests.slow import times
 
 STUDY = """
@@ -251,11 +251,6 @@ def test_lost_messages_are_not_lit():
     heard = np.diff(shown["numbers"][:, COLUMNS.index("heard")], prepend=0)
     assert carried.tolist() == heard.tolist()
     assert carried.mean() == pytest.approx(0.3 * 80, rel=0.1)  # 8,000 messages: six standard deviations are a tenth
-
-
-def test_spreads_are_quantiles():
-    x = np.random.default_rng(1).random((5, 11))
-    np.testing.assert_allclose(spread(x), np.quantile(x, [0, 0.25, 0.5, 0.75, 1], axis=1))
 
 
 def test_a_session_answers(offer):

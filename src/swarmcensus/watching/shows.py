@@ -26,6 +26,7 @@ COLUMNS = (
     "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
     "interval_low", "interval_high", "decided", "decided_right", "done",
 )  # fmt: skip  # of the honest robots; shares of them, and numbers of messages of all
+QUARTERS = ("lowest", "low", "median", "high", "highest")
 COUNTS = ("sent", "heard", "bytes")
 HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
@@ -127,7 +128,7 @@ class Show:
             "truth": truths,
             "mean": x[:, mine].mean(axis=1),
             "deviation": x[:, mine].std(axis=1),
-            **dict(zip(("lowest", "low", "median", "high", "highest"), spread(x[:, mine]), strict=True)),
+            **dict(zip(QUARTERS, np.quantile(x[:, mine], np.linspace(0.0, 1.0, 5), axis=1), strict=True)),
             "right": right(x[:, mine], truths, self.bins),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
@@ -213,16 +214,6 @@ class Show:
             noisy = (stretch.said[row][:, self.life.swarm.flag] == NOISE) & works_now
             out[np.isin(receivers, receivers[noisy[senders]])] = 0
         return out
-
-
-def spread(x: np.ndarray) -> list[np.ndarray]:
-    """The least, the quartile below, the median, the quartile above and the greatest of each row."""
-    ordered = np.sort(x, axis=1)
-    places = np.linspace(0.0, x.shape[1] - 1.0, 5)
-    low = np.floor(places).astype(np.int64)
-    high = np.minimum(low + 1, x.shape[1] - 1)
-    part = places - low
-    return list((ordered[:, low] * (1.0 - part) + ordered[:, high] * part).T)
 
 
 def right(x: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
