@@ -106,7 +106,7 @@ def test_it_plays_and_is_wound_to_and_fro(page, served):
     page.click("#play")
     page.keyboard.press("Home")
     at(page, 0)
-    page.locator("#stages canvas").focus()
+    page.locator("#stages .stage").focus()
     page.keyboard.press("ArrowRight")
     at(page, 1)
     page.keyboard.press("Shift+ArrowRight")
@@ -126,7 +126,7 @@ def test_a_robot_is_clicked(page, served):
     come(page, served.address("setting=1"), 0)
     page.keyboard.press("ArrowRight")
     at(page, 1)
-    canvas = page.locator("#stages canvas").bounding_box()
+    canvas = page.locator("#stages .stage").bounding_box()
     middle, reach = canvas["width"] / 2, 0.46 * canvas["width"]
     page.mouse.click(canvas["x"] + middle, canvas["y"] + middle - reach)  # the first of the ring stands at the top
     told(page, 0, 1)
@@ -136,6 +136,47 @@ def test_a_robot_is_clicked(page, served):
     assert "Heard in this round" in page.inner_text("#told")
 
 
+def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
+    come(page, served.address("setting=1&tick=1"), 1)
+    box = page.locator("#stages .stage").bounding_box()
+    x, y = box["x"] + box["width"] / 2, box["y"] + 0.04 * box["width"]  # the first of the ring
+    page.mouse.move(x, y)
+    for _ in range(8):
+        page.mouse.wheel(0, -100)
+    page.mouse.down()
+    page.mouse.move(x + 60, y + 90, steps=4)
+    page.mouse.up()
+    assert page.input_value("#which") == ""  # to drag is not to choose
+    page.mouse.click(x, y)
+    assert page.input_value("#which") == ""  # it is no longer there
+    page.mouse.click(x + 60, y + 90)
+    told(page, 0, 1)
+    page.keyboard.press("0")
+    page.keyboard.press("n")
+    page.mouse.click(x, y)
+    assert page.input_value("#which") == "0"
+
+
+def test_curves_have_a_logarithmic_time(page, served):
+    come(page, served.address("setting=1&tick=300"), 300)
+    page.keyboard.press("l")
+    assert page.is_checked("#log")
+    page.locator(".uplot .u-over").first.click()  # the middle of three decades, or of two and a half
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1\d of"))
+    page.keyboard.press("l")
+    page.locator(".uplot .u-over").first.click()
+    playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1[45]\d of"))
+
+
+def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
+    come(page, served.address("setting=1&robots=500&tick=2"), 2)
+    assert "each square a robot" in page.inner_text("#legend-text")
+    box = page.locator("#stages .stage").bounding_box()
+    cell = box["width"] / 23
+    page.mouse.click(box["x"] + 1.5 * cell, box["y"] + 2.5 * cell)  # rows of 23
+    told(page, 47, 2)
+
+
 def test_a_change_begins_again_and_the_address_holds_the_moment(page, served):
     come(page, served.address("tick=40"), 40)
     page.fill("#control-robots", "20")
@@ -143,7 +184,7 @@ def test_a_change_begins_again_and_the_address_holds_the_moment(page, served):
     at(page, 0)
     assert "N = 20" in page.inner_text("#title")
     page.keyboard.press("Escape")
-    page.locator("#stages canvas").focus()
+    page.locator("#stages .stage").focus()
     page.keyboard.press("Shift+ArrowRight")
     at(page, 100)
     page.keyboard.press("n")
@@ -166,7 +207,7 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
 
 def test_two_brains_go_in_step(page, served):
     come(page, served.address("beside=commons&tick=60"), 60)
-    assert page.locator("#stages canvas").count() == 2
+    assert page.locator("#stages .stage").count() == 2
     titles = page.locator("figcaption").all_inner_texts()
     assert [title.split(":")[0] for title in titles] == ["minimalistic", "commons"]
 

@@ -119,7 +119,7 @@ def _page(recording: dict[str, Any]) -> str:
             scripts.append((PAGE / line.split('src="')[1].split('"')[0]).read_text(encoding="utf-8"))
         else:
             lines.append(line)
-    licence = (PAGE / "uPlot-license.txt").read_text(encoding="utf-8")
+    licences = "\n".join(path.read_text(encoding="utf-8") for path in sorted(PAGE.glob("*-license.txt")))
     style, script = "\n".join(styles), "\n".join(scripts)
     hashes = (base64.b64encode(hashlib.sha256(f"\n{one}\n".encode()).digest()).decode() for one in (script, style))
     policy = "default-src 'none'; script-src 'sha256-{}'; style-src 'sha256-{}'; img-src data:; base-uri 'none'"
@@ -129,4 +129,4 @@ def _page(recording: dict[str, Any]) -> str:
     top = f"{head}\n<title>{title}</title>\n<style>\n{style}\n</style>"
     text = "\n".join(lines).replace("<title>swarmcensus watch</title>", top)
     parts = f'<script id="recorded" type="application/json">{data}</script>\n<script>\n{script}\n</script>\n'
-    return text.replace("</body>", f"{parts}<!-- uPlot draws the curves:\n{licence}-->\n</body>") + "\n"
+    return text.replace("</body>", f"{parts}<!-- Konva draws the swarm, uPlot the curves:\n{licences}-->\n</body>") + "\n"

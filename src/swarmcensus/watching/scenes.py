@@ -38,8 +38,10 @@ def scene_of(show: Show) -> dict[str, Any]:
     if setting.body is None:
         return told | {
             "unit": "round",
-            "places": _numbers(places_of(show), "<f4"),
+            "places": _numbers(places := places_of(show), "<f4"),
             "edges": _numbers(show.edges, "<u2"),
+            "crowd": _columns(setting.robots) if setting.robots > MOST_LAID_OUT else 0,
+            "room": _room(places),
         }
     body = setting.body
     told |= {
@@ -64,10 +66,8 @@ def places_of(show: Show) -> np.ndarray:
     """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
     robots = show.setting.robots
     if robots > MOST_LAID_OUT:  # robot by robot in rows: what can be seen of so many is their colour
-        columns = int(np.ceil(np.sqrt(robots)))
-        rows = -(-robots // columns)
-        place = np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1)
-        return place / max(columns, rows)
+        columns = _columns(robots)
+        return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
     links = show.life.given.links
     assert links is not None
     degrees = np.bincount(links.receivers, minlength=robots) if links.mode == LISTED else np.full(robots, robots - 1)
@@ -80,9 +80,23 @@ def places_of(show: Show) -> np.ndarray:
     return _springs(show.edges, robots)
 
 
+def _columns(robots: int) -> int:
+    """How many robots stand in a row of a square of them."""
+    return int(np.ceil(np.sqrt(robots)))
+
+
+def _room(places: np.ndarray) -> float:
+    """How far apart robots that are side by side are, as a rule; of a crowd in rows nobody asks."""
+    if not 2 <= len(places) <= MOST_LAID_OUT:
+        return 1.0
+    apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    np.fill_diagonal(apart, np.inf)
+    return float(np.median(apart.min(axis=1)))
+
+
 def _snake(robots: int) -> np.ndarray:
     """Robots one beside the other, to and fro."""
-    columns = int(np.ceil(np.sqrt(robots)))
+    columns = _columns(robots)
     row = np.arange(robots) // columns
     column = np.where(row % 2 == 0, np.arange(robots) % columns, columns - 1 - np.arange(robots) % columns)
     return (np.stack([column, row], axis=1) + 0.5) / columns

@@ -41,6 +41,7 @@ class Charts {
     this.seek = seek;
     this.histories = scenes.map((scene) => new History(scene));
     this.tick = 0;
+    this.log = false;
     this.due = 0;
     this.plots = [];
   }
@@ -53,7 +54,8 @@ class Charts {
     return this.several ? `${text}, ${this.scenes[side].brain}` : text;
   }
 
-  build() {
+  build(log = this.log) {
+    this.log = log;
     this.host.replaceChildren();
     this.plots = [this.estimates(), this.shares(), this.messages()];
     this.refresh();
@@ -61,7 +63,7 @@ class Charts {
 
   xs() {
     const { every, points } = this.histories[0];
-    return Array.from({ length: points }, (_, k) => k * every);
+    return Array.from({ length: points }, (_, k) => k * every || (this.log ? Number.EPSILON : 0)); // a logarithm has no 0
   }
 
   make(title, unit, series, values, bands = [], more = {}) {
@@ -75,7 +77,7 @@ class Charts {
     const plot = new uPlot(
       {
         width: Math.max(260, this.host.clientWidth), height: 190, bands,
-        scales: { x: { time: false, range: () => [0, this.end()] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
+        scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
         axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit }, ...series],
         legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
@@ -108,7 +110,7 @@ class Charts {
 
   line(text, side, more = {}) {
     const value = (_, v) => (v === null || v === undefined ? "–" : Math.abs(v) >= 1000 ? Math.round(v).toLocaleString("en") : v.toPrecision(4).replace(/\.?0+$/, ""));
-    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: 2, value, points: { show: false }, spanGaps: true, ...more };
+    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, value, points: { show: false }, spanGaps: true, ...more };
   }
 
   estimates() {

@@ -10,12 +10,17 @@ function scaleOf(stops) {
     const place = (k / (STEPS - 1)) * (stops.length - 1);
     const low = Math.min(Math.floor(place), stops.length - 2);
     const part = place - low;
-    const mixed = stops[low].map((value, c) => Math.round(value + part * (stops[low + 1][c] - value)));
-    return `rgb(${mixed.join(" ")})`;
+    return stops[low].map((value, c) => Math.round(value + part * (stops[low + 1][c] - value)));
   });
 }
 
-const SCALES = { belief: scaleOf(BELIEF), error: scaleOf(WRONG) };
+const named = (scale) => scale.map((colour) => `rgb(${colour.join(" ")})`);
+// as a pixel of ImageData is one number, whatever the order of bytes here
+const pixels = (scale) => new Uint32Array(Uint8ClampedArray.from(scale.flatMap((colour) => [...colour, 255])).buffer);
+
+const MIXED = { belief: scaleOf(BELIEF), error: scaleOf(WRONG) };
+const SCALES = { belief: named(MIXED.belief), error: named(MIXED.error) };
+const WORDS = { belief: pixels(MIXED.belief), error: pixels(MIXED.error) };
 const MOST_WRONG = 0.5;
 
 // the step of a scale for an estimate (of 65535), where the truth is known

@@ -1,57 +1,141 @@
 "use strict";
-// One swarm on a canvas: the floor and who stands where, or the network and what it carries.
+// One swarm: the floor and who stands where, or the network and what it carries, in units of its width, y downwards.
+// Konva keeps the layers, turns units into pixels, and tells what is clicked and dragged.
+
+Konva.autoDrawEnabled = false; // a picture is drawn when a frame is due
+Konva.dragDistance = 4;
+Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
+const GREEN = "#007a59";
+const DENSE = 1000; // lines of a network that are drawn thin
 
-class Stage {
-  constructor(canvas, scene) {
-    this.canvas = canvas;
-    this.context = canvas.getContext("2d");
-    this.scene = scene;
-    this.dishonest = new Set(scene.dishonest);
+// what part of the swarm is seen, by both sides of a pair
+class View {
+  constructor() {
     this.zoom = 1;
     this.centre = [0.5, 0.5];
-    this.frame = null;
-    this.colour = "belief";
-    this.chosen = null;
-    this.follow = false;
+  }
+
+  near(factor, at = this.centre) {
+    const zoom = Math.min(Math.max(this.zoom * factor, 1), 40);
+    this.centre = zoom === 1 ? [0.5, 0.5] : this.centre.map((c, k) => at[k] + ((c - at[k]) * this.zoom) / zoom);
+    this.zoom = zoom;
+  }
+}
+
+class Stage {
+  constructor(host, scene, view, { choose, changed }) {
+    Object.assign(this, { host, scene, view, frame: null, colour: "belief", chosen: null, follow: false });
+    this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
+    this.ground = new Konva.Layer({ listening: false });
+    this.swarm = new Konva.Layer({ listening: false });
+    this.konva.add(this.ground, this.swarm);
     if (scene.moves) this.layFloor();
-    else {
-      this.places = new Float32Array(bytesOf(scene.places).buffer);
-      this.edges = new Uint16Array(bytesOf(scene.edges).buffer);
-      this.pairs = this.pair();
-      this.room = this.roomBetween();
-    }
+    else this.layNetwork();
+    this.layRobots();
+    this.listen(choose, changed);
+  }
+
+  // a path that is drawn anew with each picture, its lines as wide on the screen as told
+  path(layer, trace, attributes = {}) {
+    const sceneFunc = (g, own) => {
+      g.beginPath();
+      trace(g);
+      g.fillStrokeShape(own);
+    };
+    const made = new Konva.Shape({ sceneFunc, strokeScaleEnabled: false, ...attributes });
+    layer.add(made);
+    return made;
   }
 
   layFloor() {
-    const { floor, across, turns } = this.scene;
-    if (!floor) return;
-    const packed = bytesOf(floor);
-    this.turns = turns ? new Int32Array(bytesOf(turns).buffer) : null;
-    this.tiles = new Uint8Array(across * across);
-    for (let i = 0; i < this.tiles.length; i++) this.tiles[i] = (packed[i >> 3] >> (7 - (i & 7))) & 1;
-    this.painted = document.createElement("canvas");
-    this.painted.width = this.painted.height = across;
-    this.paint(1);
+    const { floor, turns, across, side, tile } = this.scene;
+    const inside = new Konva.Group({ clip: { x: 0, y: 0, width: 1, height: 1 } });
+    if (floor) {
+      const packed = bytesOf(floor);
+      this.tiles = Uint8Array.from({ length: across * across }, (_, i) => (packed[i >> 3] >> (7 - (i & 7))) & 1);
+      this.turns = turns ? new Int32Array(bytesOf(turns).buffer) : [];
+      const beyond = ((across * tile) / side - 1) / 2; // walls cut through the outermost tiles
+      inside.add(this.pixels(across, { x: -beyond, y: -beyond, width: 1 + 2 * beyond, height: 1 + 2 * beyond }));
+    } else inside.add((this.even = new Konva.Rect({ width: 1, height: 1 })));
+    this.wall = new Konva.Rect({ width: 1, height: 1, strokeWidth: 2, strokeScaleEnabled: false });
+    this.ground.add(inside, this.wall);
+    const inReach = (g) => {
+      const { links } = this.frame;
+      for (let e = 0; e < links.length; e += 2) this.trace(g, links[e], links[e + 1]);
+    };
+    if (this.scene.robots <= 300) this.path(this.swarm, inReach, { stroke: "#ffffff", strokeWidth: 3.5 });
+    this.path(this.swarm, inReach, { stroke: GREEN, strokeWidth: 1.5 });
   }
 
-  paint(tick) {
-    const { across } = this.scene;
-    const image = new ImageData(across, across);
-    for (let row = 0; row < across; row++) {
-      for (let column = 0; column < across; column++) {
-        const i = row * across + column;
-        const black = this.tiles[i] ^ (this.turns && tick >= this.turns[i] ? 1 : 0);
-        image.data.set([...(black ? FLOOR.black : FLOOR.white), 255], 4 * ((across - 1 - row) * across + column));
+  layNetwork() {
+    this.places = new Float32Array(bytesOf(this.scene.places).buffer);
+    this.edges = new Uint16Array(bytesOf(this.scene.edges).buffer);
+    this.lines = this.paired();
+    const { crowd } = this.scene;
+    if (crowd) this.swarm.add(this.pixels(crowd, { width: 1, height: 1 }));
+    this.still = this.path(this.ground, (g) => this.lines.forEach(({ i, j }) => this.trace(g, i, j)), { visible: !crowd, strokeWidth: 1 });
+    // of a crowd, whose lines would hide each other, those of the robot that is chosen
+    const shown = ({ i, j }) => !crowd || i === this.chosen || j === this.chosen;
+    const lit = (g) => {
+      for (const line of this.lines) if (shown(line) && line.links.some((e) => this.frame.links[e])) this.trace(g, line.i, line.j);
+    };
+    if (crowd) this.path(this.swarm, lit, { stroke: "#ffffff", strokeWidth: 4.5 });
+    const dense = !crowd && this.lines.length > DENSE;
+    this.path(this.swarm, lit, { stroke: dense ? "rgb(0 158 115 / 0.25)" : GREEN, strokeWidth: dense ? 1 : 2 });
+  }
+
+  layRobots() {
+    const { crowd, moves } = this.scene;
+    this.groups = Array.from({ length: STEPS }, () => []);
+    const circles = (g, robots, r) => {
+      for (const [x, y] of robots) {
+        g.moveTo(x + r, y);
+        g.arc(x, y, r, 0, 2 * Math.PI);
       }
-    }
-    this.painted.getContext("2d").putImageData(image, 0, 0);
-    this.paintedAt = tick;
+    };
+    this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
+    this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
+    this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
+    // a shape, and no colour alone, says who lies
+    this.liars = this.path(this.swarm, (g) => this.traceCrosses(g), { stroke: "#cc79a7" });
+    this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
+    this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
+    this.swarm.add(...this.rings, this.reach);
+  }
+
+  // a picture of as many dots across, on whose dots one paints
+  pixels(across, place) {
+    this.dots = document.createElement("canvas");
+    this.dots.width = this.dots.height = across;
+    return new Konva.Image({ image: this.dots, ...place });
+  }
+
+  listen(choose, changed) {
+    this.konva.on("click tap", () => {
+      const robot = this.robotAt(this.pointed());
+      if (robot !== null) choose(robot);
+    });
+    this.konva.on("dragmove", () => {
+      const { x, y } = this.konva.position();
+      this.view.centre = [x, y].map((from) => (this.size / 2 - from) / (this.size * this.view.zoom));
+      changed();
+    });
+    this.konva.on("wheel", ({ evt }) => {
+      evt.preventDefault();
+      this.view.near(evt.deltaY < 0 ? 1.2 : 1 / 1.2, this.pointed());
+      changed();
+    });
+  }
+
+  pointed() {
+    const { x, y } = this.konva.getRelativePointerPosition();
+    return [x, y];
   }
 
   // directed links as lines to draw, each with the one or two links that it stands for
-  pair() {
+  paired() {
     const lines = new Map();
     for (let e = 0; 2 * e < this.edges.length; e++) {
       const [i, j] = [this.edges[2 * e], this.edges[2 * e + 1]].sort((a, b) => a - b);
@@ -62,244 +146,140 @@ class Stage {
     return [...lines.values()];
   }
 
-  // where robot i is, in [0, 1], y upwards
-  place(i, frame = this.frame) {
-    if (frame.x) return [frame.x[i] / 65535, frame.y[i] / 65535];
-    return [this.places[2 * i], 1 - this.places[2 * i + 1]];
+  place(i) {
+    if (this.places) return [this.places[2 * i], this.places[2 * i + 1]];
+    return [this.frame.x[i] / 65535, 1 - this.frame.y[i] / 65535];
   }
 
-  toScreen([x, y]) {
-    const size = this.canvas.width;
-    return [((x - this.centre[0]) * this.zoom + 0.5) * size, (0.5 - (y - this.centre[1]) * this.zoom) * size];
+  trace(g, i, j) {
+    g.moveTo(...this.place(i));
+    g.lineTo(...this.place(j));
   }
 
-  robotAt(clientX, clientY) {
-    if (!this.frame) return null;
-    const box = this.canvas.getBoundingClientRect();
-    const scale = this.canvas.width / box.width;
-    const [px, py] = [(clientX - box.left) * scale, (clientY - box.top) * scale];
-    let best = null;
-    let near = Math.max(this.radius() + 4, 14) * scale;
-    for (let i = 0; i < this.scene.robots; i++) {
-      const [x, y] = this.toScreen(this.place(i));
-      const distance = Math.hypot(x - px, y - py);
+  robotAt(point) {
+    let [best, near] = [null, Math.max(this.radius + 4 * this.pixel, 14 * this.pixel)];
+    for (let i = 0; this.frame && i < this.scene.robots; i++) {
+      const [x, y] = this.place(i);
+      const distance = Math.hypot(x - point[0], y - point[1]);
       if (distance < near) [best, near] = [i, distance];
     }
     return best;
   }
 
-  radius() {
-    const size = this.canvas.width;
-    if (this.scene.moves) return Math.max((this.scene.radius / this.scene.side) * size * this.zoom, 2.2);
-    return Math.min(Math.max(0.4 * this.room * size * this.zoom, size / 180), size / 44);
-  }
-
-  // how far apart robots that are side by side are, as a rule
-  roomBetween() {
-    const { robots } = this.scene;
-    if (robots > 400 || robots < 2) return 1 / Math.ceil(Math.sqrt(robots));
-    const nearest = [];
-    for (let i = 0; i < robots; i++) {
-      let near = 1;
-      for (let j = 0; j < robots; j++) if (j !== i) near = Math.min(near, Math.hypot(this.places[2 * i] - this.places[2 * j], this.places[2 * i + 1] - this.places[2 * j + 1]));
-      nearest.push(near);
-    }
-    return nearest.sort((a, b) => a - b)[robots >> 1];
-  }
-
-  fit() {
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
-    const size = Math.max(64, Math.round(this.canvas.clientWidth * ratio));
-    if (this.canvas.width !== size) this.canvas.width = this.canvas.height = size;
+  // what is drawn of a robot, never too small to be seen
+  fitRobots() {
+    const { moves, radius, side, crowd, room } = this.scene;
+    if (moves) this.radius = Math.max(radius / side, 2.2 * this.pixel);
+    else if (crowd) this.radius = 0.5 / crowd;
+    else this.radius = Math.min(Math.max(0.4 * room, (this.size / 180) * this.pixel), (this.size / 44) * this.pixel);
   }
 
   draw(frame) {
     this.frame = frame;
-    this.fit();
-    if (this.follow && this.chosen !== null) this.centre = this.place(this.chosen);
-    const g = this.context;
-    const size = this.canvas.width;
-    g.fillStyle = tone("--sheet");
-    g.fillRect(0, 0, size, size);
-    if (this.scene.moves) this.drawFloor(frame);
-    this.drawLinks(frame);
-    if (!this.scene.moves && this.scene.robots > 400) this.drawSquares(frame);
-    else this.drawRobots(frame);
-    if (this.chosen !== null && this.chosen < this.scene.robots) this.drawChosen(frame);
+    this.size = Math.max(64, this.host.clientWidth);
+    if (this.konva.width() !== this.size) this.konva.size({ width: this.size, height: this.size });
+    if (this.follow && this.chosen !== null) this.view.centre = this.place(this.chosen);
+    const scale = this.size * this.view.zoom;
+    const [x, y] = this.view.centre.map((c) => this.size / 2 - c * scale);
+    this.konva.setAttrs({ x, y, scaleX: scale, scaleY: scale, draggable: this.view.zoom > 1 && !this.follow });
+    this.host.classList.toggle("near", this.view.zoom > 1);
+    this.pixel = 1 / scale;
+    this.fitRobots();
+    this.drawGround();
+    this.drawRobots();
+    this.drawChosen();
+    this.swarm.draw();
   }
 
-  drawFloor(frame) {
-    const g = this.context;
-    const [left, top] = this.toScreen([0, 1]);
-    const [right, bottom] = this.toScreen([1, 0]);
-    if (this.painted) {
-      if (this.turns && frame.tick !== this.paintedAt) this.paint(frame.tick);
-      const { side, tile, across } = this.scene;
-      const beyond = ((across * tile) / side - 1) / 2; // walls cut through the outermost tiles
-      const [x, y] = this.toScreen([-beyond, 1 + beyond]);
-      const width = this.toScreen([1 + beyond, 0])[0] - x;
-      g.save();
-      g.beginPath();
-      g.rect(left, top, right - left, bottom - top);
-      g.clip();
-      g.imageSmoothingEnabled = across > this.canvas.width;
-      g.drawImage(this.painted, x, y, width, width);
-      g.restore();
-    } else {
-      g.fillStyle = `rgb(${FLOOR.grey(frame.numbers[0]).map(Math.round).join(" ")})`;
-      g.fillRect(left, top, right - left, bottom - top);
-    }
-    g.strokeStyle = tone("--ink");
-    g.lineWidth = 2;
-    g.strokeRect(left, top, right - left, bottom - top);
+  // what stays as it is, is not drawn again
+  drawGround() {
+    const turned = this.turns?.length ? this.turns.reduce((sum, turn) => sum + (turn <= this.frame.tick), 0) : 0;
+    const grey = this.even ? `rgb(${FLOOR.grey(this.frame.numbers[0]).map(Math.round).join(" ")})` : "";
+    const now = [this.konva.x(), this.konva.y(), this.pixel, turned, grey, tone("--ink"), this.size].join();
+    if (now === this.drawn) return;
+    this.wall?.stroke(tone("--ink"));
+    this.still?.stroke(tone("--line"));
+    this.even?.fill(grey);
+    if (this.tiles && turned !== this.turned) this.paintFloor();
+    this.ground.imageSmoothingEnabled(this.scene.across > this.size * Konva.pixelRatio);
+    this.ground.draw();
+    [this.drawn, this.turned] = [now, turned];
   }
 
-  drawLinks(frame) {
-    const g = this.context;
-    if (this.scene.moves) {
-      g.beginPath();
-      for (let e = 0; e < frame.links.length; e += 2) {
-        g.moveTo(...this.toScreen(this.place(frame.links[e])));
-        g.lineTo(...this.toScreen(this.place(frame.links[e + 1])));
-      }
-      const width = Math.max(1.5, this.canvas.width / 320);
-      for (const [colour, more] of [["#ffffff", 2 * (this.scene.robots <= 300)], ["#007a59", 0]]) {
-        g.strokeStyle = colour;
-        g.lineWidth = width + more;
-        g.stroke();
-      }
-      return;
+  paintFloor() {
+    const { across } = this.scene;
+    const image = new ImageData(across, across);
+    for (let i = 0; i < this.tiles.length; i++) {
+      const black = this.tiles[i] ^ (this.frame.tick >= this.turns[i] ? 1 : 0);
+      const row = across - 1 - Math.floor(i / across);
+      image.data.set(black ? FLOOR.black : FLOOR.white, 4 * (row * across + (i % across)));
+      image.data[4 * (row * across + (i % across)) + 3] = 255;
     }
-    const dense = this.pairs.length > 1000;
-    for (const lit of [false, true]) {
-      g.strokeStyle = lit ? `rgb(0 158 115 / ${dense ? 0.25 : 0.85})` : tone("--line");
-      g.lineWidth = lit && !dense ? 2 : 1;
-      g.beginPath();
-      for (const { i, j, links } of this.pairs) {
-        if (links.some((e) => frame.links[e]) !== lit) continue;
-        g.moveTo(...this.toScreen(this.place(i)));
-        g.lineTo(...this.toScreen(this.place(j)));
-      }
-      g.stroke();
-    }
+    this.dots.getContext("2d").putImageData(image, 0, 0);
   }
 
-  // robots by colour, so that the colour is set once for all that have it
-  byColour(frame) {
-    const groups = new Map();
-    const truth = frame.numbers[0];
+  drawRobots() {
+    const { robots, crowd, moves } = this.scene;
+    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, this.frame.estimates[i], this.frame.numbers[0]));
+    const shown = this.radius / this.pixel;
+    if (crowd) this.paintCrowd(steps);
+    else {
+      for (const group of this.groups) group.length = 0;
+      steps.forEach((step, i) => this.groups[step].push(this.place(i)));
+      const edge = { stroke: shown > 4 ? "#101010" : "rgb(0 0 0 / 0.5)", strokeWidth: Math.max(0.5, shown / 6) };
+      this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
+    }
+    for (const part of [this.headings, this.wrong]) part.visible(moves && shown > 3);
+    this.headings.strokeWidth(Math.max(1.2, shown / 5));
+    this.wrong.strokeWidth(Math.max(1.5, shown / 4));
+    this.liars.strokeWidth(Math.max(1.5, shown / 3.5));
+  }
+
+  paintCrowd(steps) {
+    const { crowd } = this.scene;
+    const image = new ImageData(crowd, crowd);
+    const words = new Uint32Array(image.data.buffer);
+    steps.forEach((step, i) => (words[i] = WORDS[this.colour][step]));
+    this.dots.getContext("2d").putImageData(image, 0, 0);
+    this.swarm.imageSmoothingEnabled(false);
+  }
+
+  traceHeadings(g) {
     for (let i = 0; i < this.scene.robots; i++) {
-      const step = stepOf(this.colour, frame.estimates[i], truth);
-      if (!groups.has(step)) groups.set(step, []);
-      groups.get(step).push(i);
-    }
-    return groups;
-  }
-
-  drawSquares(frame) {
-    const g = this.context;
-    const cell = (this.canvas.width / Math.ceil(Math.sqrt(this.scene.robots))) * this.zoom;
-    for (const [step, robots] of this.byColour(frame)) {
-      g.fillStyle = SCALES[this.colour][step];
-      for (const i of robots) {
-        const [x, y] = this.toScreen(this.place(i));
-        g.fillRect(x - 0.46 * cell, y - 0.46 * cell, 0.92 * cell, 0.92 * cell);
-      }
-    }
-    this.drawLiars(frame, cell / 2);
-  }
-
-  drawRobots(frame) {
-    const g = this.context;
-    const r = this.radius();
-    const edge = Math.max(1, r / 6);
-    for (const [step, robots] of this.byColour(frame)) {
-      g.fillStyle = SCALES[this.colour][step];
-      g.beginPath();
-      for (const i of robots) {
-        const [x, y] = this.toScreen(this.place(i));
-        g.moveTo(x + r, y);
-        g.arc(x, y, r, 0, 2 * Math.PI);
-      }
-      g.fill();
-      g.lineWidth = edge;
-      g.strokeStyle = r > 4 ? "#101010" : "rgb(0 0 0 / 0.5)";
-      g.stroke();
-    }
-    if (this.scene.moves && r > 3) this.drawHeadings(frame, r);
-    this.drawLiars(frame, r);
-  }
-
-  drawHeadings(frame, r) {
-    const g = this.context;
-    const wrong = [];
-    g.strokeStyle = "#000000";
-    g.lineWidth = Math.max(1.2, r / 5);
-    g.beginPath();
-    for (let i = 0; i < this.scene.robots; i++) {
-      const [x, y] = this.toScreen(this.place(i));
-      const angle = (frame.headings[i] / 256) * 2 * Math.PI;
+      const [x, y] = this.place(i);
+      const angle = (this.frame.headings[i] / 256) * 2 * Math.PI;
       g.moveTo(x, y);
-      g.lineTo(x + r * Math.cos(angle), y - r * Math.sin(angle));
-      const flags = frame.flags[i];
-      if (flags & FLAG.looked && !(flags & FLAG.readBlack) !== !(flags & FLAG.onBlack)) wrong.push([x, y]);
+      g.lineTo(x + this.radius * Math.cos(angle), y - this.radius * Math.sin(angle));
     }
-    g.stroke();
-    g.strokeStyle = "#d55e00";
-    g.lineWidth = Math.max(1.5, r / 4);
-    g.beginPath();
-    for (const [x, y] of wrong) {
-      g.moveTo(x + r * 1.35, y);
-      g.arc(x, y, r * 1.35, 0, 2 * Math.PI);
-    }
-    g.stroke();
   }
 
-  // a shape, and no colour alone, says who lies
-  drawLiars(frame, r) {
-    const g = this.context;
-    g.strokeStyle = "#cc79a7";
-    g.lineWidth = Math.max(1.5, r / 3.5);
-    g.beginPath();
-    for (const i of this.dishonest) {
-      const [x, y] = this.toScreen(this.place(i));
+  misread() {
+    const { flags } = this.frame;
+    const wrong = (flag) => flag & FLAG.looked && !(flag & FLAG.readBlack) !== !(flag & FLAG.onBlack);
+    const found = [];
+    for (let i = 0; i < this.scene.robots; i++) if (wrong(flags[i])) found.push(this.place(i));
+    return found;
+  }
+
+  traceCrosses(g) {
+    const r = this.radius;
+    for (const i of this.scene.dishonest) {
+      const [x, y] = this.place(i);
       g.moveTo(x - r, y - r);
       g.lineTo(x + r, y + r);
       g.moveTo(x + r, y - r);
       g.lineTo(x - r, y + r);
     }
-    g.stroke();
   }
 
-  drawChosen(frame) {
-    const g = this.context;
-    const r = this.radius();
-    const [x, y] = this.toScreen(this.place(this.chosen));
-    for (const [colour, width] of [["#000000", 5], ["#ffffff", 2.5]]) {
-      g.strokeStyle = colour;
-      g.lineWidth = width;
-      g.beginPath();
-      g.arc(x, y, r + 5, 0, 2 * Math.PI);
-      g.stroke();
-    }
-    if (this.scene.moves) {
-      g.setLineDash([4, 5]);
-      g.strokeStyle = "#009e73";
-      g.lineWidth = 1.5;
-      g.beginPath();
-      g.arc(x, y, (this.scene.range / this.scene.side) * this.canvas.width * this.zoom, 0, 2 * Math.PI);
-      g.stroke();
-      g.setLineDash([]);
-    }
+  drawChosen() {
+    const visible = this.chosen !== null && this.chosen < this.scene.robots;
+    const [x, y] = visible ? this.place(this.chosen) : [0, 0];
+    for (const ring of this.rings) ring.setAttrs({ visible, x, y, radius: this.radius + 5 * this.pixel });
+    this.reach.setAttrs({ visible: visible && this.scene.moves, x, y });
   }
 
-  near(factor) {
-    this.zoom = Math.min(Math.max(this.zoom * factor, 1), 40);
-    if (this.zoom === 1) this.centre = [0.5, 0.5];
-  }
-
-  shift(dx, dy) {
-    const size = this.canvas.clientWidth * this.zoom;
-    this.centre = [this.centre[0] - dx / size, this.centre[1] + dy / size];
+  destroy() {
+    this.konva.destroy();
   }
 }

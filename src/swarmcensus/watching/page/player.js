@@ -1,0 +1,185 @@
+"use strict";
+// The player: which frames are asked for and when, and what is shown of them.
+
+// frames from a moment on, so that they are there when they are due
+async function fetchAt(from, run) {
+  if (state.asking || run !== state.run || from > rounds()) return;
+  state.asking = true;
+  try {
+    const sides = await state.source.frames(from, Math.min(strides(), Math.max(rounds(), 1)), AHEAD);
+    if (run !== state.run) return;
+    if (sides) {
+      sides.forEach((frames, side) => {
+        for (const frame of frames) {
+          if (!state.frames.has(frame.tick)) state.frames.set(frame.tick, []);
+          state.frames.get(frame.tick)[side] = frame;
+        }
+      });
+      forget();
+    }
+  } catch (error) {
+    if (run === state.run) {
+      complain(error);
+      pause();
+    }
+  } finally {
+    if (run === state.run) state.asking = false;
+  }
+}
+
+// the curves before a moment that one came to at once, in as many points as can be told apart
+async function fillBehind(run) {
+  const history = state.charts.histories[0];
+  const to = state.tick;
+  if (state.playing || history.known(to) > 0.1) return;
+  const by = Math.max(history.every, Math.ceil(to / 400 / history.every) * history.every);
+  for (let from = 0; from < to && run === state.run && !state.playing; ) {
+    const sides = await state.source.frames(from, by, Math.floor((to - 1 - from) / by) + 1);
+    if (run !== state.run) return;
+    if (!sides) continue;
+    sides.forEach((frames, side) => state.charts.put(side, frames));
+    from = sides[0][sides[0].length - 1].tick + by;
+  }
+  if (run === state.run) state.charts.refresh();
+}
+
+// what lies far behind is asked for again if anyone goes back: the page grows no larger
+function forget() {
+  if (state.frames.size <= 2 * AHEAD + BEHIND) return;
+  const ticks = [...state.frames.keys()].sort((a, b) => a - b);
+  const here = ticks.findIndex((tick) => tick >= state.tick);
+  for (const tick of ticks.slice(0, Math.max(0, here - BEHIND))) state.frames.delete(tick);
+  for (const tick of ticks.slice(Math.max(0, here) + 2 * AHEAD)) state.frames.delete(tick);
+}
+
+// how far frames wait without a gap, from here on
+function waiting(by) {
+  let tick = state.tick;
+  while (state.frames.has(tick + by) && tick + by <= rounds()) tick += by;
+  return tick;
+}
+
+function tickOn(now) {
+  requestAnimationFrame(tickOn);
+  const passed = Math.min((now - state.last) / 1000, 0.25);
+  state.last = now;
+  if (!state.scenes.length) return;
+  const by = strides();
+  if (!state.frames.has(state.tick)) fetchAt(state.tick, state.run);
+  else if (state.playing) {
+    const end = waiting(by);
+    const pace = state.speed === Infinity ? by * PICTURES * 4 : state.speed;
+    state.place = Math.min(state.place + pace * passed, end);
+    let next = state.tick;
+    while (next + by <= state.place && state.frames.has(next + by)) next += by;
+    if (state.playing && end + by > rounds() && next + by > rounds()) next = state.frames.has(rounds()) ? rounds() : next;
+    state.tick = next;
+    if ((end - state.tick) / by < AHEAD / 2 && end + by <= rounds()) fetchAt(end + by, state.run);
+    else if (end + by > rounds() && end < rounds() && !state.frames.has(rounds())) fetchAt(rounds(), state.run);
+    if (state.tick >= rounds()) pause();
+  }
+  const frames = state.frames.get(state.tick);
+  if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
+}
+
+function show(frames, now) {
+  state.drawn = state.tick;
+  state.stages.forEach((stage, side) => {
+    stage.colour = state.colour;
+    stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
+    stage.follow = state.follow;
+    stage.draw(frames[side]);
+  });
+  const scene = state.scenes[0];
+  $("moment").value = state.tick;
+  const seconds = scene.seconds ? `, ${clockOf(state.tick * scene.seconds)}` : "";
+  $("clock").textContent = `${scene.unit} ${state.tick.toLocaleString("en")} of ${scene.rounds.toLocaleString("en")}${seconds}`;
+  $("moment").setAttribute("aria-valuetext", $("clock").textContent);
+  for (const [tick, sides] of state.frames) {
+    if (tick > state.tick || sides.charted) continue;
+    sides.forEach((frame, side) => state.charts.put(side, [frame]));
+    sides.charted = true;
+  }
+  state.charts.show(state.tick, now, !state.playing);
+  state.pictures.push(now);
+  while (state.pictures[0] < now - 1000) state.pictures.shift();
+  if (!state.playing || now - state.told > 100) {
+    state.told = now;
+    tellNumbers($("numbers"), state.scenes, frames);
+    $("rate").textContent = state.playing ? `${state.pictures.length} pictures a second` : "";
+    tellChosen();
+  }
+}
+
+function clockOf(seconds) {
+  const whole = Math.floor(seconds);
+  const [h, m, s] = [Math.floor(whole / 3600), Math.floor(whole / 60) % 60, whole % 60];
+  return `${h ? `${h}:` : ""}${String(m).padStart(h ? 2 : 1, "0")}:${String(s).padStart(2, "0")}`;
+}
+
+async function tellChosen() {
+  if (state.chosen === null || state.telling) return;
+  state.telling = true;
+  const [run, tick, robot, side] = [state.run, state.tick, state.chosen, state.side];
+  try {
+    const told = await state.source.robot(side, robot, tick);
+    if (run === state.run && robot === state.chosen) {
+      tellRobot($("told"), told, state.scenes[side]);
+      $("told").dataset.tick = told.tick;
+      $("told").dataset.robot = told.robot;
+    }
+  } catch (error) {
+    if (run === state.run) complain(error);
+  } finally {
+    state.telling = false;
+    if (!state.playing && run === state.run && (tick !== state.tick || robot !== state.chosen || side !== state.side)) tellChosen();
+  }
+}
+
+function again() {
+  state.drawn = -1;
+}
+
+function play() {
+  if (state.tick >= rounds()) seek(0);
+  state.playing = true;
+  state.place = state.tick;
+  $("play").textContent = "❚❚ Pause";
+  $("play").setAttribute("aria-label", "Pause");
+}
+
+function pause() {
+  state.playing = false;
+  $("play").textContent = "▶ Play";
+  $("play").setAttribute("aria-label", "Play");
+  again();
+  remember();
+}
+
+function seek(tick) {
+  state.tick = state.place = Math.min(Math.max(Math.round(tick), 0), rounds());
+  again();
+  $("moment").value = state.tick;
+  if (!state.playing) remember();
+}
+
+function hop(by) {
+  if (state.playing) pause();
+  seek(state.tick + by);
+}
+
+function choose(robot, side = state.side) {
+  state.chosen = robot;
+  state.side = side;
+  $("which").value = robot ?? "";
+  $("which-side").value = side;
+  again();
+  remember();
+  tellChosen();
+}
+
+function pace(by) {
+  const at = SPEEDS.indexOf(state.speed) + by;
+  state.speed = SPEEDS[Math.min(Math.max(at, 0), SPEEDS.length - 1)];
+  $("speed").value = String(state.speed);
+}

@@ -1,0 +1,140 @@
+"use strict";
+// What is watched: the trial that was asked for, and an address that holds the moment.
+
+const $ = (id) => document.getElementById(id);
+const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
+const PICTURES = 60; // a second
+const AHEAD = 120; // frames that wait to be shown
+const BEHIND = 120; // frames that are kept
+const recordedText = $("recorded");
+
+const state = {
+  source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
+  ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
+  tick: 0, place: 0, playing: false, speed: 60, colour: "belief", chosen: null, side: 0, follow: false,
+  asking: false, run: 0, drawn: -1, last: 0, pictures: [], toldAt: -1, told: 0,
+};
+
+function complain(error) {
+  $("error").hidden = !error;
+  $("error").textContent = error ? error.message || String(error) : "";
+}
+
+const rounds = () => state.scenes[0]?.rounds || 0;
+const step = () => Math.max(1, Math.ceil(Math.min(state.speed, 1e9) / PICTURES) || 1);
+const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds() / 600)) : Math.min(step(), Math.max(1, Math.floor(rounds() / 100))));
+
+function wishOf(text) {
+  const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
+  const { tick, robot, side, colour, ...ask } = asked;
+  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour === "error" ? "error" : "belief" };
+}
+
+function fragment() {
+  const words = new URLSearchParams(state.ask);
+  if (!words.has("trial") && state.form) words.set("trial", state.form.now.trial);
+  if (!words.has("seed") && state.form) words.set("seed", state.form.now.seed);
+  if (state.form) words.set("of", state.form.mark);
+  words.set("tick", state.tick);
+  if (state.chosen !== null) words.set("robot", state.chosen);
+  if (state.side) words.set("side", state.side);
+  if (state.colour !== "belief") words.set("colour", state.colour);
+  return `#${words}`;
+}
+
+function remember() {
+  history.replaceState(null, "", fragment());
+}
+
+async function begin(ask, tick = 0, robot = state.chosen) {
+  const run = ++state.run;
+  state.asking = true;
+  $("title").textContent = "preparing … (a brain is compiled when it is watched for the first time)";
+  let answer;
+  try {
+    answer = await state.source.begin(ask);
+  } catch (error) {
+    if (run === state.run) {
+      complain(error);
+      state.asking = false;
+      if (state.form) {
+        $("title").textContent = `${state.form.name}: ${state.scenes[0].title}`;
+        buildControls($("controls"), state.form, change, Boolean(recordedText));
+      } else {
+        $("title").textContent = "";
+        if (Object.keys(ask).length) await begin({}, 0, null);
+        complain(error);
+      }
+    }
+    return;
+  }
+  if (run !== state.run) return;
+  complain(null);
+  state.ask = answer.form.asked || ask;
+  state.scenes = answer.scenes;
+  state.form = answer.form;
+  state.frames.clear();
+  state.chosen = robot !== null && robot >= 0 && robot < state.scenes[0].robots ? robot : null;
+  state.side = Math.min(state.side, state.scenes.length - 1);
+  state.tick = state.place = Math.min(Math.max(tick, 0), rounds());
+  state.drawn = -1;
+  state.toldAt = -1;
+  state.asking = false;
+  state.ended = false;
+  buildPage();
+  remember();
+  await fetchAt(state.tick, run);
+  await fillBehind(run).catch(() => {});
+}
+
+function buildPage() {
+  const { scenes, form } = state;
+  $("title").textContent = `${form.name}: ${scenes[0].title}; seed ${form.now.seed}, trial ${form.now.trial}`;
+  document.title = `${scenes.map((scene) => scene.brain).join(" and ")} – swarmcensus`;
+  for (const stage of state.stages) stage.destroy();
+  state.view = new View();
+  $("stages").replaceChildren();
+  document.querySelector("main").classList.toggle("pair", scenes.length > 1);
+  state.stages = scenes.map((scene, side) => {
+    const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${scene.robots} robots with ${scene.brain}` });
+    const liars = scene.dishonest.length ? `, ${scene.dishonest.length} of ${scene.robots} lie (crossed out)` : "";
+    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${scene.memory} bytes of memory, ${scene.message} a message${liars}`), host));
+    return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again });
+  });
+  $("moment").max = rounds();
+  $("which").max = scenes[0].robots - 1;
+  $("which").value = state.chosen ?? "";
+  $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
+  $("which-side").value = state.side;
+  $("which-side").hidden = scenes.length < 2;
+  if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see all that it remembers, reads and hears."));
+  buildControls($("controls"), form, change, Boolean(recordedText));
+  state.charts = new Charts($("curves"), scenes, seek);
+  state.charts.build($("log").checked);
+  if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds. Its estimates are rounded to four digits.";
+  legend();
+}
+
+function legend() {
+  const g = $("scale").getContext("2d");
+  SCALES[state.colour].forEach((colour, k) => {
+    g.fillStyle = colour;
+    g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
+  });
+  $("legend-low").textContent = state.colour === "belief" ? "believes 0" : "right";
+  $("legend-high").textContent = state.colour === "belief" ? "1" : `off by ${MOST_WRONG} or more`;
+  const { moves, crowd } = state.scenes[0] || {};
+  const lines = crowd ? "each square a robot · green: links to the chosen one that carried a message" : "green: links that carried a message";
+  $("legend-text").textContent = `· ${moves ? "green: who hears whom · orange ring: a wrong reading" : lines}`;
+}
+
+function change(key, value) {
+  const ask = { ...state.ask };
+  if (value === "" && key !== "beside") delete ask[key];
+  else ask[key] = value;
+  if (key === "beside" && value === "") delete ask[key];
+  if (key === "setting" || key === "seed") delete ask.of;
+  if (key === "setting") for (const other of Object.keys(ask)) if (!["setting", "trial", "seed"].includes(other)) delete ask[other];
+  if (key === "topology") for (const other of ["density", "floor", "rounds"]) delete ask[other];
+  begin(ask, 0);
+}
