@@ -25,16 +25,17 @@ def watch(options: argparse.Namespace) -> int:
     check_moment(wanted(offer, asked), play)  # what is wrong is told here, rather than in the browser
     if options.export is not None:
         return _export(options, offer, asked, play)
-    return _serve(options, offer, asked | play)
+    return _serve(options, offer, asked, play)
 
 
-def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str]) -> int:
+def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str], play: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
-    from swarmcensus.watching.server import LOOPBACK, listen, serve
+    from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port)  # type: ignore[arg-type]
-    address = served.address(urlencode(asked))
+    warm(served, asked)
+    address = served.address(urlencode(asked | play))
     print(address, flush=True)
     say("Ctrl-C ends it.")
     if options.host not in LOOPBACK:

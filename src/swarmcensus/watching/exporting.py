@@ -129,4 +129,5 @@ def _page(recording: dict[str, Any]) -> str:
     top = f"{head}\n<title>{title}</title>\n<style>\n{style}\n</style>"
     text = "\n".join(lines).replace("<title>swarmcensus watch</title>", top)
     parts = f'<script id="recorded" type="application/json">{data}</script>\n<script>\n{script}\n</script>\n'
-    return text.replace("</body>", f"{parts}<!-- Konva draws the swarm, uPlot the curves:\n{licences}-->\n</body>") + "\n"
+    makers = f"<!-- Konva draws the swarm, uPlot the curves:\n{licences}-->"
+    return text.replace("</body>", f"{parts}{makers}\n</body>") + "\n"

@@ -9,17 +9,12 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
-
-import xarray as xr
+from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, adversary
-from swarmcensus.results.early import opened
-from swarmcensus.results.origins import setting_of, studies_of
-from swarmcensus.results.selecting import require
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -27,6 +22,9 @@ from swarmcensus.worlds import arena, networks, patterns, sensors, wiring
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
+
+if TYPE_CHECKING:  # a page of a study comes half a second sooner without
+    import xarray as xr
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
 MOST_TILES = 1_000_000  # from wall to wall
@@ -70,23 +68,30 @@ class Wanted:
     mark: str  # of the setting before anything was changed: links of other studies have others
 
 
-def offer_of(of: Path | Study | xr.Dataset | None, given: tuple[Path, ...] = ()) -> Offer:
+def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = ()) -> Offer:
     """Offer the settings of a study or of results, as files or not, or a small swarm; and brain files beside theirs.
 
     Raises InputError.
     """
     name = of.name if isinstance(of, Path) else ""
-    if isinstance(of, Path) and of.suffix == ".nc":
-        of = opened(of)
-    if isinstance(of, xr.Dataset):
-        require(of)
-        data, studies = of, studies_of(of, given)
-        numbers = tuple(map(int, data["setting"].values))
-        return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
+    if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
+        return _results(of, name, given)
     more = {brain.told: brain for brain in map(brains.load, given)}
     asked = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = asked.settings()
     return _offer(name or asked.name, tuple(range(len(settings))), [asked], more, lambda k: (asked, settings[k]))
+
+
+def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
+    from swarmcensus.results.early import opened
+    from swarmcensus.results.origins import setting_of, studies_of
+    from swarmcensus.results.selecting import require
+
+    data = opened(of) if isinstance(of, Path) else of
+    require(data)
+    studies = studies_of(data, given)
+    numbers = tuple(map(int, data["setting"].values))
+    return _offer(name or studies[0].name, numbers, studies, {}, lambda number: setting_of(data, number, given))
 
 
 def _offer(

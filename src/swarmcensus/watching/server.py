@@ -6,7 +6,7 @@ import secrets
 import socket
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -177,6 +177,17 @@ def server_of(served: Served) -> Any:
             proxy_headers=False,
         )
     )
+
+
+def warm(served: Served, asked: Mapping[str, str]) -> None:
+    """Compute the first of what a page will ask for, while a browser is on its way."""
+
+    def begin() -> None:
+        page = Session(served.offer)
+        page.answer(json.dumps({"do": "begin", "ask": dict(asked)}))
+        page.answer(json.dumps({"do": "frames", "from": 0, "count": 2}))
+
+    threading.Thread(target=begin, daemon=True).start()
 
 
 def serve(served: Served) -> None:
