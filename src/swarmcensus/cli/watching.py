@@ -3,10 +3,14 @@
 import argparse
 import contextlib
 import sys
+from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.voice import say, wrote
+
+if TYPE_CHECKING:
+    from swarmcensus.watching.offers import Offer
 
 
 def watch(options: argparse.Namespace) -> int:
@@ -28,12 +32,12 @@ def watch(options: argparse.Namespace) -> int:
     return _serve(options, offer, asked, play)
 
 
-def _serve(options: argparse.Namespace, offer: object, asked: dict[str, str], play: dict[str, str]) -> int:
+def _serve(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], play: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
     from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
 
-    served = listen(offer, options.host, options.port)  # type: ignore[arg-type]
+    served = listen(offer, options.host, options.port)
     warm(served, asked)
     address = served.address(urlencode(asked | play))
     print(address, flush=True)
@@ -55,7 +59,7 @@ def _open_browser(address: str) -> None:
     threading.Timer(0.3, webbrowser.open, (address,)).start()
 
 
-def _export(options: argparse.Namespace, offer: object, asked: dict[str, str], play: dict[str, str]) -> int:
+def _export(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
     from swarmcensus.basics.files import check_writable
@@ -66,7 +70,7 @@ def _export(options: argparse.Namespace, offer: object, asked: dict[str, str], p
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)
-        size = export(offer, asked, options.export, play, lambda share: bar.update(task, completed=share))  # type: ignore[arg-type]
+        size = export(offer, asked, options.export, play, lambda share: bar.update(task, completed=share))
     wrote(f"{options.export} ({size / 1e6:.1f} MB)")
     return 0
 

@@ -15,7 +15,14 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
     )
     sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="such as robots=100, setting=3, trial=7, tick=500; may be repeated")  # fmt: skip  # noqa: E501
     sub.add_argument("--at", default="", metavar="ADDRESS", help="the moment of somebody's copied link")
-    sub.add_argument("--brain", type=Path, action="append", default=[], metavar="FILE", help="a brain file that may be watched too; may be repeated")  # fmt: skip  # noqa: E501
+    sub.add_argument(
+        "--brain",
+        type=Path,
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a brain file that may be watched too; may be repeated",
+    )
     sub.add_argument("--export", type=Path, metavar="FILE.html", help="write the page with this trial in it, and end")
     sub.add_argument("--port", type=_port, default=0, help="default: a free one")
     sub.add_argument("--host", default="127.0.0.1", help="whom to answer to (default: this machine alone)")
