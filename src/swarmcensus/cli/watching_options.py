@@ -13,7 +13,13 @@ def add_watch_options(sub: argparse.ArgumentParser) -> None:
         metavar="STUDY.toml|RESULTS.nc|BRAIN.py",
         help="default: 25 robots that move",
     )
-    sub.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="such as robots=100, setting=3, trial=7, tick=500; may be repeated")  # fmt: skip  # noqa: E501
+    sub.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="KEY=VALUE",
+        help="such as robots=100, setting=3, trial=7, tick=500; may be repeated",
+    )
     sub.add_argument("--at", default="", metavar="ADDRESS", help="the moment of somebody's copied link")
     sub.add_argument(
         "--brain",
