@@ -4,6 +4,7 @@ import re
 import shutil
 import time
 
+import numpy as np
 import pytest
 
 import swarmcensus as sc
@@ -11,6 +12,7 @@ from swarmcensus.cli.commands import main
 from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import offer_of, wanted
 from swarmcensus.watching.server import listen, serving
+from swarmcensus.worlds.bodies import Body
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)
@@ -97,6 +99,24 @@ def test_a_robot_is_what_replay_says(page, served, setting):
     shown = told(page, 5, 120)
     for name in ("t", "n", "x_hat", "alpha", "x_bar", "beta", "x"):
         assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
+
+
+def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(100, 121))
+    come(page, served.address("trial=2&tick=100&robot=5"), 100)
+    for tick in range(101, 121):
+        page.keyboard.press("ArrowRight")
+        at(page, tick)
+    asked = "[look => !look.said, look => look.said, look => look.wrong]"
+    drawn = page.evaluate(f"{asked}.map(of => state.stages[0].trail.places(of))")
+    x, y, side = *trace["position"].values.T, trace.attrs["side"]
+    cos, sin = np.cos(trace["heading"].values), np.sin(trace["heading"].values)
+    ahead, left = Body().sensor
+    places = np.stack([x + ahead * cos - left * sin, -(y + ahead * sin + left * cos)], axis=1) / side + 0.5
+    looked, said, tile = (trace[name].values == 1 for name in ("looked", "reading", "tile"))
+    for found, due in zip(drawn, (looked & ~said, looked & said, looked & (said != tile)), strict=True):
+        assert due.any()
+        np.testing.assert_allclose(found, places[due], atol=1e-3)
 
 
 def test_it_plays_and_is_wound_to_and_fro(page, served):

@@ -51,6 +51,7 @@ def scene_of(show: Show) -> dict[str, Any]:
         "radius": body.radius,
         "range": body.radio_range,
         "tile": body.tile,
+        "sensor": body.sensor,
     }
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:

@@ -40,6 +40,13 @@ function framesOf(buffer) {
   return { side, frames };
 }
 
+// what a robot's sensor said at this moment, and whether it was wrong; null where it did not look
+function lookOf(frame, robot) {
+  const flag = frame.flags[robot];
+  const said = Boolean(flag & FLAG.readBlack);
+  return flag & FLAG.looked ? { said, wrong: said !== Boolean(flag & FLAG.onBlack) } : null;
+}
+
 function bytesOf(text) {
   const raw = atob(text);
   const bytes = new Uint8Array(raw.length);

@@ -45,10 +45,11 @@ async function fillBehind(run) {
 
 // what lies far behind is asked for again if anyone goes back: the page grows no larger
 function forget() {
-  if (state.frames.size <= 2 * AHEAD + BEHIND) return;
+  const behind = Math.min(Math.max(MEMORIES / state.scenes[0].robots, AHEAD), 10 * AHEAD);
+  if (state.frames.size <= 2 * AHEAD + behind) return;
   const ticks = [...state.frames.keys()].sort((a, b) => a - b);
   const here = ticks.findIndex((tick) => tick >= state.tick);
-  for (const tick of ticks.slice(0, Math.max(0, here - BEHIND))) state.frames.delete(tick);
+  for (const tick of ticks.slice(0, Math.max(0, here - behind))) state.frames.delete(tick);
   for (const tick of ticks.slice(Math.max(0, here) + 2 * AHEAD)) state.frames.delete(tick);
 }
 
@@ -88,6 +89,7 @@ function show(frames, now) {
     stage.colour = state.colour;
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
+    stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);
     stage.draw(frames[side]);
   });
   const scene = state.scenes[0];

@@ -24,9 +24,16 @@ class View {
   }
 }
 
+function circles(g, places, r) {
+  for (const [x, y] of places) {
+    g.moveTo(x + r, y);
+    g.arc(x, y, r, 0, 2 * Math.PI);
+  }
+}
+
 class Stage {
   constructor(host, scene, view, { choose, changed }) {
-    Object.assign(this, { host, scene, view, frame: null, colour: "belief", chosen: null, follow: false });
+    Object.assign(this, { host, scene, view, frame: null, before: [], colour: "belief", chosen: null, follow: false });
     this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
     this.ground = new Konva.Layer({ listening: false });
     this.swarm = new Konva.Layer({ listening: false });
@@ -89,12 +96,6 @@ class Stage {
   layRobots() {
     const { crowd, moves } = this.scene;
     this.groups = Array.from({ length: STEPS }, () => []);
-    const circles = (g, robots, r) => {
-      for (const [x, y] of robots) {
-        g.moveTo(x + r, y);
-        g.arc(x, y, r, 0, 2 * Math.PI);
-      }
-    };
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
@@ -102,6 +103,7 @@ class Stage {
     this.liars = this.path(this.swarm, (g) => this.traceCrosses(g), { stroke: "#cc79a7" });
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
     this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
+    this.trail = new Trail(this);
     this.swarm.add(...this.rings, this.reach);
   }
 
@@ -146,9 +148,9 @@ class Stage {
     return [...lines.values()];
   }
 
-  place(i) {
+  place(i, frame = this.frame) {
     if (this.places) return [this.places[2 * i], this.places[2 * i + 1]];
-    return [this.frame.x[i] / 65535, 1 - this.frame.y[i] / 65535];
+    return [frame.x[i] / 65535, 1 - frame.y[i] / 65535];
   }
 
   trace(g, i, j) {
@@ -201,7 +203,7 @@ class Stage {
     this.still?.stroke(tone("--line"));
     this.even?.fill(grey);
     if (this.tiles && turned !== this.turned) this.paintFloor();
-    this.ground.imageSmoothingEnabled(this.scene.across > this.size * Konva.pixelRatio);
+    this.ground.imageSmoothingEnabled(this.scene.across > this.size * this.view.zoom * Konva.pixelRatio);
     this.ground.draw();
     [this.drawn, this.turned] = [now, turned];
   }
@@ -254,10 +256,8 @@ class Stage {
   }
 
   misread() {
-    const { flags } = this.frame;
-    const wrong = (flag) => flag & FLAG.looked && !(flag & FLAG.readBlack) !== !(flag & FLAG.onBlack);
     const found = [];
-    for (let i = 0; i < this.scene.robots; i++) if (wrong(flags[i])) found.push(this.place(i));
+    for (let i = 0; i < this.scene.robots; i++) if (lookOf(this.frame, i)?.wrong) found.push(this.place(i));
     return found;
   }
 
@@ -277,6 +277,7 @@ class Stage {
     const [x, y] = visible ? this.place(this.chosen) : [0, 0];
     for (const ring of this.rings) ring.setAttrs({ visible, x, y, radius: this.radius + 5 * this.pixel });
     this.reach.setAttrs({ visible: visible && this.scene.moves, x, y });
+    this.trail.show(visible && this.scene.moves);
   }
 
   destroy() {

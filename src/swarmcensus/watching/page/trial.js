@@ -5,7 +5,7 @@ const $ = (id) => document.getElementById(id);
 const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
 const PICTURES = 60; // a second
 const AHEAD = 120; // frames that wait to be shown
-const BEHIND = 120; // frames that are kept
+const MEMORIES = 30000; // robots in all frames that are kept
 const recordedText = $("recorded");
 
 const state = {
@@ -125,7 +125,7 @@ function legend() {
   $("legend-high").textContent = state.colour === "belief" ? "1" : `off by ${MOST_WRONG} or more`;
   const { moves, crowd } = state.scenes[0] || {};
   const lines = crowd ? "each square a robot · green: links to the chosen one that carried a message" : "green: links that carried a message";
-  $("legend-text").textContent = `· ${moves ? "green: who hears whom · orange ring: a wrong reading" : lines}`;
+  $("legend-text").textContent = `· ${moves ? "green: who hears whom · orange ring: a wrong reading · dots: what the chosen robot has looked at lately" : lines}`;
 }
 
 function change(key, value) {

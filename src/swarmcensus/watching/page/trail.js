@@ -1,0 +1,38 @@
+"use strict";
+// What the robot that is chosen has looked at lately: a dot a look, of the colour that its sensor said.
+
+class Trail {
+  constructor(stage) {
+    this.stage = stage;
+    const dots = (asked, times, attributes) => stage.path(stage.swarm, (g) => circles(g, this.places(asked), times * this.size), { visible: false, ...attributes });
+    this.parts = [
+      dots(() => true, 1.4, { fill: "#0072b2" }),
+      dots(({ said }) => !said, 1, { fill: "#ffffff" }),
+      dots(({ said }) => said, 1, { fill: "#101010" }),
+      dots(({ wrong }) => wrong, 1.6, { stroke: "#d55e00", strokeWidth: 1.5 }),
+    ];
+  }
+
+  show(visible) {
+    const { scene, pixel } = this.stage;
+    for (const part of this.parts) part.visible(visible);
+    if (!visible) return;
+    this.size = Math.min(Math.max(scene.tile / scene.side / 2, 1.5 * pixel), 5 * pixel);
+    this.parts[3].visible(this.size > 2 * pixel); // smaller ones would hide one another
+  }
+
+  // where its sensor was at the looks that are asked for
+  places(asked) {
+    const { scene, before, chosen } = this.stage;
+    const [ahead, left] = scene.sensor.map((metres) => metres / scene.side);
+    const found = [];
+    for (const frame of before) {
+      const look = lookOf(frame, chosen);
+      if (!look || !asked(look)) continue;
+      const angle = (frame.headings[chosen] / 256) * 2 * Math.PI;
+      const [x, y] = this.stage.place(chosen, frame);
+      found.push([x + ahead * Math.cos(angle) - left * Math.sin(angle), y - ahead * Math.sin(angle) - left * Math.cos(angle)]);
+    }
+    return found;
+  }
+}
