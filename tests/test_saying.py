@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.basics.documents import plain
 from swarmcensus.cli import commands, options
 from swarmcensus.cli.commands import main
 from swarmcensus.cli.common_options import TABLES
@@ -58,6 +59,13 @@ def both(said):
         return found, table
 
     return both
+
+
+def test_numbers_that_json_lacks_are_words():
+    assert plain({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
+        "a": ["infinity", "-infinity", None, -2.0],
+        "b": "-infinity",
+    }
 
 
 def test_every_command_has_the_same_options_of_what_it_says():

@@ -13,7 +13,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
-from swarmcensus.watching.robots import plain, robot_of
+from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.sessions import MOST_TEXT, Session
 from swarmcensus.watching.shows import COLUMNS, Show
 from tests.slow import times
@@ -212,10 +212,6 @@ def test_after_a_failure_it_fails_again(tmp_path):
     for _ in range(4):
         [answer] = session.answer('{"do": "frames", "from": 60, "step": 1, "count": 1}')
         assert "fails in trial 0" in answer["error"]
-
-
-def test_infinity_is_said_in_a_word():
-    assert plain(np.array([np.inf, -np.inf, np.nan, 2.0])) == ["infinity", "-infinity", None, 2.0]
 
 
 def test_what_cannot_be_watched_is_told(offer, tmp_path):

@@ -18,14 +18,14 @@ def document(kind: str, about: Mapping[str, Any]) -> str:
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON takes it: None for a number that is missing, "infinity" for what never comes, records as objects.
+    """A value as JSON takes it: None for a missing number, "infinity" or "-infinity" in words, records as objects.
 
     Records are dataclasses, named tuples and mappings; arrays, tuples and sets are lists; whatever else is text.
     """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if isinstance(value, float):
-        return NEVER if value == math.inf else value if math.isfinite(value) else None
+        return f"{'-' * (value < 0)}{NEVER}" if math.isinf(value) else None if math.isnan(value) else value
     if value is None or isinstance(value, bool | int | str):
         return value
     if dataclasses.is_dataclass(value) and not isinstance(value, type):

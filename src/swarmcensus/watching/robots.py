@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.documents import plain
 from swarmcensus.brains.fields import slots
 from swarmcensus.engine.modes import LISTED
 from swarmcensus.simulation.living import Stretch
@@ -89,12 +90,3 @@ def neighbours_of(show: Show, stretch: Stretch, row: int, robot: int) -> np.ndar
 def adds(show: Show) -> bool:
     """Whether what a robot says is kept as what it adds to the sums of whoever hears it."""
     return bool(show.life.swarm.additive)
-
-
-def plain(value: Any) -> Any:
-    """A number for JSON: none for NaN, a word for infinity, lists for vectors."""
-    if np.ndim(value):
-        return [plain(one) for one in value]
-    if np.isinf(value):
-        return "infinity" if value > 0 else "-infinity"
-    return None if np.isnan(value) else float(value)
