@@ -155,7 +155,7 @@ def test_a_page_that_goes_stops_its_computing(served):
 def test_random_bytes_on_every_route(served):
     """Answers, or a closed connection, and the page is there after all of it."""
     chance = random.Random(1)
-    for _ in range(times(1000, 150)):
+    for _ in range(times(1000, 300)):
         connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)
         connection.connect()
         method = chance.choice([b"GET ", b"POST ", b"PUT ", b"", b"\x16\x03\x01"])
@@ -169,7 +169,7 @@ def test_random_bytes_on_every_route(served):
             while connection.sock.recv(4096):
                 pass
         connection.close()
-    for _ in range(times(200, 30)):
+    for _ in range(times(200, 50)):
         with contextlib.suppress(ConnectionClosed, InvalidStatus), talk(served) as page:
             for _ in range(10):
                 said = chance.randbytes(chance.randrange(200))
