@@ -173,6 +173,11 @@ def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
     told(page, 0, 1)
     page.keyboard.press("0")
     page.keyboard.press("n")
+    for key in "+++wwadsd":
+        page.keyboard.press(key)
+    seen = page.evaluate("[state.view.zoom, ...state.view.centre]")
+    assert seen == pytest.approx([1.4**3, 0.5 + 0.2 / 1.4**3, 0.5 - 0.2 / 1.4**3])
+    page.keyboard.press("0")
     page.mouse.click(x, y)
     assert page.input_value("#which") == "0"
 

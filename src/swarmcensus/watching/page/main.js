@@ -16,7 +16,16 @@ const KEYS = {
   "+": () => zoom(1.4),
   "-": () => zoom(1 / 1.4),
   0: () => zoom(0),
+  w: () => move(0, -0.2),
+  a: () => move(-0.2, 0),
+  s: () => move(0, 0.2),
+  d: () => move(0.2, 0),
 };
+
+function move(right, down) {
+  state.view.move(right, down);
+  again();
+}
 
 function zoom(by) {
   state.view.near(by);

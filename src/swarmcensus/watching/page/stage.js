@@ -22,6 +22,11 @@ class View {
     this.centre = zoom === 1 ? [0.5, 0.5] : this.centre.map((c, k) => at[k] + ((c - at[k]) * this.zoom) / zoom);
     this.zoom = zoom;
   }
+
+  // by a share of what is seen
+  move(right, down) {
+    if (this.zoom > 1) this.centre = [this.centre[0] + right / this.zoom, this.centre[1] + down / this.zoom];
+  }
 }
 
 function circles(g, places, r) {
