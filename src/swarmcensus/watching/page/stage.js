@@ -101,6 +101,7 @@ class Stage {
   layRobots() {
     const { crowd, moves } = this.scene;
     this.groups = Array.from({ length: STEPS }, () => []);
+    this.trail = new Trail(this);
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
@@ -108,7 +109,6 @@ class Stage {
     this.liars = this.path(this.swarm, (g) => this.traceCrosses(g), { stroke: "#cc79a7" });
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
     this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
-    this.trail = new Trail(this);
     this.swarm.add(...this.rings, this.reach);
   }
 
@@ -229,17 +229,18 @@ class Stage {
     const { robots, crowd, moves } = this.scene;
     const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, this.frame.estimates[i], this.frame.numbers[0]));
     const shown = this.radius / this.pixel;
+    const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
     if (crowd) this.paintCrowd(steps);
     else {
       for (const group of this.groups) group.length = 0;
       steps.forEach((step, i) => this.groups[step].push(this.place(i)));
-      const edge = { stroke: shown > 4 ? "#101010" : "rgb(0 0 0 / 0.5)", strokeWidth: Math.max(0.5, shown / 6) };
+      const edge = { stroke: shown > 4 ? "#101010" : "rgb(0 0 0 / 0.5)", strokeWidth: thick(0.5, 6, 2) };
       this.discs.forEach((disc, step) => disc.setAttrs({ visible: this.groups[step].length > 0, fill: SCALES[this.colour][step], ...edge }));
     }
     for (const part of [this.headings, this.wrong]) part.visible(moves && shown > 3);
-    this.headings.strokeWidth(Math.max(1.2, shown / 5));
-    this.wrong.strokeWidth(Math.max(1.5, shown / 4));
-    this.liars.strokeWidth(Math.max(1.5, shown / 3.5));
+    this.headings.strokeWidth(thick(1.2, 5, 3));
+    this.wrong.strokeWidth(thick(1.5, 4, 3));
+    this.liars.strokeWidth(thick(1.5, 3.5, 5));
   }
 
   paintCrowd(steps) {
