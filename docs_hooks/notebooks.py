@@ -81,7 +81,7 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
             continue  # it would say that it wrote
         printed = "".join(o.text for o in cell.outputs if o.get("name") == "stdout")  # no progress
         if printed.strip():
-            parts.append(f"``` {{ .text .output }}\n{printed.strip(chr(10))}\n```")
+            parts.append(f"``` {{ .text .output .no-copy }}\n{printed.strip(chr(10))}\n```")
         for output in cell.outputs:
             data = output.get("data", {})
             if "image/png" in data:
@@ -91,7 +91,7 @@ def shown(notebook: Any, stem: str) -> tuple[str, dict[str, bytes]]:
             elif "text/html" in data:
                 parts.append(f'<div class="output">\n{_bare(data["text/html"])}\n</div>')
             elif "text/plain" in data:
-                parts.append(f"``` {{ .text .output }}\n{data['text/plain'].rstrip()}\n```")
+                parts.append(f"``` {{ .text .output .no-copy }}\n{data['text/plain'].rstrip()}\n```")
     return "\n\n".join(parts) + "\n", pictures
 
 

@@ -1,6 +1,6 @@
 """Links that lead out of docs/ lead to pages of the site: a file of the repository is shown whole, a folder listed.
 
-So pages read on a forge as they are, and the site needs no forge.
+So pages read on a forge as they are, and the site needs no forge. A page of docs/ that help or a docstring names is a link too.
 """
 
 import os
@@ -16,6 +16,7 @@ PROJECT = {"CHANGELOG.md": "project/changelog.md", "CONTRIBUTING.md": "project/c
 LINK = re.compile(r"(\]\()([^)\s#]+)(#[^)\s]*)?(\))")
 BLOCK = re.compile(r"(^```.*?^```$)", re.MULTILINE | re.DOTALL)
 HEAD = "---\nsearch:\n  exclude: true\nhide:\n  - navigation\n---\n\n"
+NAMED = re.compile(r"(?<![\w/])docs/([\w-]+)\.md(?![^<]*</code>)")
 LANGUAGES = {".py": "python", ".toml": "toml", ".csv": "text", ".yml": "yaml", ".cff": "yaml", ".json": "json"}
 
 
@@ -33,6 +34,11 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Turn them."""
     return markdown if page.file.generated_by else with_links(markdown, f"docs/{page.file.src_uri}")
+
+
+def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Link what the references name."""
+    return NAMED.sub(r'<a href="../../\1/">docs/\1.md</a>', html) if page.file.src_uri.startswith("reference/") else html
 
 
 def with_links(markdown: str, place: str) -> str:

@@ -262,3 +262,10 @@ def test_the_page_of_the_command_line_lists_every_document():
     page = (Path(__file__).parent.parent / "docs" / "command-line.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \| `swarmcensus [a-z]+ 1` \|", page, re.MULTILINE)
     assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == set(TABLES)
+
+
+def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
+    code, out, err = said("plot two.nc --kind lnes")
+    assert (code, out) == (2, "")
+    page = (Path(__file__).parent.parent / "docs" / "command-line.md").read_text(encoding="utf-8")
+    assert f"$ swarmcensus plot first.nc --kind lnes\n{err}" in page

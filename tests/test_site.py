@@ -167,7 +167,7 @@ def test_a_notebook_is_shown_with_what_it_prints_and_draws():
         "page",
     )
     assert '```toml title="a.toml"\nx = 1\n```' in text
-    assert "```sh\ncat a.toml; echo progress >&2\n```\n\n``` { .text .output }\nx = 1\n```" in text
+    assert "```sh\ncat a.toml; echo progress >&2\n```\n\n``` { .text .output .no-copy }\nx = 1\n```" in text
     assert "![What the cell above draws](page-1.png)" in text
     assert pictures["page-1.png"].startswith(b"\x89PNG")
-    assert "``` { .text .output }\n42\n```" in text
+    assert "``` { .text .output .no-copy }\n42\n```" in text
