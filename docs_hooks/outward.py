@@ -1,6 +1,6 @@
 """Links that lead out of docs/ lead to pages of the site: a file of the repository is shown whole, a folder listed.
 
-So pages read on a forge as they are, and the site needs no forge. A page of docs/ that help or a docstring names is a link too.
+So pages read on a forge as they are, and the site needs no forge. A page that help or a docstring names is a link too.
 """
 
 import os
@@ -38,7 +38,9 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Link what the references name."""
-    return NAMED.sub(r'<a href="../../\1/">docs/\1.md</a>', html) if page.file.src_uri.startswith("reference/") else html
+    if not page.file.src_uri.startswith("reference/"):
+        return html
+    return NAMED.sub(r'<a href="../../\1/">docs/\1.md</a>', html)
 
 
 def with_links(markdown: str, place: str) -> str:

@@ -2,6 +2,7 @@
 
 import functools
 import html.parser
+import json
 import os
 import re
 import runpy
@@ -70,6 +71,24 @@ def test_the_site_is_built_and_no_link_of_it_is_dead(site):
             anchor = urllib.parse.unquote(parts.fragment)
             if anchor and found in pages:
                 assert anchor in pages[found].anchors, f"{page.relative_to(site)}: {target}"
+
+
+def test_no_row_of_a_table_is_shown_as_text(site):
+    """As those below a blank line would be."""
+    for page in site.rglob("*.html"):
+        assert not re.search(r"<p>\|[^<]", page.read_text(encoding="utf-8")), page.relative_to(site)
+
+
+def test_pages_that_explain_a_word_are_found_before_those_that_use_it(site):
+    boosts = runpy.run_path(str(ROOT / "docs_hooks" / "boosts.py"))["BOOSTS"]
+    entries = json.loads((site / "search" / "search_index.json").read_text(encoding="utf-8"))["docs"]
+    found = {entry["location"].partition("#")[0]: entry["boost"] for entry in entries if "boost" in entry}
+    assert found == {f"{uri.removesuffix('.md')}/".replace("index/", ""): boost for uri, boost in boosts.items()}
+
+
+def test_what_references_name_is_a_link(site):
+    page = (site / "reference" / "python" / "index.html").read_text(encoding="utf-8")
+    assert '<a href="../../data-format/">docs/data-format.md</a>' in page
 
 
 def test_the_site_fetches_nothing_from_elsewhere(site):
