@@ -1,4 +1,4 @@
-"""The reference of study files, made from their JSON schema when the site is built; and the schema, to fetch."""
+"""The reference of study files, made of their JSON schema; and the schemas of studies and missions, to fetch."""
 
 import json
 from collections.abc import Iterator
@@ -7,9 +7,10 @@ from typing import Any
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
+from swarmcensus.planning import schema as of_missions
 from swarmcensus.studies.schema import schema
 
-URI, FILE = "reference/study-schema.md", "reference/study.schema.json"
+URI, FILE, OF_MISSIONS = "reference/study-schema.md", "reference/study.schema.json", "reference/mission.schema.json"
 TABLES = {
     "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Fault": "[[faults]]",
     "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]", "Until": "trials, as a rule",
@@ -26,10 +27,11 @@ value will do, and several span a grid.
 
 
 def on_files(files: Files, *, config: MkDocsConfig) -> Files:
-    """Add the page and the schema."""
+    """Add the page and the schemas."""
     found = schema()
     files.append(File.generated(config, URI, content=page(found)))
-    files.append(File.generated(config, FILE, content=json.dumps(found, indent=2, ensure_ascii=False)))
+    for name, one in ((FILE, found), (OF_MISSIONS, of_missions.schema())):
+        files.append(File.generated(config, name, content=json.dumps(one, indent=2, ensure_ascii=False)))
     return files
 
 

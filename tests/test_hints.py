@@ -50,6 +50,12 @@ def test_other_words_name_one_thing_each_where_they_meet():
         (("[measure]", '[[faults]]\nat = 1\nrobots = 1\nstop = ["talking", "sense"]\n[measure]'), "sensing"),
         (("[measure]", "[[faults]]\nstart = 1\nrobots = 1\nstop = 'moving'\n[measure]"), "at"),
         (('"ring"', '{networkx = "watts_strogatz", k = 2, p = 0.1}'), "watts_strogatz_graph"),
+        (('"ring"', '{networks = "watts_strogatz_graph", k = 2}'), "networkx"),
+        (('"ring"', '{name = "star", edge = [[0, 1]]}'), "edges"), (('"ring"', '{fiel = "links.csv"}'), "file"),
+        (('"ring"', '{name = "star", edges = [[0, 1]], direct = true}'), "directed"),
+        (("[swarm]", '[swarm]\nbrain = {files = "minimalistic"}'), "file"),
+        (("[swarm]", "[swarm]\nassumed_accuracy = {eror = 0.1}"), "error"),
+        (("[world]", "[world]\nfloor = {x = 1, cluster = 0.2}"), "clusters"),
     ],
 )  # fmt: skip
 def test_study_files(change, meant):

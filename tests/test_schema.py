@@ -10,6 +10,7 @@ import pytest
 
 from swarmcensus.basics.shipped import shipped_studies
 from swarmcensus.cli.commands import main
+from swarmcensus.planning import schema as of_missions
 from swarmcensus.studies.schema import schema
 from tests.test_docs import PAGES, blocks
 
@@ -84,6 +85,9 @@ def wrong(place, value):
         ("world.body.sensor", [0.1, "left"]),
         ("world.body.wheels", 2),
         ("measure.bins", 0),
+        ("world.fill_ratio", {"from": 0.1, "to": 0.2, "at": 1}),
+        ("faults", [{"at": 1, "robots": 1, "stop": []}]),
+        ("swarm.accuracy", "beta(8, 2)"),
         ("measure.truth", "both"),
         ("faults", [{"at": 1, "robots": 1, "stop": "singing"}]),
         ("faults", [{"at": 0, "robots": 1, "stop": "moving"}]),
@@ -108,7 +112,7 @@ def test_what_is_wrong_is_marked(checker, place, value):
         ("world.topology", "edges.csv"),
         ("world.floor", [{"clusters": 0.2}, "half"]),
         ("swarm.brain", ["my_brain.py", {"file": "sprt.py", "wrong": [0.1, 0.2]}]),
-        ("swarm.accuracy", "beta(8, 2)"),
+        ("swarm.accuracy", "N(0.7, 0.1)"),
         ("members", [{"robots": [0, 0.1], "brain": "shouter", "honest": False, "speed": 0}]),
     ],
     ids=str,
@@ -122,6 +126,23 @@ def test_every_key_and_table_says_what_it_means():
     for table in (found, *found["$defs"].values()):
         for key, told in table["properties"].items():
             assert re.match(r"\S.*\.$", told["description"], re.DOTALL), key
+
+
+def test_of_missions(capsys):
+    found = of_missions.schema()
+    checker = jsonschema.Draft7Validator(found)
+    shown = [tomllib.loads(text) for page in PAGES for text in blocks(page, "toml")]
+    missions = [one for one in shown if "wanted" in one]
+    assert missions
+    for one in missions:
+        checker.validate(one)
+    for table in (found, *found["$defs"].values()):
+        for key, told in table["properties"].items():
+            assert re.match(r"\S.*\.$", told["description"], re.DOTALL), key
+    assert main(["plan", "--schema"]) == 0
+    assert json.loads(capsys.readouterr().out) == found
+    assert main(["plan", "--schema", "--robots", "3"]) == 2
+    assert "> mission.schema.json" in capsys.readouterr().err
 
 
 def test_names_are_offered(checker):

@@ -110,7 +110,7 @@ def test_every_key_of_a_study_is_on_its_page(site):
     page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
     for table in (schema(), *schema()["$defs"].values()):
         assert {key for key in table["properties"] if f"<code>{key}</code>" not in page} == set()
-    assert (site / "reference" / "study.schema.json").is_file()
+    assert all((site / "reference" / f"{what}.schema.json").is_file() for what in ("study", "mission"))
 
 
 def test_what_a_page_leads_to_in_the_repository_is_on_the_site(site):

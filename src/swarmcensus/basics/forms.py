@@ -6,6 +6,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BeforeValidator, Field
 
 Schema = dict[str, Any]
+TEXT: Schema = {"type": "string", "minLength": 1}
 
 
 class Form:

@@ -1,7 +1,7 @@
 """What was probably meant by a name that is not known."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from pathlib import Path
 
 OTHER_WORDS = {
@@ -43,6 +43,11 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     like += [(one, parts[one]) for one in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
     found += [whole for _, whole in sorted(like, key=lambda one: -difflib.SequenceMatcher(None, plain, one[0]).ratio())]
     return f"did you mean {names[found[0]]!r}? " if found else ""
+
+
+def first_meant(names: Iterable[object], known: Collection[str]) -> str:
+    """The same of the first of several names that is not known and like one that is."""
+    return next(filter(None, (did_you_mean(str(name), known) for name in names if name not in known)), "")
 
 
 def file_meant(path: str | Path) -> str:

@@ -8,7 +8,7 @@ from typing import Any
 
 from pydantic import WrapValidator
 
-from swarmcensus.basics.forms import or_else
+from swarmcensus.basics.forms import Schema, or_else
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 WRITTEN = r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
@@ -56,7 +56,8 @@ def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
 
 
 OR_TIME = WrapValidator(_time_or)  # of a whole number that may be a time, until its ticks are known
-TIME = or_else({"type": "string", "pattern": f"^{WRITTEN}$"})  # beside it, for schemas
+WORDS: Schema = {"type": "string", "pattern": f"^{WRITTEN}$"}  # as a time is written, for schemas
+TIME = or_else(WORDS)  # beside a number
 
 
 def in_ticks(value: Any, tick: float | None, key: str, least: int = 1) -> int:

@@ -54,6 +54,7 @@ def add_plan_options(sub: argparse.ArgumentParser, whole: Callable[[str], int], 
     sub.add_argument(
         "--body", action="append", default=[], metavar="KEY=VALUE", help="of the robot, as speed=0.1 or radio_range=2"
     )
+    sub.add_argument("--schema", action="store_true", help="print the JSON schema of mission files, for editors")
     sub.add_argument("--trials", type=from_one, help="of each simulation that confirms (default: 200)")
     sub.add_argument("--seed", type=whole, help="default: 0")
     sub.add_argument("--jobs", type=from_one, help="threads (default: one a core); the numbers do not depend on it")

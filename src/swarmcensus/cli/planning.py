@@ -8,7 +8,9 @@ from swarmcensus.cli.voice import answer, reporting, say
 
 
 def plan(options: argparse.Namespace) -> int:
-    """Plan a mission."""
+    """Plan a mission, or print the schema of mission files."""
+    if options.schema:
+        return _schema(options)
     from pathlib import Path
 
     from swarmcensus.basics.errors import InputError
@@ -45,4 +47,16 @@ def plan(options: argparse.Namespace) -> int:
         found.save(options.out)
     written = ", ".join(str(path) for path in (options.out, options.plot) if path)
     say(f"{written}{': ' * bool(written)}{time.monotonic() - begun:.1f} s")
+    return 0
+
+
+def _schema(options: argparse.Namespace) -> int:
+    import json
+
+    from swarmcensus.basics.errors import InputError
+    from swarmcensus.planning.schema import schema
+
+    if options.mission or options.out or options.plot or tables_of(options, {}):
+        raise InputError("--schema goes alone: swarmcensus plan --schema > mission.schema.json")
+    print(json.dumps(schema(), indent=2, ensure_ascii=False))
     return 0

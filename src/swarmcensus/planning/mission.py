@@ -9,6 +9,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, Brain, adversary, load
 from swarmcensus.planning.liars import check_liars
@@ -33,6 +34,7 @@ from swarmcensus.worlds.bodies import Body, Number, Positive
 from swarmcensus.worlds.sensors import Accuracy
 
 FEWEST_TRIALS = 40  # of a first look: with fewer, it is no help
+MOST_BINS = 10_000
 COMPARED = ("commons", "minimalistic")  # brains, where the mission names none
 AMONG_LIARS = ("steadfast", "minimalistic")  # for one liar that shouts owns commons
 LIE = "shouter"
@@ -50,30 +52,39 @@ def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, 
         raise ValueError(error.errors()[0]["msg"]) from None
 
 
+def _one_or_two(inner: Callable[[], Schema]) -> Schema:
+    two = inner()
+    return {"anyOf": [two["prefixItems"][0], two]}
+
+
 def _right(value: object) -> object:
-    if value != "majority" and (isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= 10_000):
+    if value != "majority" and (isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= MOST_BINS):
         hint = did_you_mean(value, ["majority"]) if isinstance(value, str) else ""
-        raise ValueError(f'{hint}should be "majority", or a number of bins from 2 to 10,000')
+        raise ValueError(f'{hint}should be "majority", or a number of bins from 2 to {MOST_BINS:,}')
     return value
 
 
-RANGE = WrapValidator(_range)
-Wholes = Annotated[tuple[Whole, Whole], RANGE]
-Times = Annotated[tuple[Positive, Positive], RANGE]
-Shares = Annotated[tuple[Share, Share], RANGE]
+RANGE, ONE_OR_TWO = WrapValidator(_range), Form(_one_or_two)
+Wholes = Annotated[tuple[Whole, Whole], RANGE, ONE_OR_TWO]
+Times = Annotated[tuple[Positive, Positive], RANGE, ONE_OR_TWO]
+Shares = Annotated[tuple[Share, Share], RANGE, ONE_OR_TWO]
+RIGHT = Form(lambda _: {"anyOf": [{"enum": ["majority"]}, {"type": "integer", "minimum": 2, "maximum": MOST_BINS}]})
 SomeButNotAll = Annotated[Number, Field(ge=0.0, lt=1.0)]
 
 
 class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True)
+    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
 
 
 class Area(_Table):
     """The square that robots move in: its side in metres or its area in square metres, and the kind of floor."""
 
     side: Positive | None = None
+    """The side of the square in metres."""
     area: Positive | None = None
+    """Or how large it is, in square metres."""
     floor: Floors | None = None
+    """What lies on it: "tiles", {clusters = 0.2}, "half", an image."""
 
 
 class Known(_Table):
@@ -83,46 +94,72 @@ class Known(_Table):
     """
 
     accuracy: Accuracies
+    """Of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; of a list the worst is planned for."""
     fill_ratio: Shares = (0.0, 1.0)
+    """What f may be, a number or a range: the worst in it is planned for."""
     link_success: Share = 1.0
+    """The share of messages that get through."""
     failing: SomeButNotAll = 0.0
+    """The share of robots that may fail, before they begin."""
     lying: SomeButNotAll = 0.0
+    """The share of robots that may lie."""
     lie: BrainsOrAdversaries | None = None
+    """What liars do, an adversary; of a list the worst is planned for."""
 
 
 class Wanted(_Table):
     """What robots should know: f within a half-width, or the right one of so many bins, and how many of them."""
 
     half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
-    right: Annotated[Any, BeforeValidator(_right)] = None
+    """How near to the truth a robot should be."""
+    right: Annotated[Any, BeforeValidator(_right), RIGHT] = None
+    """Or "majority", or a number of bins of which the right one is to be known."""
     margin: Annotated[Number, Field(ge=0.0, lt=0.5)] = 0.0
+    """How far f is from the edges between bins, at the least."""
     confidence: Annotated[Number, Field(ge=0.5, le=0.999)] = 0.95
+    """The share of robots, over all trials, that should be so."""
     truth: Literal["floor", "nominal"] | None = None
+    """What robots should be near to: the floor's own share of black, or the f by which it was drawn."""
 
 
 class Free(_Table):
     """What is to be found, or is given: numbers of robots, minutes; what is compared: brains, networks, densities."""
 
     robots: Wholes | None = None
+    """How many, a number or a range."""
     minutes: Times | None = None
+    """How long, a number or a range."""
     brain: Brains | None = None
+    """Whose times are compared: shipped brains' names or paths of brain files."""
     topology: Topologies = Field(default=["moving"], validate_default=True)
+    """Robots that move, or fixed networks; several are compared."""
     density: Positives | None = None
+    """D = N π r² / L² in place of an area, which follows from it; several are compared."""
     observations_per_round: Whole | None = None
+    """Readings of a round, on fixed networks."""
     round_seconds: Positive | None = None
+    """How long a round takes there."""
 
 
 class Mission(_Table):
     """A mission file as a whole. What depends on the network is said of its `worlds`, which have one each."""
 
     name: Name = "mission"
+    """The title of the plan."""
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
+    """The same seed gives the same plan."""
     trials: Annotated[int, Field(strict=True, ge=FEWEST_TRIALS, le=100_000)] = 200
+    """Of each simulation that confirms."""
     area: Area = Area()
+    """The square in which robots move."""
     known: Known
+    """What is known."""
     wanted: Wanted
+    """What robots should know."""
     free: Free
+    """What is to be found, or is given."""
     body: Body = Body()
+    """The body of robots that move."""
 
     @model_validator(mode="after")
     def _right(self) -> Self:

@@ -14,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import first_meant
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import read_toml
 
@@ -60,7 +61,8 @@ class Queue(BaseModel):
         named = {k: v for k, v in named.items() if v is not None}
         unknown = sorted(set(named) - takes)
         if unknown:
-            raise ValueError(f"{self.system} takes no {', '.join(unknown)}")
+            hint = first_meant(unknown, takes)
+            raise ValueError(f"{self.system} takes no {', '.join(unknown)}{': ' * bool(hint)}{hint.rstrip()}")
         common: dict[str, Any] = {
             "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
             "job_extra_directives": self.directives, "job_script_prologue": self.prologue,

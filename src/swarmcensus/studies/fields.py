@@ -8,8 +8,8 @@ from typing import Annotated, Any
 from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Several
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Form, Several
+from swarmcensus.basics.hints import did_you_mean, first_meant
 from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.brains import adversary
 from swarmcensus.studies.forms import (
@@ -72,7 +72,8 @@ def _swept(value: object, info: ValidationInfo, read: Callable[[object, Validati
         return [read(value, info)]
     if "file" not in value:
         raise ValueError(
-            'file is missing: a brain with parameters is a table such as {file = "my_brain.py", prior = [1, 10]}'
+            f"{first_meant(value, ['file'])}file is missing: a brain with parameters is a table such as "
+            '{file = "my_brain.py", prior = [1, 10]}'
         )
     brain = read(value["file"], info)
     given = {str(name): _values(brain, str(name), one) for name, one in value.items() if name != "file"}
@@ -142,7 +143,8 @@ def plain_text(value: str) -> str:
     return value
 
 
-Name = Annotated[str, Field(min_length=1), AfterValidator(plain_text)]
+PRINTED = Form(lambda inner: inner() | {"pattern": r"^[^\u0000-\u001f\u007f-\u009f]*$"})
+Name = Annotated[str, Field(min_length=1), AfterValidator(plain_text), PRINTED]
 Whole = Annotated[int, Field(strict=True, ge=1, le=LARGEST)]
 Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 

@@ -5,47 +5,71 @@ study can refuse, and refuses nothing that is right.
 """
 
 from collections.abc import Mapping
+from typing import Any
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.doors import Door
-from swarmcensus.basics.forms import Form, Schema
+from swarmcensus.basics.forms import TEXT, Form, Schema
+from swarmcensus.basics.times import MOST, WORDS
 from swarmcensus.brains import adversary
-from swarmcensus.worlds import patterns, wiring
+from swarmcensus.brains.fields import LARGEST
+from swarmcensus.worlds import changes, patterns, spreading, wiring
 
 SHARE: Schema = {"type": "number", "minimum": 0, "maximum": 1}
-TEXT: Schema = {"type": "string", "minLength": 1}
-SPREAD: Schema = {
-    "anyOf": [SHARE, {"type": "string", "pattern": r"^\s*[A-Za-z][\w.-]*\s*\([^()]*\)\s*$"}],
-    "description": 'b = w of every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"',
-}
+UP_TO_ONE = r"(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"  # a share as text
+LISTED_AT_LEAST_ONE: Schema = {"type": "array", "minItems": 1}
 
 
-def _table(keys: Mapping[str, Schema], *required: str, more: bool = False) -> Schema:
-    closed = {} if more else {"additionalProperties": False}
+def _table(keys: Mapping[str, Schema], *required: str, more: Schema | bool = False) -> Schema:
+    closed: Schema = {} if more is True else {"additionalProperties": more}
     return {"type": "object", "properties": dict(keys), "required": list(required), **closed}
 
 
-ACCURACY: list[Schema] = [
-    SPREAD,
-    _table({"black": SPREAD, "white": SPREAD}, "black", "white"),
-]
-DRIFTING = _table(
-    {"start": SPREAD, "drift": {"type": "number", "minimum": -1, "maximum": 1}, "least": SHARE, "most": SHARE},
-    "start",
-    "drift",
-)
-ERROR = _table({"error": {"anyOf": [{"type": "number", "minimum": -1, "maximum": 1}, {"type": "string"}]}}, "error")
-CHANGE = _table(
-    {
-        "from": SHARE,
-        "to": SHARE,
-        "at": {"type": ["integer", "string"]},
-        "until": {"type": ["integer", "string"]},
-    },
-    "from",
-    "to",
-    "at",
-)
+def _spread(**bounds: float) -> Schema:
+    """One accuracy's distribution, or one error's where they reach below 0."""
+    sign = "[+-]?" if bounds.get("minimum", 0) < 0 else r"\+?"
+    written = rf"^({spreading.pattern()}|\s*{sign}{UP_TO_ONE}\s*)$"
+    return {
+        "anyOf": [{**SHARE, **bounds}, {"type": "string", "pattern": written}],
+        "description": 'b = w of every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"',
+    }
+
+
+def _accuracy() -> list[Schema]:
+    return [_spread(), _table({"black": _spread(), "white": _spread()}, "black", "white")]
+
+
+def _drifting() -> list[Schema]:
+    """One that falls, to what is least, and one that rises, to what is most."""
+    return [
+        _table(
+            {
+                "start": _spread(exclusiveMinimum=0),
+                "drift": {"type": "number", "minimum": -1, "exclusiveMaximum": 0},
+                "least": {"type": "number", "minimum": 0, "exclusiveMaximum": 1},
+            },
+            "start",
+            "drift",
+        ),
+        _table(
+            {
+                "start": _spread(exclusiveMaximum=1),
+                "drift": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+                "most": {"type": "number", "exclusiveMinimum": 0, "maximum": 1},
+            },
+            "start",
+            "drift",
+        ),
+    ]
+
+
+def _error() -> Schema:
+    return _table({"error": _spread(minimum=-1)}, "error")
+
+
+def _change() -> Schema:
+    when = {"anyOf": [{"type": "integer", "minimum": changes.LEAST, "maximum": MOST}, WORDS]}
+    return _table({"from": SHARE, "to": SHARE, "at": when, "until": when}, "from", "to", "at")
 
 
 def _named(*doors: Door) -> Schema:
@@ -55,27 +79,47 @@ def _named(*doors: Door) -> Schema:
 
 def _of_brain(*doors: Door) -> Schema:
     name = _named(*doors)
-    return {"anyOf": [name, _table({"file": name}, "file", more=True)]}
+    number = {"type": "number", "exclusiveMinimum": -LARGEST, "exclusiveMaximum": LARGEST}
+    vector = {**LISTED_AT_LEAST_ONE, "items": number}
+    values = {"anyOf": [number, {**LISTED_AT_LEAST_ONE, "items": {"anyOf": [number, vector]}}]}
+    return {"anyOf": [name, _table({"file": name}, "file", more=values)]}
 
 
 def _topology() -> Schema:
-    pair = {"type": "array", "items": {"type": "integer", "minimum": 0}, "minItems": 2, "maxItems": 2}
+    ends = {"type": "integer", "minimum": 0}
+    pair = {"type": "array", "items": ends, "minItems": 2, "maxItems": 2, "uniqueItems": True}
     edges, directed = {"type": "array", "items": pair}, {"type": "boolean"}
+    generator = {"type": "string", "pattern": "_graph$"}
+    argument = {"type": ["number", "string", "boolean", "array"]}
+    shipped, outside = [*wiring.DOOR.shipped], [*wiring.DOOR.outside]
     return {
         "anyOf": [
             _named(wiring.DOOR),
-            _table({"name": TEXT, "edges": edges, "directed": directed}, "name", "edges"),
+            _table({"name": {**TEXT, "not": {"enum": shipped}}, "edges": edges, "directed": directed}, "name", "edges"),
             _table({"file": TEXT, "directed": directed}, "file"),
-            _table({"networkx": TEXT}, "networkx", more=True),
-            _table({"name": {"enum": wiring.DOOR.names}}, "name", more=True),
+            {**_table({"networkx": generator}, "networkx", more=argument), "not": {"required": ["seed"]}},
+            _table({"name": {"enum": shipped}}, "name"),
+            *([_table({"name": {"enum": outside}}, "name", more=True)] if outside else []),
         ]
     }
 
 
 def _floor() -> Schema:
-    names = patterns.DOOR.names
-    tables = [_table({name: {}}, name, more=True) for name in names]
-    return {"anyOf": [{"enum": names}, *tables]}
+    """Kinds by their names, and as tables with their keys; another package's are not imported for a schema."""
+    models = {kind: patterns.keys(kind) for kind in patterns.DOOR.shipped}
+    bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
+    tables = [_keys(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
+    outside = [*patterns.DOOR.outside]
+    others = [_table({kind: {}}, kind, more=True) for kind in outside]
+    return {"anyOf": [{"enum": [*bare, *outside]}, *tables, *others]}
+
+
+def _keys(kind: str, told: dict[str, Any]) -> Schema:
+    """A table of which the first key goes by the kind's name."""
+    first, *_ = told["properties"]
+    keys = {kind if key == first else key: one for key, one in told["properties"].items()}
+    needed = [kind if key == first else key for key in told.get("required", ())]
+    return _table(keys, *dict.fromkeys([kind, *needed]))
 
 
 BRAIN = Form(lambda _: _of_brain(brains.DOOR))
@@ -83,6 +127,6 @@ BRAIN_OR_ADVERSARY = Form(lambda _: _of_brain(brains.DOOR, adversary.DOOR))
 TOPOLOGY = Form(lambda _: _topology())
 FLOOR = Form(lambda _: _floor())
 METRIC = Form(lambda _: _named(metrics.DOOR))
-TRUE_ACCURACY = Form(lambda _: {"anyOf": [*ACCURACY, DRIFTING]})
-BELIEF = Form(lambda _: {"anyOf": [*ACCURACY, ERROR]})
-FILL_RATIO = Form(lambda _: {"anyOf": [SHARE, CHANGE]})
+TRUE_ACCURACY = Form(lambda _: {"anyOf": [*_accuracy(), *_drifting()]})
+BELIEF = Form(lambda _: {"anyOf": [*_accuracy(), _error()]})
+FILL_RATIO = Form(lambda _: {"anyOf": [SHARE, _change()]})

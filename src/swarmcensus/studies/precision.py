@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from swarmcensus.basics import statistics
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.forms import Form
+from swarmcensus.basics.hints import first_meant
 
 EARLY = 20  # trials: a look at so many may err half as often as one that is the last
 GROWTH = 1.25  # trials of a setting from look to look: at most a quarter are more than were needed
@@ -34,6 +35,13 @@ def look_level(trials: int) -> float:
     return 1 - (1 - statistics.LEVEL) * trials / (trials + EARLY)
 
 
+def _pattern() -> str:
+    """What a rule looks like, for schemas, which have no names in patterns."""
+    plain = re.sub(r"\?P<\w+>", "", RULE.pattern)
+    *every, last = VARIABLES
+    return plain.replace(r"([a-z_]+)(?:@(\d+))?", rf"({'|'.join(every)}|{last}@\d+)")
+
+
 class Until(BaseModel):
     """A rule: run trials until half the 95 % interval over trials is at most so wide, for all that it is looked at
     again and again.
@@ -44,7 +52,7 @@ class Until(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
-    until: str
+    until: Annotated[str, Form(lambda inner: inner() | {"pattern": f"^{_pattern()}$"})]
     """What should be how precise, as "convergence_error median +- 0.001"."""
     at_least: Fewest = 30
     """Trials before the first look."""
@@ -57,8 +65,7 @@ class Until(BaseModel):
         good = found is not None and found["variable"] in VARIABLES
         good = good and (found["variable"] == "correct") == (found["checkpoint"] is not None)  # type: ignore[index]
         if not good or not self._number(found["width"]) > 0.0:  # type: ignore[index]
-            hint = next(filter(None, (did_you_mean(w, WORDS) for w in re.findall("[A-Za-z_]+", self.until)
-                                      if w not in WORDS)), "")  # fmt: skip
+            hint = first_meant(re.findall("[A-Za-z_]+", self.until), WORDS)
             raise ValueError(f"until = {self.until!r}: {hint}should be such as {FORM}")
         if self.at_most < self.at_least:
             raise ValueError(f"at_most = {self.at_most} is less than at_least = {self.at_least}")

@@ -2,12 +2,16 @@
 
 from typing import Any
 
+from pydantic import BaseModel
+
 from swarmcensus.basics.forms import Schema
 from swarmcensus.studies.tables import Schedule, Swarm, Tables, World
 
 DRAFT = "http://json-schema.org/draft-07/schema#"  # which editors know best
 # a bound behind a validator comes out under pydantic's own name, and a pair of values under that of a later draft
-NAMES = {"ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "prefixItems": "items"}
+NAMES = {
+    "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum", "prefixItems": "items",
+}  # fmt: skip
 NULL = {"type": "null"}  # which TOML has not
 
 
@@ -17,11 +21,16 @@ def schema() -> Schema:
     What it refuses is no study; what it lets through may still be none, for files and how keys go together are seen
     by `Study.load` alone.
     """
-    found = _plain(Tables.model_json_schema())
+    found = schema_of(Tables, "study")
     keys = {name: field for table in (Swarm, World, Schedule) for name, field in table.model_fields.items()}
     for name, told in found["$defs"]["Case"]["properties"].items():
         told["description"] = keys[name].description
-    return {"$schema": DRAFT, "title": "swarmcensus study file", **found}
+    return found
+
+
+def schema_of(tables: type[BaseModel], what: str) -> Schema:
+    """The schema of a kind of file, such as "study", from the model of all its tables."""
+    return {"$schema": DRAFT, "title": f"swarmcensus {what} file", **_plain(tables.model_json_schema())}
 
 
 def _plain(node: Any) -> Any:

@@ -12,6 +12,8 @@ from swarmcensus.basics.times import TIME, parse_time
 def _plain_number(value: object) -> object:
     if isinstance(value, bool):
         raise ValueError("a number is wanted, not a truth value")
+    if isinstance(value, str):  # pydantic would read a number from it
+        raise ValueError("a number is wanted, not a text")
     return value
 
 
@@ -66,7 +68,7 @@ class Body(BaseModel):
     """m, the side of a floor tile."""
     radio_range: Positive = 0.7
     """m between centres."""
-    line_of_sight: bool = True
+    line_of_sight: Annotated[bool, Field(strict=True)] = True
     """Whether a body in between stops a message."""
     message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000), TIME] = 1
     """Ticks, or a time: how old a message is when it is heard."""

@@ -2,7 +2,7 @@
 
 import csv
 import operator
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +15,8 @@ DIGITS = 18  # of a number in an edge list: more would not fit 64 bits
 def edges_of(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
     """Each edge once, in order. Raises ValueError where a pair is none, or joins a robot to itself."""
     try:
+        if isinstance(pairs, str | Mapping):  # an empty one would be no edges
+            raise TypeError
         rows = [_pair(row) for row in pairs]
     except TypeError:
         raise ValueError("edges are pairs of robot numbers, from 0: [[0, 1], [1, 2]]") from None

@@ -36,8 +36,8 @@ class Fault(BaseModel):
     """How many fail: a number, or a fraction of the swarm."""
     stop: Annotated[
         tuple[Literal["moving", "sensing", "talking"], ...],
-        LISTED,
         Field(min_length=1),
+        LISTED,
         ONE_OR_SEVERAL,
     ]
     """What they stop doing."""

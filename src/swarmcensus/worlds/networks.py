@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.basics.doors import Keys
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.hints import did_you_mean, first_meant
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.modes import FULL, LISTED, PAIRS
 from swarmcensus.worlds import generators, wiring
@@ -22,6 +22,7 @@ from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, read_edges
 from swarmcensus.worlds.wiring import DOOR, Heard, heard
 
+TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
 MOVING = "moving"  # robots that move hear whom they meet: datasets know them by this name
 
 
@@ -169,15 +170,16 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
                 raise ValueError("seed is the study's: each trial's graph has an address of its own")
             if any(not isinstance(v, str | int | float | list) for v in arguments.values()):
                 raise ValueError("a generator's arguments are numbers, texts and lists")
-            text = ",".join(f"{k}={v}" for k, v in arguments.items())
-            return Topology(f"{value['networkx']}({text})", generator=(str(value["networkx"]), json.dumps(arguments)))
+            text, name = ",".join(f"{k}={v}" for k, v in arguments.items()), _text("networkx", value)
+            return Topology(f"{name}({text})", generator=(name, json.dumps(arguments)))
         directed = value.get("directed", False)
         if not isinstance(directed, bool):
             raise ValueError("directed is true or false")
         if set(value) - {"directed"} == {"name", "edges"}:
-            if value["name"] in DOOR.shipped:
-                raise ValueError(f"the name {value['name']!r} is taken: call an edge list otherwise")
-            return Topology(str(value["name"]), edges_of(value["edges"], directed), directed=directed)
+            name = _text("name", value)
+            if name in DOOR.shipped:
+                raise ValueError(f"the name {name!r} is taken: call an edge list otherwise")
+            return Topology(name, edges_of(value["edges"], directed), directed=directed)
         if set(value) - {"directed"} == {"file"} and isinstance(value["file"], str):
             return _of_file(value["file"], directed, base, known)
         if isinstance(value.get("name"), str) and "edges" not in value:
@@ -186,12 +188,20 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in DOOR.shipped else name
         return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
-    raise ValueError(f"a topology is {_forms()}")
+    keys = value if isinstance(value, Mapping) else ()
+    raise ValueError(f"{first_meant(keys, TABLE_KEYS)}a topology is {_forms()}")
+
+
+def _text(key: str, table: Mapping[Any, Any]) -> str:
+    if not isinstance(table[key], str) or not table[key]:
+        raise ValueError(f"{key} should be a text")
+    return str(table[key])
 
 
 def _named(name: str, given: dict[str, Any]) -> Topology:
     if name not in DOOR:
-        raise ValueError(f"{did_you_mean(name, DOOR.names)}a topology is {_forms()}")
+        hint = did_you_mean(name, DOOR.names) or first_meant(given, TABLE_KEYS)
+        raise ValueError(f"{hint}a topology is {_forms()}")
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)
 

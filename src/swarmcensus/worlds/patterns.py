@@ -10,12 +10,13 @@ import numpy as np
 
 from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.hints import first_meant
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture
 
 if TYPE_CHECKING:
+    from pydantic import BaseModel
     from pydantic.fields import FieldInfo
 
 DOOR = Door("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
@@ -152,7 +153,7 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in DOOR), None)
     if kind is None:
-        raise ValueError(f"{did_you_mean(' '.join(map(str, names)), DOOR.names)}a floor is {_forms()}")
+        raise ValueError(f"{first_meant(names, DOOR.names)}a floor is {_forms()}")
     function, given = _function(kind), {key: one for key, one in table.items() if key != kind}
     first = next(iter(keys_of(function).model_fields), None)
     if table and (first is None or first in given):
@@ -163,6 +164,11 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
         return Floor(kind, read_keys(f"floor {kind}", function, given, {"base": base, "images": known}))
     except ValueError as error:
         raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
+
+
+def keys(kind: str) -> "type[BaseModel]":
+    """What the keys of a kind may be; the first goes by the kind's name."""
+    return keys_of(_function(kind))
 
 
 def _form(kind: str) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.forms import TEXT, Form
 
 MOST_PIXELS = 1 << 24
 
@@ -48,7 +49,7 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
 
 
 # a key that names a PNG file, looked for among those that the study's results hold, then below the study's folder
-PictureFile = Annotated[Picture, BeforeValidator(_picture)]
+PictureFile = Annotated[Picture, BeforeValidator(_picture), Form(lambda _: TEXT)]
 
 
 def read_image(path: Path) -> np.ndarray:

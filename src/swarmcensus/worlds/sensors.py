@@ -12,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.hints import first_meant
 from swarmcensus.engine.addresses import address
 from swarmcensus.worlds.drifting import Drift, parse_drift
 from swarmcensus.worlds.spreading import Spread, parse_spread
@@ -114,6 +114,7 @@ class Misjudgement:
 
 
 TABLE_KEYS = ("black", "white", "start", "drift")
+BELIEF_KEYS = ("black", "white", "error")
 
 
 def parse_accuracy(value: object) -> Accuracy:
@@ -125,9 +126,8 @@ def parse_accuracy(value: object) -> Accuracy:
         return Accuracy(start, None, drift)
     if isinstance(value, Mapping):
         if set(value) != {"black", "white"}:
-            hints = (did_you_mean(str(key), TABLE_KEYS) for key in value if key not in TABLE_KEYS)
             raise ValueError(
-                f"{next(filter(None, hints), '')}an accuracy table has the keys black and white, or start and drift"
+                f"{first_meant(value, TABLE_KEYS)}an accuracy table has the keys black and white, or start and drift"
             )
         if any(isinstance(side, Mapping) for side in value.values()):
             raise ValueError(
@@ -145,4 +145,6 @@ def parse_assumed(value: object) -> Accuracy | Misjudgement:
         return Misjudgement(parse_spread(value["error"], accuracy=False))
     if isinstance(value, Mapping) and ("start" in value or "drift" in value):
         raise ValueError("a belief does not drift: robots believe in one accuracy, or in the first of their own")
+    if isinstance(value, Mapping) and set(value) != {"black", "white"}:
+        raise ValueError(f"{first_meant(value, BELIEF_KEYS)}a table of beliefs has the keys black and white, or error")
     return parse_accuracy(value)

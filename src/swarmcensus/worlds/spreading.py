@@ -129,6 +129,16 @@ def forms() -> str:
     return f"a sensor accuracy is a number in [0, 1], {spreads} or {{black = ..., white = ...}}"
 
 
+def pattern() -> str:
+    """What the text of a spread matches, for schemas: a name, and as many numbers as it takes."""
+    number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*"
+    shipped = (
+        rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in DOOR.shipped
+    )
+    outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in DOOR.outside)  # not imported for a schema
+    return rf"\s*({'|'.join([*shipped, *outside])})\s*"
+
+
 def parse_spread(value: object, accuracy: bool = True) -> Spread:
     """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError."""
     least = 0.0 if accuracy else -1.0
