@@ -153,7 +153,7 @@ def test_results_of_other_shapes(small_results, tmp_path):
 
 
 def test_numbers_too_large_to_compare(small_results):
-    with pytest.raises(sc.InputError, match="--where"):
+    with pytest.raises(sc.InputError, match=r"^where="):
         where(small_results, f"accuracy == 0x{'f' * 300}")
 
 

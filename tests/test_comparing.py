@@ -143,7 +143,7 @@ def with_metric(data, name="lowest"):
 def test_metrics_of_files_are_compared_where_it_is_known_which_way_is_better():
     plain = sc.compare(with_metric(made_up()))
     assert "lowest" not in [one.name for one in plain.measures]
-    assert any("--metric lowest:low or lowest:high" in one for one in plain.cautions)
+    assert any("metric='lowest:low' or 'lowest:high'" in one for one in plain.cautions)
     for way, low in (("low", True), ("high", False)):
         found = sc.compare(with_metric(made_up(gap=0.5)), f"lowest:{way}")
         assert (found.measures[0].low, len(found.measures)) == (low, 1)
@@ -155,7 +155,7 @@ def test_metrics_of_files_are_compared_where_it_is_known_which_way_is_better():
 @pytest.mark.parametrize(
     ("metric", "said"),
     [
-        ("final_eror", "--metric final_eror: did you mean"),
+        ("final_eror", "metric='final_eror': did you mean"),
         ("lowest", "is low or high better"),
         ("lowest:up", "comes low or high"),
         ("correct:low", "of correct, high is better"),
@@ -434,8 +434,8 @@ def test_the_verdict_against_one_is_of_each_other():
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("minimal", "--against minimal: did you mean 'minimalistic'? there are minimalistic, bayes-bots prior=1"),
-        ("bayes-bots", "--against bayes-bots: these are several, bayes-bots prior=1, bayes-bots prior=10: name one"),
+        ("minimal", "against='minimal': did you mean 'minimalistic'? there are minimalistic, bayes-bots prior=1"),
+        ("bayes-bots", "against='bayes-bots': these are several, bayes-bots prior=1, bayes-bots prior=10: name one"),
     ],
 )
 def test_whom_to_hold_them_against_is_named_once(name, said):

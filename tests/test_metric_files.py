@@ -12,6 +12,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains, metrics
 from swarmcensus.basics.bins import right_bin
+from swarmcensus.basics.errors import uncoloured
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
@@ -432,7 +433,7 @@ def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
     Path("sub/s.toml").write_text(STUDY.format(metrics='["mine.py"]'))
     assert main(["run", "sub/s.toml", "--out", "a.nc"]) == 0
     assert main(["verify", "a.nc"]) == 2
-    assert "give it yourself (--brain FILE" in capsys.readouterr().err
+    assert "give it yourself, with --brain" in capsys.readouterr().err
     assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 0
     Path("sub/mine.py").write_text(MINE + "\n")
     assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 2
@@ -498,3 +499,9 @@ def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
     (tmp_path / "bad.py").write_text(MINE.replace("my.last = estimate", "slope = 1.0").replace("my.last\n", "slope\n"))
     with pytest.raises(sc.InputError, match="result uses slope, which is nowhere set"):
         metrics.load("bad.py", tmp_path)
+
+
+def test_numbas_colours_are_left_out_of_what_is_told():
+    """As where colorama is installed."""
+    text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
+    assert watches._told(uncoloured(text)) == "Cannot cast Literal to float64"

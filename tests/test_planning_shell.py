@@ -125,7 +125,7 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         ((), ["--robots", "1:2:3"], "--robots 1:2:3: should be a number, or a range such as 10:100"),
         ((), ["--minutes", "1e9"], "free.minutes = 1e+09: a plan is for a year at the most, 527,040 min"),
         ((), ["--minutes", "inf"], "free.minutes = inf: should be less than or equal to 1000000000"),
-        ((), ["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and 8 is the most"),
+        ((), ["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and a figure has 8 at the most"),
         (("[known]", "known = 3\n[other]"), [], "unknown key other"),
         (("[known]", "body = 3\n[known]"), [], "body = 3: should be a table"),
         ((KNOWN, "known = 3\n"), ["--accuracy", "0.7"], "mission file m.toml: known = 3: should be a table"),

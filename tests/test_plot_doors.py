@@ -22,6 +22,7 @@ from swarmcensus.basics.statistics import interval_of
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import DOOR, find
 from swarmcensus.figures.looks import looks_of
+from swarmcensus.figures.overlaps import stretches
 from swarmcensus.results.selecting import TooMuch
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
@@ -486,3 +487,17 @@ def test_lines_of_long_names_and_of_many_stay_on_the_paper():
     boxes = [tick.get_window_extent() for tick in ax.get_xticklabels()]
     assert 4 < len(boxes) < 40
     assert all(one.x1 < other.x0 for one, other in itertools.pairwise(boxes))
+
+
+def test_lines_that_lie_upon_one_another_are_all_seen():
+    """Flat stretches would hide each other; steep ones lie side by side, and whoever shares none is drawn as ever."""
+    values = {"twin": [0.2, 0.6, 1.0, 1.0, 1.0], "other": [0.2, 0.6, 1.0, 1.0, 1.0], "low": [0.1, 0.1, 0.2, 0.3, 0.4]}
+    flat = [(3.0, 1.0), (4.0, 1.0), (5.0, 1.0)]
+    x = np.arange(1.0, 6.0)
+    found = stretches({name: (x, np.array(y)) for name, y in values.items()}, lambda piece: piece[1] == piece[3])
+    assert [part.style for part in found["twin"]] == [part.style for part in found["low"]] == ["-"]
+    steep, shared = found["other"]
+    assert steep.style == "-"
+    assert shared.style[1] == (6.0, 6.0)
+    np.testing.assert_array_equal(np.stack([shared.x, shared.y], 1), flat)
+    np.testing.assert_array_equal(found["low"][0].y, values["low"])

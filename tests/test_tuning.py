@@ -416,6 +416,6 @@ def test_a_range_without_the_value_there_is_is_told(tmp_path):
 
 def test_a_search_that_is_refused_leaves_nothing(tmp_path):
     study = study_of(tmp_path, "a = 0.1")
-    with pytest.raises(InputError, match="--budget 5: the brain as it is and one generation take 13 evaluations"):
+    with pytest.raises(InputError, match=r"^budget=5: the brain as it is and one generation take 13 evaluations"):
         sc.tune(study, ["a=0:1"], budget=5, out=tmp_path / "t.toml")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["tunable.py"]

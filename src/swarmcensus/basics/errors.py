@@ -1,6 +1,7 @@
 """What goes wrong through bad input, said in one sentence for a person."""
 
 import linecache
+import re
 import traceback
 from pathlib import Path
 
@@ -18,6 +19,11 @@ class Interrupted(KeyboardInterrupt):
         self.results = results
         self.done = done
         self.total = total
+
+
+def uncoloured(error: object) -> str:
+    """What an error says, without the colours that Numba gives it where colorama is installed."""
+    return re.sub(r"\x1b\[[0-9;]*m", "", str(error))
 
 
 def line_of(error: BaseException, path: Path) -> str:

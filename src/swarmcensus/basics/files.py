@@ -9,6 +9,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 
 
 @contextlib.contextmanager
@@ -97,7 +98,7 @@ def check_own(page: Path, is_ours: Callable[[str], bool], command: str) -> None:
     """Raise InputError where a command's page cannot be written, or is somebody else's, by what it says."""
     check_writable(page)
     if page.exists() and not is_ours(page.read_text(encoding="utf-8", errors="replace")):
-        raise InputError(f"{page} is there, and no page of {command}: write to another folder with --out")
+        raise InputError(f"{page} is there, and no page of {command}: write to another folder with {option('out')}")
 
 
 def data_path(out: Path, study: str) -> Path:

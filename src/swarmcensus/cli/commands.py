@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.options import of_a_shell
 from swarmcensus.cli.boards import leaderboard
 from swarmcensus.cli.choices import choices
 from swarmcensus.cli.comparing import compare
@@ -31,7 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
     options = parser(COMMANDS).parse_args(arguments)
     try:
-        with speaking(options):
+        with of_a_shell(vars(options)), speaking(options):
             _look_for_results(options)
             code = int(options.run(options) or 0)
             sys.stdout.flush()  # a full disk should be told of here

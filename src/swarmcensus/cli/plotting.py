@@ -93,14 +93,11 @@ def _set(text: str) -> tuple[str, Any]:
 
 @contextlib.contextmanager
 def _failures(kind: str) -> Iterator[None]:
-    """What goes wrong in drawing, in one line: with advice for a shell, and of another package's kind, whose it is."""
+    """What goes wrong in drawing, in one line: of another package's kind, whose it is."""
     from swarmcensus.figures.kinds import DOOR
-    from swarmcensus.results.selecting import TooMuch
 
     try:
         yield
-    except TooMuch as error:
-        raise InputError(error.shell) from None
     except (InputError, OSError, MemoryError):
         raise
     except Exception as error:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.errors import uncoloured
 from swarmcensus.brains import Brain, numbers
 from swarmcensus.engine import glue
 from swarmcensus.engine.compiling import not_compiled
@@ -94,7 +95,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     except MemoryError:
         raise
     except Exception as error:
-        raise NotCompiled(brain, str(error)) from error
+        raise NotCompiled(brain, uncoloured(error)) from error
     if not_compiled():
         return np.array(found, object)
     return np.array([address or 0 for address in found], np.uint64)

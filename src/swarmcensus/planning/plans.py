@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.options import in_shell, option
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.starts import Start
 from swarmcensus.planning.trying import Curve, Share
@@ -110,7 +111,7 @@ def check_lines(mission: Mission) -> None:
     lines = len(mission.brains) * len(mission.worlds)
     if lines > MOST_LINES:
         raise InputError(
-            f"--plot: a line a brain, network and density would be {lines} lines, and {MOST_LINES} is the most: "
+            f"a line a brain, network and density would be {lines} lines, and a figure has {MOST_LINES} at the most: "
             "name fewer of them"
         )
 
@@ -118,5 +119,5 @@ def check_lines(mission: Mission) -> None:
 def check_out(path: str | Path, *inputs: Path) -> None:
     """Raise InputError where a plan cannot be written there."""
     if Path(path).suffix not in (".json", ".toml"):
-        raise InputError(f"--out {path}: a plan is written as .json or .toml")
+        raise InputError(f"{option('out', str(path)) if in_shell() else path}: a plan is written as .json or .toml")
     check_writable(path, *inputs)

@@ -115,7 +115,7 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
     if black != white:
         raise InputError(
             f"assumed_accuracy {belief} is off from the accuracy {accuracy} by {black:g} for black and {white:g} for "
-            "white: this figure shows one error for both, as {error = ...} gives; select others with --where"
+            "white: this figure shows one error for both, as {error = ...} gives; select others"
         )
     return black
 

@@ -12,6 +12,7 @@ from swarmcensus.basics.bootstrap import centres
 from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.results import comparison_groups, comparison_tables, measures, selecting
 from swarmcensus.results.contenders import NONE, Field, field_of
 from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
@@ -121,7 +122,7 @@ def _marked(name: str, contenders: list[str]) -> int:
         what = (
             f"these are several, {', '.join(found)}: name one" if found else f"{hint}there are {', '.join(contenders)}"
         )
-        raise InputError(f"--against {name}: {what}")
+        raise InputError(f"{option('against', name)}: {what}")
     return contenders.index(found[0])
 
 

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.results.standings import AGAINST, RANKED, Standings
 
 
@@ -51,9 +52,9 @@ def worlds_by(found: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...], ND
     names = list(dict.fromkeys(name for world in found.field.worlds for name in world))
     for name in axes:
         if name in found.field.common:
-            raise InputError(f"--by {name}: all worlds have the same, {found.field.common[name]}")
+            raise InputError(f"{option('by', name)}: all worlds have the same, {found.field.common[name]}")
         if name not in names:
             hint = did_you_mean(name, names)
-            raise InputError(f"--by {name}: {hint}worlds differ in {', '.join(names) or 'nothing'}")
+            raise InputError(f"{option('by', name)}: {hint}worlds differ in {', '.join(names) or 'nothing'}")
     keys = [tuple(world.get(name) for name in axes) for world in found.field.worlds]
     return {key: np.array([w for w, other in enumerate(keys) if other == key]) for key in dict.fromkeys(keys)}

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.results.summaries import restated
 
 NONE = -1
@@ -77,7 +78,7 @@ def field_of(data: xr.Dataset, whole: xr.Dataset) -> tuple[Field, list[str]]:
             one, other = data["setting"].values[[place[at], setting]].tolist()
             raise InputError(
                 f"settings {one} and {other} are both of {name} in the same world, by all coordinates that they have: "
-                f"leave one out, as --where 'setting != {other}'"
+                f"leave one out, as {option('where', f'setting != {other}')}"
             )
         place[at] = setting
     met = (place != NONE).sum(axis=1) > 1

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.bootstrap import Statistic, centres
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import in_shell, option
 from swarmcensus.results.values import metrics_in, robots_in
 
 Floats = NDArray[np.float64]
@@ -102,25 +103,33 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
     for text in asked:
         name, colon, way = text.partition(":")
         if colon and way not in WAYS:
-            raise InputError(f"--metric {text}: after the colon comes low or high, whichever is better")
+            raise InputError(f"{option('metric', text)}: after the colon comes low or high, whichever is better")
         if name not in there and name not in files:
-            raise InputError(f"--metric {text}: {_absent(data, name, [*there, *(f for f in files if f not in there)])}")
+            raise InputError(
+                f"{option('metric', text)}: {_absent(data, name, [*there, *(f for f in files if f not in there)])}"
+            )
         if name not in there and not colon:
-            raise InputError(f"--metric {text}: is low or high better? Write {name}:low or {name}:high")
+            raise InputError(f"{option('metric', text)}: is low or high better? Write {name}:low or {name}:high")
         if name in measures:
-            raise InputError(f"--metric {text}: {name} is given twice")
+            raise InputError(f"{option('metric', text)}: {name} is given twice")
         measures[name] = there[name] if name in OURS or not colon else _of_file(data, name, WAYS[way])
         if name in OURS and colon and WAYS[way] != OURS[name].low:
-            raise InputError(f"--metric {text}: of {name}, {'low' if OURS[name].low else 'high'} is better")
+            raise InputError(f"{option('metric', text)}: of {name}, {'low' if OURS[name].low else 'high'} is better")
     if measures:
         return list(measures.values()), []
     cautions = [
-        f"{name} is not compared, as nobody has told which way is better: --metric {name}:low or {name}:high"
+        f"{name} is not compared, as nobody has told which way is better: {_either(name)}"
         for name in files
         if name not in there
     ]
     usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
     return usual + [one for name, one in there.items() if name in files], cautions
+
+
+def _either(name: str) -> str:
+    return (
+        f"{option('metric', f'{name}:low')} or {name}:high" if in_shell() else f"metric='{name}:low' or '{name}:high'"
+    )
 
 
 def _absent(data: xr.Dataset, name: str, names: list[str]) -> str:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
+from swarmcensus.basics.options import option
 from swarmcensus.results import checking
 from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.origins import studies_of
@@ -68,7 +69,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
         if not fresh and listed(parts.folder):
-            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or --fresh")
+            anew = option("fresh", True)
+            raise InputError(f"{parts.folder} holds the work of a run that was cut off: end that run first, or {anew}")
         if not fresh and out.exists():
             _check_kept(out, data)
         save(data, out)
@@ -78,7 +80,8 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
 
 def _check_kept(out: Path, data: xr.Dataset) -> None:
     """Raise InputError where a file holds trials that are not in `data`."""
-    hint = "merge it too into another file, write elsewhere with --out, or replace it with --fresh"
+    elsewhere, fresh = option("out"), option("fresh", True)
+    hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
     try:
         old = load(out)
     except InputError as error:

@@ -14,6 +14,7 @@ import xarray as xr
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.brains import adversary
 from swarmcensus.results.checking import adversaries_in, made_from
@@ -135,7 +136,7 @@ def must_be_read(setting: Setting) -> None:
     for one in (one for one in (setting.brain, *theirs) if not one.is_read):
         raise InputError(
             f"the {one.what} {one.name!r} is a file, and a file named in results is not run unasked, but where it lies "
-            "below the current folder, unchanged: give it yourself as it was (--brain FILE, or brain=...)"
+            f"below the current folder, unchanged: give it yourself as it was, with {option('brain')}"
         )
 
 
@@ -156,7 +157,7 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
             raise InputError(f"metric {name!r}: its source has changed since these results were made")
         raise InputError(
             f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
-            "below the current folder as it was: give it yourself (--brain FILE, or brain=...)"
+            f"below the current folder as it was: give it yourself, with {option('brain')}"
         )
 
 

@@ -11,6 +11,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import in_shell, option
 
 COMPARE: dict[type, Callable[[Any, Any], Any]] = {
     ast.Eq: operator.eq,
@@ -26,17 +27,19 @@ MOST_VALUES = 12  # of a coordinate that are named
 
 
 class TooMuch(InputError):
-    """More settings than a figure shows, and how to select some: to users of Python, and in `shell` to those of one."""
+    """More settings than a figure shows, and how to select some."""
 
     def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
         """Say `what` is too much, and to select settings by coordinates, as these values of theirs do."""
         advice = f"{what}: select some of the settings"
-        masks = [f"results.{name} == {value!r}" for name, value in chosen.items()]
-        masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
-        terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
-        python = f", as results.isel(setting=({' & '.join(masks)}).values)" if chosen else ""
-        super().__init__(advice + python)
-        self.shell = advice + (f", as --where '{' and '.join(terms)}'" if chosen else "")
+        if in_shell():
+            terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
+            how = option("where", " and ".join(terms))
+        else:
+            masks = [f"results.{name} == {value!r}" for name, value in chosen.items()]
+            masks = masks if len(masks) < 2 else [f"({mask})" for mask in masks]
+            how = f"results.isel(setting=({' & '.join(masks)}).values)"
+        super().__init__(advice + (f", as {how}" if chosen else ""))
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
@@ -64,11 +67,11 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
     except (SyntaxError, ValueError, TypeError, ArithmeticError, RecursionError, MemoryError) as error:
         what = error.msg if isinstance(error, SyntaxError) else error
         raise InputError(
-            f'--where {expression!r}: {what}; write for example: topology == "ring" and accuracy == 0.675'
+            f'{option("where", expression)}: {what}; write for example: topology == "ring" and accuracy == 0.675'
         ) from None
     chosen = data.isel(setting=np.flatnonzero(np.broadcast_to(holds, data.sizes["setting"])))
     if not chosen.sizes["setting"]:
-        raise InputError(f"--where {expression!r}: no setting is so{_known_values(tree, known)}")
+        raise InputError(f"{option('where', expression)}: no setting is so{_known_values(tree, known)}")
     return chosen
 
 

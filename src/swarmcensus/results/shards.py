@@ -24,6 +24,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
+from swarmcensus.basics.options import option
 from swarmcensus.results.presence import folder_of as folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 
@@ -189,7 +190,8 @@ class Parts:
 
     def found(self) -> Iterator[tuple[Path, Shard | None]]:
         """Every shard that is there; None for one that is damaged. Raises InputError for one of another run."""
-        hint = f"Remove the folder, run with --fresh, or write elsewhere with --out ({self.folder})"
+        fresh, out = option("fresh", True), option("out")
+        hint = f"Remove the folder, run with {fresh}, or write elsewhere with {out} ({self.folder})"
         for path in listed(self.folder):
             shard = read(path)
             if shard is not None:

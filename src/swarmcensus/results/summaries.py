@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.documents import plain
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
@@ -109,7 +110,7 @@ def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: in
     found = points(data, checkpoint)
     if column not in found and column not in SHORT:
         known = [*SHORT, *(k for k in found if k not in SHORT.values())]
-        raise InputError(f"--sort {column}: {did_you_mean(column, known)}known are {', '.join(known)}")
+        raise InputError(f"{option('sort', column)}: {did_you_mean(column, known)}known are {', '.join(known)}")
     values = found[SHORT.get(column, column)]
     if values.dtype.kind in "OU":  # accuracies are text: numbers among them come first, as numbers
         texts, place = np.unique(values.astype(str), return_inverse=True)

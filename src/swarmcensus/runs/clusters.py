@@ -24,6 +24,7 @@ import numpy as np
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import adversary
 from swarmcensus.runs.queues import NO_PAGE, Jobs, ended_politely, read_queue
@@ -178,7 +179,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
                     dashboard_address=NO_PAGE["dashboard_address"], scheduler_kwargs=NO_PAGE,
                 )  # fmt: skip
             except (OSError, RuntimeError) as error:
-                raise InputError(f"--cluster {where}: no processes could be started: {error}") from error
+                raise InputError(f"{option('cluster', where)}: no processes could be started: {error}") from error
             stack.enter_context(cluster)
         elif queue is None:
             cluster = where
@@ -225,5 +226,5 @@ def _quiet() -> Iterator[None]:
 def _count(where: str) -> int:
     text = where.removeprefix("local:")
     if not text.isdigit() or int(text) < 1:
-        raise InputError(f"--cluster {where}: should be local: and a number of processes, as local:4")
+        raise InputError(f"{option('cluster', where)}: should be local: and a number of processes, as local:4")
     return int(text)

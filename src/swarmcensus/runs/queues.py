@@ -15,6 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import first_meant
+from swarmcensus.basics.options import option
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import read_toml
 
@@ -200,7 +201,8 @@ def read_queue(path: Path) -> Queue:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError, ValueError) as error:
         raise InputError(
-            f"--cluster {path}: should be local:4, a scheduler's address, or a TOML file, which cannot be read: {error}"
+            f"{option('cluster', str(path))}: should be local:4, a scheduler's address, or a TOML file, which "
+            f"cannot be read: {error}"
         ) from None
     try:
         return Queue.model_validate(read_toml(text, f"cluster file {path}"))

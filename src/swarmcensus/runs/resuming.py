@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
+from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import store
 from swarmcensus.results.shards import Identity, Parts, listed
@@ -32,7 +33,10 @@ from swarmcensus.results.values import (
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-HINT = "Run with --fresh to begin anew, or write elsewhere with --out"
+
+def hint() -> str:
+    """What to do about results that are in the way."""
+    return f"Run with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
 
 
 def identity_of(study: Study) -> Identity:
@@ -113,14 +117,14 @@ class Holding:
         if fingerprint not in self._numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
-                f"a brain, body, fault, edge list, image or file of another package been changed? {HINT}"
+                f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}"
             )
         return self._numbers[fingerprint]
 
     def _check_trials(self, trials: int) -> None:
         if trials > self.study.trials:
             raise InputError(
-                f"{self.out} holds {trials} trials a setting, this study asks for {self.study.trials}. {HINT}"
+                f"{self.out} holds {trials} trials a setting, this study asks for {self.study.trials}. {hint()}"
             )
 
     def _take_file(self, values: Values, old: xr.Dataset) -> None:
@@ -130,9 +134,9 @@ class Holding:
             "truth": old.attrs.get("truth"), "metrics": told(metrics_in(old)),
         }  # fmt: skip
         about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
-        self.parts.identity.check(about, str(self.out), HINT)
+        self.parts.identity.check(about, str(self.out), hint())
         if said := edited(old, self.study):
-            raise InputError(f"{self.out}: {said}. {HINT}")
+            raise InputError(f"{self.out}: {said}. {hint()}")
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
         old = old.isel(setting=_has_any(old))
         rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values], np.intp)
@@ -142,7 +146,7 @@ class Holding:
         self._check_trials(int(trials.max()) + 1)
         values.grow(int(trials.max()) + 1)
         if old.sizes["robot"] > max(values.robots):
-            raise InputError(f"{self.out} holds larger swarms than this study. {HINT}")
+            raise InputError(f"{self.out} holds larger swarms than this study. {hint()}")
         self._check_names(list(old), values, self.out)
         done = old["convergence_round"].values[:, :, 0] != MISSING
         for name, (dims, *_) in kinds_in(old).items():
@@ -157,10 +161,10 @@ class Holding:
     def _check_names(self, names: Container[Hashable], values: Values, path: Path) -> None:
         for name in LOCAL | ESTIMATES:
             if name in names and name not in values.arrays:
-                raise InputError(f"{path} holds {name}, which this study does not ask for. {HINT}")
+                raise InputError(f"{path} holds {name}, which this study does not ask for. {hint()}")
         for name in ESTIMATES:
             if name not in names and name in values.arrays and "correct" in names:
-                raise InputError(f"{path} has no {name}, which this study asks for. {HINT}")
+                raise InputError(f"{path} has no {name}, which this study asks for. {hint()}")
 
     def _of_shard(self, taken: Columns, known: list[int], place: int, path: Path) -> Columns:
         if "correct" not in taken or known == self.study.checkpoints:
@@ -191,7 +195,7 @@ class Holding:
         if lacking.size:
             raise InputError(
                 f"{path} has no decisions at round {ours[lacking[0]]}, which is a checkpoint of this study: name in "
-                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {HINT}"
+                f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {hint()}"
             )
         return taken
 
@@ -230,7 +234,7 @@ def hold(
             try:
                 old = store.load(out)
             except InputError as error:
-                raise InputError(f"{error}. {HINT}") from None
+                raise InputError(f"{error}. {hint()}") from None
         try:
             yield Holding(out, study, settings, parts, say, old)
         except BaseException:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.basics.times import UNITS, parse_time
 
 MOST = 10_000_000
@@ -35,6 +36,7 @@ def budget_of(given: int | str) -> Budget:
             raise ValueError
     except ValueError:
         raise InputError(
-            f'--budget {given}: should be a number of evaluations, as 200, or a time, as "10 min" (s, min or h)'
+            f"{option('budget', given)}: should be a number of evaluations, as 200, or a time, as "
+            '"10 min" (s, min or h)'
         ) from None
     return Budget(None, time.number * UNITS[time.unit], str(time))

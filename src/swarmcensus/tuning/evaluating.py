@@ -9,6 +9,7 @@ from typing import Any
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain
 from swarmcensus.results import store
 from swarmcensus.results.presence import folder_of
@@ -57,7 +58,7 @@ def check_replaceable(out: Path) -> None:
     for title in _titles(out):
         if not title.startswith(MARK):
             raise InputError(
-                f"{out} holds results that no evaluation of a tuned brain made: write elsewhere with --out"
+                f"{out} holds results that no evaluation of a tuned brain made: write elsewhere with {option('out')}"
             )
 
 

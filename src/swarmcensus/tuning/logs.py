@@ -18,11 +18,16 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, remove_leftovers, whole
+from swarmcensus.basics.options import option
 
 FORMAT = "# swarmcensus tune 1 "
 USUAL = "# usual "
-HINT = "Tune with --fresh to begin anew, or write elsewhere with --out"
 TO_DISK = 0.5  # seconds between waits for the disk: a process that is killed loses nothing, a power cut so much
+
+
+def hint() -> str:
+    """What to do about a log that is in the way."""
+    return f"Tune with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
 
 
 @dataclass(frozen=True)
@@ -134,7 +139,7 @@ class Log:
         try:
             head, *lines = data[:end].decode().splitlines()
         except UnicodeDecodeError:
-            raise InputError(f"{self.path} is no log of a search. {HINT}") from None
+            raise InputError(f"{self.path} is no log of a search. {hint()}") from None
         self._check(head)
         if len(lines) < 3:  # the start was not through
             return len(head.encode()) + 1
@@ -143,21 +148,21 @@ class Log:
                 raise ValueError
             self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(-1, 2)
         except ValueError:
-            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {HINT}") from None
+            raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {hint()}") from None
         for number, line in enumerate(lines[2:]):
             try:
                 self.evaluations.append(self._parsed(line, number))
             except ValueError:
                 raise InputError(
                     f"{self.path}, line {number + 4}: damaged or changed: remove it and all behind it, or begin anew "
-                    "with --fresh"
+                    f"with {option('fresh', True)}"
                 ) from None
         return end
 
     def _must_be_ours(self, data: bytes) -> int:
         """A file without a whole line is a log only if it is the beginning of one."""
         if data and not self._head().encode().startswith(data):
-            raise InputError(f"{self.path} is no log of a search. {HINT}")
+            raise InputError(f"{self.path} is no log of a search. {hint()}")
         return 0
 
     def _check(self, head: str) -> None:
@@ -167,11 +172,11 @@ class Log:
                 raise ValueError
             found = dict(json.loads(head.removeprefix(FORMAT)))
         except (ValueError, TypeError):
-            raise InputError(f"{self.path} is no log of a search. {HINT}") from None
+            raise InputError(f"{self.path} is no log of a search. {hint()}") from None
         differ = [key for key, mine in self.identity.items() if found.get(key) != mine]
         if differ:
             said = "; ".join(f"{key} is {found.get(key)!r} there and {self.identity[key]!r} here" for key in differ)
-            raise InputError(f"{self.path} is of another search: {said}. {HINT}")
+            raise InputError(f"{self.path} is of another search: {said}. {hint()}")
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

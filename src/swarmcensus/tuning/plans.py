@@ -7,6 +7,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.results.measures import Measure
@@ -68,7 +69,7 @@ def plan_of(
 ) -> Plan:
     """Hold what is asked for against the study. Raises InputError, naming what is not there and what is."""
     if not 1 <= trials <= MOST_TRIALS:
-        raise InputError(f"--trials {trials}: a candidate has 1 to {MOST_TRIALS} trials in each world")
+        raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS} trials in each world")
     before = chosen(study, brain)
     ranges = ranges_of(parameters, before)
     mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
@@ -88,14 +89,14 @@ def chosen(study: Study, name: str | None) -> Brain:
     if name is None:
         if len(tunable) != 1:
             what = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise InputError(f"--brain: {what}")
+            raise InputError(f"{option('brain')}: {what}")
         name = tunable[0]
     found = next((brain for brain in brains if brain.name == name), None)
     if found is None:
         names = list(dict.fromkeys(brain.name for brain in brains))
-        raise InputError(f"--brain {name}: {did_you_mean(name, names)}the study has {', '.join(names)}")
+        raise InputError(f"{option('brain', name)}: {did_you_mean(name, names)}the study has {', '.join(names)}")
     if not found.parameters:
-        raise InputError(f"--brain {name}: it has no PARAMETERS, and so nothing to look for")
+        raise InputError(f"{option('brain', name)}: it has no PARAMETERS, and so nothing to look for")
     return found
 
 

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain, length
 
 Scale = Literal["linear", "log", "whole"]
@@ -76,9 +77,9 @@ def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
                     raise ValueError(f"{one.place} is given twice")
                 found.append(one)
         except ValueError as error:
-            raise InputError(f"--parameters {text}: {error}") from None
+            raise InputError(f"{option('parameters', text)}: {error}") from None
     if not found:
-        raise InputError(f"--parameters: none is given; the brain {brain.name!r} has {_known(brain)}")
+        raise InputError(f"{option('parameters')}: none is given; the brain {brain.name!r} has {_known(brain)}")
     return found
 
 

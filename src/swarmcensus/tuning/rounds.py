@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.options import option
 from swarmcensus.runs.working import Progress
-from swarmcensus.tuning.logs import HINT, Evaluation, Log
+from swarmcensus.tuning.logs import Evaluation, Log, hint
 from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.searching import Search
@@ -54,7 +55,7 @@ class _Course:
             if one.values != values or one.generation != generation:
                 raise InputError(
                     f"{self.log.path}: evaluation {k} is of {one.values} there, and would be of {values} here, on "
-                    f"another machine or with other versions of libraries. {HINT}"
+                    f"another machine or with other versions of libraries. {hint()}"
                 )
         if len(found) < len(asked):
             self._try(generation, asked[len(found) :])
@@ -87,7 +88,7 @@ class _Course:
         )
         if log.usual is None:
             why = failures[0] if failures else "no trial has a number of it: the measure means nothing for this brain"
-            raise InputError(f"--metric {plan.metric}: {why}")
+            raise InputError(f"{option('metric', plan.metric)}: {why}")
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:
         """Progress of some candidates as that of the whole search."""
@@ -113,8 +114,8 @@ def search_of(plan: Plan) -> Search:
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
         raise InputError(
-            f"--budget {plan.budget.evaluations}: the brain as it is and one generation take {1 + search.size} "
-            "evaluations"
+            f"{option('budget', plan.budget.evaluations)}: the brain as it is and one generation take "
+            f"{1 + search.size} evaluations"
         )
     return search
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain, Value
 from swarmcensus.runs import pools
 from swarmcensus.runs.working import Progress
@@ -113,7 +114,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
     if out is None:
         return {}
     if Path(out).suffix != ".toml":
-        raise InputError(f"--out {out}: the values found are written as .toml")
+        raise InputError(f"{option('out', str(out))}: the values found are written as .toml")
     files = {suffix: Path(out).with_suffix(suffix) for suffix in (".toml", ".csv", ".nc")}
     for path in files.values():
         check_writable(path)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import get_args
 
 import numpy as np
@@ -11,12 +11,14 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.transforms import ScaledTranslation, Transform, blended_transform_factory
+from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
 from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.coordinates import check_coordinates, from_nobody, texts_of, title_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
+from swarmcensus.figures.overlaps import Piece, Stretch, stretches
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.series import Point, Statistic, measured, points_of
 from swarmcensus.figures.sheets import (
@@ -36,6 +38,7 @@ from swarmcensus.results.measures import with_measure
 from swarmcensus.results.values import SHARES
 
 SIZE = 5.0  # points: a dot
+WIDTH = 1.0  # points: a line
 ENDLESS = r"$\infty$"
 BESIDE = 5.0  # points between dots of one x: of many lines less
 ROOM = 60.0  # points that all dots of one x take together at the most where x has names, and of
@@ -64,8 +67,9 @@ def lines(
     one too, and otherwise the last that a setting reaches is meant. There is a panel for each combination of the
     coordinates `panels`, by default of all others that vary; settings that differ in nothing else are pooled. A thin
     upright line is the 95 % interval over trials, where there are 6 or more. A sign of infinity at the top says that
-    the statistic is infinite, as where half of the robots never do what is measured. Lines join numbers, not names, and
-    break where nothing has been run. Axes of your own, `ax`, hold a panel each: leave room for the key on their right.
+    the statistic is infinite, as where half of the robots never do what is measured. Lines join numbers, not names,
+    break where nothing has been run, and are dashed where they would hide others. Axes of your own, `ax`, hold a panel
+    each: leave room for the key on their right.
 
     Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
     24 panels.
@@ -98,15 +102,25 @@ def lines(
     middle = (len(looks) - 1) / 2
     room = ROOM / max(len(looks) - 1, 1)
     apart = min(BESIDE, room)
-    step = min(apart, NEAR / max(len(looks) - 1, 1)) if places_of(across)[1] else apart
+    are_numbers = places_of(across)[1]
+    step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
     for found, place in zip(series, axes, strict=True):
         if all(np.isnan(point.value) for points in found.values() for point in points):
             say_empty(place, f"no trial has numbers of {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
+        numbers = {value: _numbers(found.get(value, []), across) for value in looks}
+        joined = stretches({value: (one[0], _finite(one[1])) for value, one in numbers.items()}, _hider(place, step))
         for k, (value, look) in enumerate(looks.items()):
             aside = k - middle if x != color else 0.0  # else no two dots are of one x
-            _draw(place, found.get(value, []), across, look, step * aside, min(2 * apart, room) * aside)
+            _draw(
+                place,
+                numbers[value],
+                joined[value] if are_numbers else [],
+                look,
+                step * aside,
+                min(2 * apart, room) * aside,
+            )
         name_axes(place, unit_of(results) if x == "checkpoint" else title_of(x), beside)
     heading = ""
     entries: dict[str, Artist] = {}
@@ -142,23 +156,46 @@ def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Stat
     }
 
 
-def _draw(axes: Axes, points: Sequence[Point], across: dict[str, Look], look: Look, aside: float, apart: float) -> None:
+def _numbers(points: Sequence[Point], across: dict[str, Look]) -> NDArray[np.float64]:
+    """Where points are, what they come to and the ends of their intervals (4, point), from left to right."""
+    places, _ = places_of(across)
+    ordered = sorted(points, key=lambda point: places[point.x])
+    return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 4).T
+
+
+def _finite(value: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(np.isfinite(value), value, np.nan)
+
+
+def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
+    """Whether a line hides one of the same points that is drawn `aside` points beside it."""
+
+    def hides(piece: Piece) -> bool:
+        (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
+        return bool(aside * abs(next_y - y) < WIDTH * np.hypot(next_x - x, next_y - y))
+
+    return hides
+
+
+def _draw(
+    axes: Axes, numbers: NDArray[np.float64], joined: Sequence[Stretch], look: Look, aside: float, apart: float
+) -> None:
     """Draw one line, `aside` points beside where it belongs, to hide no other, and `apart` what is infinite."""
-    places, numbers = places_of(across)
-    points = sorted(points, key=lambda point: places[point.x])
-    x, value, low, high = np.array([(places[p.x], *p[1:]) for p in points]).reshape(-1, 4).T
+    x, value, low, high = numbers
     shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
     upright, label = axes.transData + shift, look.name
-    shown = np.where(np.isfinite(value), value, np.nan)
-    if numbers:
-        axes.plot(x, shown, color=look.colour, linewidth=1.0, transform=upright, label=f"line {label}", zorder=2)
+    for part in joined:
+        axes.plot(
+            part.x, part.y, color=look.colour, linewidth=WIDTH, linestyle=part.style, transform=upright,
+            label=f"line {label}", zorder=2,
+        )  # fmt: skip
     top = axes.get_ylim()[1]
     axes.vlines(
         x, low, np.minimum(high, top), colors=look.colour, linewidths=1.0, alpha=0.8, transform=upright,
         label=f"interval {label}", zorder=2.5,
     )  # fmt: skip
     dots = _dot(look)
-    dots.set(xdata=x, ydata=shown, label=f"{label}", transform=upright, zorder=3)
+    dots.set(xdata=x, ydata=_finite(value), label=f"{label}", transform=upright, zorder=3)
     axes.add_line(dots)
     endless = np.isposinf(value)
     if endless.any():
