@@ -61,7 +61,6 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
         (["studies", "rng"], "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
         (["studies", "ring", "--out", "there.toml"], "there.toml is there already"),
         (["studies", "ring", "--out", "x.nc"], "--out x.nc: a study is a .toml file"),
-        (["studies", "example/tuning"], "shy.py is there already"),
     ],
 )
 def test_what_cannot_be_written_is_said_and_nothing_is(arguments, said, here, capsys):
@@ -154,3 +153,26 @@ def test_it_imports_nothing_that_takes_long():
         "assert not {'numba', 'xarray', 'matplotlib'} & set(sys.modules), 'imported'"
     )
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
+
+
+def test_who_begins_a_brain_and_copies_studies_in_one_folder_loses_nothing(here, capsys):
+    """The example's brain and a new one would have one name; two examples have the very same brain."""
+    for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
+        assert main(words.split()) == 0
+    assert "my_brain-2.py: there is another my_brain.py already, which stays as it is\n" in capsys.readouterr().out
+    assert sorted(path.name for path in here.iterdir()) == [
+        "compare.toml", "my_brain-2.py", "my_brain-3.py", "my_brain.py", "ranking.toml", "ring.toml",
+    ]  # fmt: skip
+    assert (here / "my_brain-2.py").read_text() == shipped_studies()["example/compare"].with_name(
+        "my_brain.py"
+    ).read_text()
+    assert (here / "my_brain-3.py").read_text().replace("my_brain-3", "my_brain") == (here / "my_brain.py").read_text()
+    for name in ("compare", "ranking"):
+        assert "my_brain-2.py" in [brain.name for brain in sc.Study.load(here / f"{name}.toml").brains]
+
+
+def test_a_link_that_leads_nowhere_is_not_written_through(here):
+    (here / "my_brain.py").symlink_to("gone.py")
+    assert main(["new", "brain"]) == 0
+    assert not (here / "gone.py").exists()
+    assert (here / "my_brain-2.py").is_file()

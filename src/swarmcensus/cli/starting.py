@@ -1,6 +1,8 @@
 """Commands that one begins with: `new`, `studies`, `doctor`. Imports wait until needed."""
 
 import argparse
+import filecmp
+import itertools
 import re
 import shlex
 import shutil
@@ -18,7 +20,7 @@ def new(options: argparse.Namespace) -> int:
     from swarmcensus.basics.files import whole
 
     starter = Path(__file__).parent / "starters" / STARTERS[options.what]
-    out = options.file or Path(f"my_{starter.name}")
+    out = options.file or _free(Path(f"my_{starter.name}"))
     if out.suffix != starter.suffix:
         raise InputError(f"{out}: a {options.what} is a {starter.suffix} file")
     _not_there(out)
@@ -76,17 +78,20 @@ def _copy(study: Path, out: Path) -> None:
     from swarmcensus.basics.files import whole
 
     text = study.read_text(encoding="utf-8")
-    copies = {name: out.parent / Path(name).name for name in _named_by(study)}
-    for copy in (out, *copies.values()):
-        _not_there(copy)
-    for name, copy in copies.items():
+    _not_there(out)
+    copies = {name: _free(out.parent / Path(name).name, study.parent / name) for name in _named_by(study)}
+    new = {name: copy for name, copy in copies.items() if not copy.exists()}
+    for name, copy in new.items():
         with whole(copy) as beside:
             shutil.copyfile(study.parent / name, beside)
+    for name, copy in copies.items():
         text = text.replace(f'"{name}"', f'"{copy.name}"')
     with whole(out) as beside:
         beside.write_text(text, encoding="utf-8")
-    for path in (out, *copies.values()):
-        wrote(path)
+    wrote(out)
+    for name, copy in new.items():
+        usual = Path(name).name
+        wrote(copy if copy.name == usual else f"{copy}: there is another {usual} already, which stays as it is")
 
 
 def _named_by(study: Path) -> list[str]:
@@ -102,6 +107,18 @@ def _named_by(study: Path) -> list[str]:
 
     found = dict.fromkeys(words(tomllib.loads(study.read_text(encoding="utf-8"))))
     return [word for word in found if (study.parent / word).is_file()]
+
+
+def _free(path: Path, like: Path | None = None) -> Path:
+    """The path, or with a number the first that is not taken; one that holds what the file `like` does will do."""
+    numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
+    return next(one for one in itertools.chain([path], numbered) if _will_do(one, like))
+
+
+def _will_do(path: Path, like: Path | None) -> bool:
+    if not path.exists() and not path.is_symlink():
+        return True
+    return like is not None and path.is_file() and filecmp.cmp(path, like, shallow=False)
 
 
 def _not_there(path: Path) -> None:

@@ -7,7 +7,13 @@ from pathlib import Path
 def add_new_options(sub: argparse.ArgumentParser) -> None:
     """Of `new`."""
     sub.add_argument("what", choices=("study", "brain"), metavar="study|brain", help="what to begin")
-    sub.add_argument("file", type=Path, nargs="?", metavar="FILE", help="default: my_study.toml or my_brain.py, here")
+    sub.add_argument(
+        "file",
+        type=Path,
+        nargs="?",
+        metavar="FILE",
+        help="default: my_study.toml or my_brain.py, here, with a number where that is taken",
+    )
 
 
 def add_studies_options(sub: argparse.ArgumentParser) -> None:
