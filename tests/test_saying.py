@@ -2,7 +2,10 @@
 
 import json
 import logging
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -269,3 +272,39 @@ def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):
     assert (code, out) == (2, "")
     page = (Path(__file__).parent.parent / "docs" / "command-line.md").read_text(encoding="utf-8")
     assert f"$ swarmcensus plot first.nc --kind lnes\n{err}" in page
+
+
+SHELL = [sys.executable, "-m", "swarmcensus"]
+
+
+def test_whoever_stops_reading_or_has_no_room_is_told_no_more_than_that(results):
+    """As `| head -1` does, and a disk that is full."""
+    for command in (["show", "two.nc"], ["studies"]):
+        read, write = os.pipe()
+        os.close(read)
+        done = subprocess.run([*SHELL, *command], stdout=write, stderr=subprocess.PIPE, cwd=results, text=True)
+        os.close(write)
+        assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no /dev/full")
+def test_a_full_disk_is_told_in_a_sentence(results):
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*SHELL, "studies"], stdout=full, stderr=subprocess.PIPE, cwd=results, text=True)
+    assert (done.returncode, done.stderr) == (2, "swarmcensus: No space left on device\n")
+
+
+def test_who_stops_it_before_it_began_reads_no_traceback():
+    code = """if True:
+        from swarmcensus.cli import commands, program
+        def stopped(*_):
+            raise KeyboardInterrupt
+        commands.parser = stopped
+        program.program()
+    """
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "swarmcensus: stopped\n")
+
+
+def test_a_folder_is_no_results_file(said):
+    assert said("show .") == (2, "", "swarmcensus: results file .: it is a folder\n")

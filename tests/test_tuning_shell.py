@@ -1,6 +1,7 @@
 """The command `tune`: what it writes, what it says where it cannot, and that a killed one goes on."""
 
 import csv
+import json
 import os
 import random
 import signal
@@ -214,3 +215,19 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, capsys):
     kept = lines_of("cut.csv")
     assert 60 <= len(kept) < 403
     assert kept == lines_of("whole.csv")[: len(kept)]
+
+
+def test_as_json_it_is_one_document_that_holds_what_the_sentences_say(here, capsys):
+    assert main([*TUNE, "--budget", "13", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out, parse_constant=pytest.fail)
+    assert found["format"] == "swarmcensus tuning 1"
+    brain = tomllib.loads(Path("tunable-tuned.toml").read_text())["swarm"]["brain"][0]
+    assert found["values"]["a"] == brain["a"]
+    assert "tunable-tuned.toml: 13 evaluations" in told.err
+    assert {pair["world"] for pair in found["pairs"]} == {*range(len(found["worlds"]))}
+    before = Path("tunable-tuned.toml").read_bytes()
+    assert main([*TUNE, "--budget", "13", "--json", "--metric", "rubbish"]) == 2
+    told = capsys.readouterr()
+    assert (told.out, told.err[:30]) == ("", "swarmcensus: --metric rubbish:"[:30])
+    assert Path("tunable-tuned.toml").read_bytes() == before

@@ -11,10 +11,17 @@ from rich.text import Text
 UNFOLDED = 1_000_000  # columns: a file or a pipe has no edge
 
 
+class _Console(Console):
+    """One that leaves it to the command what is to be done where nobody reads any more: rich would exit with 1."""
+
+    def on_broken_pipe(self) -> None:
+        raise BrokenPipeError
+
+
 def console(**options: Any) -> Console:
     """Of standard output. It folds lines at the edge of a terminal, and nowhere else; texts are taken as they are."""
     width = None if sys.stdout.isatty() else UNFOLDED
-    return Console(width=width, highlight=False, markup=False, emoji=False, **options)
+    return _Console(width=width, highlight=False, markup=False, emoji=False, **options)
 
 
 def table(columns: Iterable[tuple[str, bool]], rows: Iterable[Iterable[str]]) -> Table:

@@ -17,6 +17,7 @@ from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
 from swarmcensus.cli.planning import plan
 from swarmcensus.cli.plotting import plot
+from swarmcensus.cli.program import STOPPED
 from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.starting import doctor, new, studies
 from swarmcensus.cli.tracing import infer, replay
@@ -24,8 +25,6 @@ from swarmcensus.cli.tuning import tune
 from swarmcensus.cli.voice import speaking
 from swarmcensus.cli.watching import watch
 from swarmcensus.results.presence import check_there
-
-STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -50,7 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 0
     except OSError as error:
-        _complain(f"{error.filename}: {error.strerror}" if error.filename else error)
+        what = error.strerror or str(error)
+        _complain(f"{error.filename}: {what}" if error.filename else what)
         return 2
     except MemoryError:
         print("swarmcensus: not enough memory: fewer robots, settings or trials would need less", file=sys.stderr)

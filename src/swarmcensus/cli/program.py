@@ -11,15 +11,20 @@ import sys
 import threading
 from typing import NoReturn
 
+STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
 OBJECTS = 200_000  # more than imports make: from so many new ones on circles are looked for
 
 
 def program() -> NoReturn:
     """Run the command line and end the process."""
     gc.set_threshold(OBJECTS)
-    from swarmcensus.cli.commands import main
+    try:
+        from swarmcensus.cli.commands import main
 
-    code = main()
+        code = main()
+    except KeyboardInterrupt:  # before the command began
+        print("swarmcensus: stopped", file=sys.stderr)
+        code = STOPPED
     if threading.active_count() > 1:  # somebody still works
         sys.exit(code)
     atexit._run_exitfuncs()

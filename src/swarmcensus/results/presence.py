@@ -15,7 +15,7 @@ def folder_of(out: Path) -> Path:
 
 def check_there(path: Path) -> None:
     """Raise InputError where there is neither a results file nor what its run has so far."""
-    if path.is_file() or folder_of(path).is_dir():
+    if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"
     hint = file_meant(path) if not path.exists() else ""

@@ -53,6 +53,7 @@ class Tuned:
             "brain": self.before.name, "values": self.values, "parameters": self.parameters,
             "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "verdict": self.verdict,
             "sentences": self.evidence.sentences, "notes": self.notes,
+            "worlds": [] if found is None else found.field.worlds,
             "pairs": [] if found is None else found.pairs.to_dict("records"),
         }  # fmt: skip
 
