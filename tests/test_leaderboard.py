@@ -1,5 +1,7 @@
 """The leaderboard: fixed worlds for all; scores by hand; what it keeps, and what it refuses."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.stats import rankdata
@@ -10,6 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.leaderboard import entries
 from swarmcensus.leaderboard.board import leaderboard
+from swarmcensus.leaderboard.page import cell
 from swarmcensus.leaderboard.scores import COLUMNS, scores_of
 
 SMALL = """
@@ -212,6 +215,17 @@ def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, 
     sides = text[text.index("## Who is right") : text.index("## What they cost")]
     assert sides.count("votes.py") == 1
     assert "## Where votes.py loses" in text
+    assert main(["leaderboard", "mine.py", "votes.py", "--out", "out", "--trials", "3", "--json"]) == 0
+    told = capsys.readouterr()
+    found = json.loads(told.out, parse_constant=pytest.fail)
+    assert "out/leaderboard.md" in told.err
+    rows = [line.split() for line in shown.splitlines()]
+    for row in found["brains"]:
+        words = next(words for words in rows if row["brain"] in words[:2])
+        if row["final_error"] is not None:
+            assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
+            assert words[3] == cell(row["final_error"], True)
+    assert [loss["name"] for loss in found["losses"]] == ["mine.py", "votes.py"]
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,8 @@ import re
 import traceback
 from pathlib import Path
 
+STOPPED = 130  # the exit code that a shell expects of a program that Ctrl-C ended
+
 
 class InputError(ValueError):
     """Bad input: the message names the file, the key, the value and what would be right."""

@@ -6,7 +6,7 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.errors import STOPPED, InputError, Interrupted
 from swarmcensus.basics.options import of_a_shell
 from swarmcensus.cli.boards import leaderboard
 from swarmcensus.cli.choices import choices
@@ -17,7 +17,6 @@ from swarmcensus.cli.making import brains, reproduce, run, status
 from swarmcensus.cli.options import parser
 from swarmcensus.cli.planning import plan
 from swarmcensus.cli.plotting import plot
-from swarmcensus.cli.program import STOPPED
 from swarmcensus.cli.reading import export, merge, show, verify
 from swarmcensus.cli.starting import doctor, new, studies
 from swarmcensus.cli.tracing import infer, replay

@@ -11,7 +11,8 @@ import sys
 import threading
 from typing import NoReturn
 
-STOPPED = 130  # what a shell expects of a program that Ctrl-C ended
+from swarmcensus.basics.errors import STOPPED
+
 OBJECTS = 200_000  # more than imports make: from so many new ones on circles are looked for
 
 
