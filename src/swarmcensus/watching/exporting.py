@@ -42,7 +42,7 @@ def export(
     shows = [Show(setting, found.seed, found.trial, found.study.measure) for setting in found.settings]
     rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
-        raise InputError(f"{robots} robots for {rounds} rounds are too many for one file: fewer, or --set rounds=...")
+        raise InputError(f"{robots} robots for {rounds} rounds are too many for one file: fewer, or rounds=...")
     frames, minds, names, step = [], [], [], _step(shows[0])
     for side, show in enumerate(shows):
         blocks, fields = [], []

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, adversary
 from swarmcensus.studies.members import Member, Members, check
 from swarmcensus.studies.settings import Setting
@@ -226,7 +227,9 @@ def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
     """A brain of the study, or one that is installed: never a file, whatever its name."""
     if name not in offer.brains and name not in brains.DOOR:
         meant = did_you_mean(name, names_of(offer))
-        raise InputError(f"{key} = {name}: {meant}no brain of this study, nor a shipped one; --brain names a file")
+        raise InputError(
+            f"{key} = {name}: {meant}no brain of this study, nor a shipped one; {option('brain')} names a file"
+        )
     return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
 
 
