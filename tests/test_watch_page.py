@@ -20,6 +20,12 @@ pytestmark = [
     pytest.mark.skipif(BROWSER is None, reason="no Chromium here"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning", "ignore::ResourceWarning"),
 ]
+COUNTED = """(() => {
+    window.asked = 0;
+    const ask = state.source.ask.bind(state.source);
+    state.source.ask = (...words) => { window.asked += 1; return ask(...words); };
+})()"""
+PUT = "const put = (key, value) => { $(`control-${key}`).value = value; change(key, value); };"
 STUDY = """
 trials = 3
 seed = 4
@@ -80,6 +86,15 @@ def at(page, tick):
     playwright.expect(page.locator("#clock")).to_have_text(re.compile(rf"^(tick|round) {tick:,} of"), timeout=20_000)
 
 
+def until(page, what, value):
+    """Wait until something in the page is so."""
+    for _ in range(200):
+        if page.evaluate(what) == value:
+            return
+        page.wait_for_timeout(50)
+    assert page.evaluate(what) == value
+
+
 def told(page, robot, tick):
     """What the page says that a robot remembers."""
     page.wait_for_selector(f'#told[data-robot="{robot}"][data-tick="{tick}"]', timeout=20_000)
@@ -102,11 +117,12 @@ def test_a_robot_is_what_replay_says(page, served, setting):
 
 
 def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
-    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(100, 121))
-    come(page, served.address("trial=2&tick=100&robot=5"), 100)
-    for tick in range(101, 121):
-        page.keyboard.press("ArrowRight")
-        at(page, tick)
+    trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
+    come(
+        page, served.address("trial=2&tick=120&robot=5"), 120
+    )  # at once, and not on the way through all moments before
+    until(page, "state.stages[0].before.length", 121)
+    page.evaluate("state.stages[0].before.sort((a, b) => a.tick - b.tick)")
     asked = "[look => !look.said, look => look.said, look => look.wrong]"
     drawn = page.evaluate(f"{asked}.map(of => state.stages[0].trail.places(of))")
     x, y, side = *trace["position"].values.T, trace.attrs["side"]
@@ -178,6 +194,7 @@ def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
     seen = page.evaluate("[state.view.zoom, ...state.view.centre]")
     assert seen == pytest.approx([1.4**3, 0.5 + 0.2 / 1.4**3, 0.5 - 0.2 / 1.4**3])
     page.keyboard.press("0")
+    until(page, "state.stages[0].konva.scaleX() === state.stages[0].size", True)
     page.mouse.click(x, y)
     assert page.input_value("#which") == "0"
 
@@ -191,6 +208,78 @@ def test_curves_have_a_logarithmic_time(page, served):
     page.keyboard.press("l")
     page.locator(".uplot .u-over").first.click()
     playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1[45]\d of"))
+
+
+@pytest.mark.parametrize("way", ["End", "slider"])
+def test_after_a_leap_all_of_the_curves_and_the_last_looks_are_there(page, served, way):
+    come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
+    page.click("#play")
+    page.wait_for_timeout(1500)
+    page.click("#play")
+    if way == "End":
+        page.keyboard.press("End")
+        at(page, 2000)
+    else:
+        page.locator("#moment").fill("2000")
+        at(page, 2000)
+    until(page, "state.charts.histories[0].missing(2000)", None)
+    until(page, "state.stages[0].before.map(frame => frame.tick).sort((a, b) => a - b)", list(range(1701, 2001)))
+
+
+def test_changes_in_a_row_all_count_and_what_is_refused_changes_nothing(page, served):
+    come(page, served.address(), 0)
+    page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
+    seen = "[state.scenes[0].robots, state.form.now.accuracy, state.form.now.trial, state.preparing]"
+    until(page, seen, [20, "0.9", "2", False])
+    page.evaluate(f"{{ {PUT} put('robots', '30'); put('accuracy', 'abc'); }}")
+    playwright.expect(page.locator("#error")).to_contain_text("accuracy = abc")
+    until(page, "[state.preparing, state.scenes[0].robots, state.frames.get(0)?.[0].estimates.length]", [False, 30, 30])
+    assert page.inner_text("#title").endswith("trial 2")
+    assert page.input_value("#control-accuracy") == "0.9"
+
+
+def test_who_types_on_is_not_interrupted(page, served):
+    come(page, served.address(), 0)
+    page.focus("#control-robots")
+    page.keyboard.type("21")
+    page.fill("#control-robots", "21")
+    page.keyboard.press("Tab")
+    page.keyboard.press("Control+a")
+    page.keyboard.type("0.8125", delay=150)
+    until(page, "state.scenes[0].robots", 21)
+    assert page.input_value("#control-accuracy") == "0.8125"
+    assert page.evaluate("document.activeElement.id") == "control-accuracy"
+
+
+def test_old_curves_and_swarms_are_let_go(page, served):
+    """Each change makes new ones."""
+    session = page.context.new_cdp_session(page)
+    session.send("Performance.enable")
+
+    def listeners():
+        session.send("HeapProfiler.collectGarbage")
+        told = session.send("Performance.getMetrics")["metrics"]
+        return next(one["value"] for one in told if one["name"] == "JSEventListeners")
+
+    come(page, served.address("setting=1"), 0)
+    before = listeners()
+    for trial in range(1, 9):
+        page.evaluate(f"change('trial', '{trial}')")
+        until(page, "[state.preparing, state.form.now.trial, state.drawn]", [False, str(trial), 0])
+        page.keyboard.press("l")
+    assert listeners() < 1.3 * before
+
+
+def test_a_brain_that_fails_is_asked_once(page, folder):
+    text = sc.brains.load("minimalistic").source
+    (folder / "fails.py").write_text(text.replace("    t = me.t\n", "    t = me.t / (50.0 - me.t)\n", 1))
+    with serving(made := listen(offer_of(None, (folder / "fails.py",)))):
+        come(page, made.address("brain=fails&topology=ring"), 0)
+        page.evaluate(COUNTED)
+        page.keyboard.press("End")
+        playwright.expect(page.locator("#error")).to_contain_text("fails", timeout=30_000)
+        page.wait_for_timeout(1000)
+        assert page.evaluate("window.asked") < 10
 
 
 def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):

@@ -150,7 +150,7 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
     shown = parsed(show.frames(ticks))
     x = trace["estimate"].values[ticks]
     assert shown["ticks"].tolist() == ticks
-    np.testing.assert_allclose(shown["layers"][:, 0] / 65_535, x, atol=1 / 65_535)
+    np.testing.assert_allclose(shown["layers"][:, 0] / 65_534, x, atol=1 / 65_534)
     column = dict(zip(COLUMNS, shown["numbers"].T, strict=True))
     np.testing.assert_allclose(column["mean"], x.mean(axis=1), rtol=1e-6)
     np.testing.assert_allclose(column["median"], np.median(x, axis=1), rtol=1e-6)

@@ -40,6 +40,8 @@ def studies(options: argparse.Namespace) -> int:
         return _schema(options)
     known = shipped_studies()
     if options.name is None:
+        if options.out:
+            raise InputError(f"--out {options.out}: it goes with the name of a study, which is copied there")
         from swarmcensus.basics.terminal import console, table
 
         rows = [(name, _first_words(path)) for name, path in known.items()]

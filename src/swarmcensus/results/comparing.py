@@ -94,6 +94,8 @@ def compare(
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
     field, cautions = field_of(data, whole)
+    if not isinstance(against, str | None):
+        raise InputError(f"{option('against', against)}: should be the name of a contender")
     mark = None if against is None else _marked(against, field.contenders)
     some, unsaid = measures.chosen(data, metric)
     compared = [field.spread(measures.numbers(data, one.name)) for one in some]

@@ -2,6 +2,7 @@
 
 import contextlib
 import html
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import urlencode
@@ -47,7 +48,10 @@ def watch(
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
         raise InputError(f"{type(of).__name__}: should be a study, results, the file of either, or nothing")
-    words = {key: str(value) for key, value in asked.items()}
+    for name, value, least, most in (("port", port, 0, 65_535), ("height", height, 100, 10_000)):
+        if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
+            raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
+    words = {key: _word(value) for key, value in asked.items()}
     files = (Path(brain),) if brain is not None and str(brain).endswith(".py") else ()
     if brain is not None and not (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc"))):
         words["brain"] = str(brain)
@@ -58,3 +62,10 @@ def watch(
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
     return Watching(served.address(urlencode(words)), height, running)
+
+
+def _word(value: object) -> str:
+    """As an address has it: of a table, as an accuracy of black and white, that of a study file."""
+    if not isinstance(value, Mapping):
+        return str(value)
+    return f"{{{', '.join(f'{key} = {one}' for key, one in value.items())}}}"

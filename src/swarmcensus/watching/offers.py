@@ -6,6 +6,7 @@ A page names brains, floors and adversaries; none is a file but those that whoev
 import math
 import os
 import re
+import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -42,6 +43,7 @@ KEYS = (
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
 PLAYED = ("tick", "robot", "side", "colour")  # what of a page's address is about the page alone
+COLOURINGS = ("belief", "off", "error")  # what they believe, too high or too low, how wrong
 
 
 @dataclass(frozen=True)
@@ -150,8 +152,8 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
     _whole(played, "tick", 0, 0, setting.rounds)
     _whole(played, "robot", 0, 0, setting.robots - 1)
     _whole(played, "side", 0, 0, len(found.settings) - 1)
-    if played.get("colour", "belief") not in ("belief", "error"):
-        raise InputError(f"colour = {played['colour'][:40]}: should be belief or error")
+    if played.get("colour", COLOURINGS[0]) not in COLOURINGS:
+        raise InputError(f"colour = {played['colour'][:40]}: should be one of {', '.join(COLOURINGS)}")
 
 
 def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Setting:
@@ -171,16 +173,19 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
     values["rounds"] = _whole(asked, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
     if "accuracy" in asked:
         try:
-            values["accuracy"] = sensors.parse_accuracy(_number_or_text(asked["accuracy"]))
+            values["accuracy"] = sensors.parse_accuracy(_accuracy(asked["accuracy"]))
         except ValueError as error:
             raise InputError(f"accuracy = {asked['accuracy']}: {error}") from None
     if "fill_ratio" in asked:
         values |= {"fill_ratio": _number(asked, "fill_ratio", 0.0, 1.0), "change": None}
     if "link_success" in asked:
         values["link_success"] = _number(asked, "link_success", 0.0, 1.0)
-    if moves and "density" in asked:
+    for key in ("density", "floor"):
+        if key in asked and not moves:
+            raise InputError(f"{key} = {asked[key][:40]}: of robots that move, which those of this network do not")
+    if "density" in asked:
         values["density"] = _number(asked, "density", 0.0, 1e6)
-    if moves and "floor" in asked:
+    if "floor" in asked:
         values["floor"] = _one_of(offer.floors, "floor", asked["floor"])
     if "liars" in asked or "adversary" in asked:
         liars = [member for member in setting.members if not member.honest]
@@ -261,6 +266,15 @@ def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
         raise InputError(f"{key} = {text[:40]}: should be a whole number from {least} to {most}")
     return int(text)
+
+
+def _accuracy(text: str) -> Any:
+    """As a study file has it, or as a page shows one that is of black and white."""
+    text = re.sub(r"^black=(\S+) white=(\S+)$", r"{black = \1, white = \2}", text)
+    try:
+        return tomllib.loads(f"it = {text}")["it"]
+    except tomllib.TOMLDecodeError:
+        return text
 
 
 def _number(asked: Mapping[str, str], key: str, least: float, most: float) -> float:

@@ -111,12 +111,13 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
         "link_success": f"{setting.link_success:g}",
         "floor": "" if setting.body is None else str(setting.floor),
         "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
-        "adversary": liars[0].brain.name if liars and liars[0].brain else "",
+        "adversary": liars[0].brain.name if liars and liars[0].brain else found.asked.get("adversary", ""),
         "rounds": str(setting.rounds),
     }
     return {
         "name": offer.name,
         "now": now,
+        "unit": "round" if setting.body is None else "tick",
         "asked": found.asked,
         "mark": found.mark,
         "keys": KEYS,

@@ -31,6 +31,7 @@ COUNTS = ("sent", "heard", "bytes")
 HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
 LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
 SCALE = 65_535
+NO_ESTIMATE = 65_535  # in the layer of estimates, whose scale ends one below
 MOST_LINKS = 20_000  # that a page draws
 MOST_READINGS = 4_000_000  # that are told of a network
 KEPT = 4  # stretches whose numbers are kept
@@ -109,7 +110,7 @@ class Show:
         truths = self.truths(rounds)
         fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
         decided, done, low, high = (fields.get(name, np.full(x.shape, np.nan)) for name in self._names)
-        layers = [np.clip(np.nan_to_num(x), 0.0, 1.0) * SCALE]
+        layers = [np.where(np.isnan(x), NO_ESTIMATE, np.clip(x, 0.0, 1.0) * (NO_ESTIMATE - 1))]
         if self.moves:
             half = self.setting.arena_side / 2.0
             layers += [np.clip((stretch.poses[..., axis] + half) / (2.0 * half), 0.0, 1.0) * SCALE for axis in (0, 1)]

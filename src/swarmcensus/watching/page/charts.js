@@ -2,21 +2,27 @@
 // Curves of the whole run beside the swarm, drawn as it is seen: estimates, shares, messages.
 
 const MOST_POINTS = 2000;
+const FINE = 500; // rounds of which each is a point
+const GAP = 12; // pixels: what was not seen is no line
+const NEAR = 0.1; // of the fill ratio, seen close up
 const SIDES = ["--a", "--b"];
 const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
+// Numbers of each round at first, and then of every so many: points of a curve, from 0 on.
 class History {
   constructor(scene) {
     this.columns = scene.columns;
-    this.every = Math.max(1, Math.ceil(scene.rounds / MOST_POINTS));
-    this.points = Math.floor(scene.rounds / this.every) + 1;
-    this.rows = scene.columns.map(() => new Array(this.points).fill(null));
-    this.seen = new Uint8Array(this.points);
+    const fine = Math.min(FINE, scene.rounds);
+    const every = Math.max(1, Math.ceil((scene.rounds - fine) / MOST_POINTS));
+    this.at = (tick) => (tick <= fine ? tick : fine + Math.floor((tick - fine) / every));
+    this.ticks = Array.from({ length: this.at(scene.rounds) + 1 }, (_, k) => (k <= fine ? k : fine + (k - fine) * every));
+    this.rows = scene.columns.map(() => new Array(this.ticks.length).fill(null));
+    this.seen = new Uint8Array(this.ticks.length);
   }
 
   put(frame) {
-    const at = Math.floor(frame.tick / this.every);
-    if (this.seen[at] && frame.tick % this.every !== 0) return;
+    const at = this.at(frame.tick);
+    if (this.seen[at] && frame.tick !== this.ticks[at]) return;
     this.seen[at] = 1;
     for (let c = 0; c < this.rows.length; c++) this.rows[c][at] = Number.isNaN(frame.numbers[c]) ? null : frame.numbers[c];
   }
@@ -25,10 +31,16 @@ class History {
     return this.rows[this.columns.indexOf(name)];
   }
 
-  // of the rounds before a moment, the share that was seen
-  known(tick) {
-    const points = Math.floor(tick / this.every);
-    return points ? this.seen.subarray(0, points).reduce((sum, one) => sum + one, 0) / points : 1;
+  // the first run of points before a moment that were not seen, as rounds; null where all were
+  missing(tick) {
+    const end = this.at(tick);
+    const from = this.seen.subarray(0, end).indexOf(0);
+    if (from < 0) return null;
+    const next = this.seen.subarray(from, end).indexOf(1);
+    const to = next < 0 ? end : from + next;
+    const last = from < FINE ? Math.min(to - 1, FINE) : to - 1; // as far as points are equally far apart
+    const by = last > from ? (this.ticks[last] - this.ticks[from]) / (last - from) : 1;
+    return { from: this.ticks[from], by, count: last - from + 1 };
   }
 }
 
@@ -41,7 +53,7 @@ class Charts {
     this.seek = seek;
     this.histories = scenes.map((scene) => new History(scene));
     this.tick = 0;
-    this.log = false;
+    [this.log, this.close] = [false, false];
     this.due = 0;
     this.plots = [];
   }
@@ -54,16 +66,20 @@ class Charts {
     return this.several ? `${text}, ${this.scenes[side].brain}` : text;
   }
 
-  build(log = this.log) {
-    this.log = log;
-    this.host.replaceChildren();
+  build(log = this.log, close = this.close) {
+    [this.log, this.close] = [log, close];
+    this.destroy();
     this.plots = [this.estimates(), this.shares(), this.messages()];
     this.refresh();
   }
 
+  destroy() {
+    for (const plot of this.plots) plot.destroy();
+    this.host.replaceChildren();
+  }
+
   xs() {
-    const { every, points } = this.histories[0];
-    return Array.from({ length: points }, (_, k) => k * every || (this.log ? Number.EPSILON : 0)); // a logarithm has no 0
+    return this.histories[0].ticks.map((tick) => tick || (this.log ? Number.EPSILON : 0)); // a logarithm has no 0
   }
 
   make(title, unit, series, values, bands = [], more = {}) {
@@ -77,7 +93,7 @@ class Charts {
     const plot = new uPlot(
       {
         width: Math.max(260, this.host.clientWidth), height: 190, bands,
-        scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range || [0, Math.max(high || 0, 1)]) } },
+        scales: { x: { time: false, distr: this.log ? 3 : 1, range: () => [this.log ? 1 : 0, this.end()] }, y: { range: (_, low, high) => (more.range ? more.range() : [0, Math.max(high || 0, 1)]) } },
         axes: [{ ...axis, label: this.scenes[0].unit, size: 36 }, { ...axis, label: unit, size: 62, values: (_, ticks) => ticks.map((tick) => SHORT.format(tick)) }],
         series: [{ label: this.scenes[0].unit }, ...series],
         legend: { live: true, markers: { dash: (u, i) => (u.series[i].dash ? "dashed" : "solid") } },
@@ -109,8 +125,9 @@ class Charts {
   }
 
   line(text, side, more = {}) {
+    const gaps = (u, k, from, to, found) => (this.log ? [] : found.filter(([left, right]) => right - left > GAP * devicePixelRatio));
     const value = (_, v) => (v === null || v === undefined ? "–" : Math.abs(v) >= 1000 ? Math.round(v).toLocaleString("en") : v.toPrecision(4).replace(/\.?0+$/, ""));
-    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, value, points: { show: false }, spanGaps: true, ...more };
+    return { label: this.label(text, side), stroke: tone(SIDES[side]), width: this.several && side === 0 ? 4 : 2, value, points: { show: false }, gaps, ...more };
   }
 
   estimates() {
@@ -132,7 +149,13 @@ class Charts {
         names.push([side, "interval_low"], [side, "interval_high"]);
       }
     });
-    return this.make("Estimates: median, middle half and range of the honest robots", "fill ratio", series, () => names.map(([side, name]) => this.histories[side].of(name)), bands, { range: [0, 1] });
+    return this.make("Estimates: median, middle half and range of the honest robots", "fill ratio", series, () => names.map(([side, name]) => this.histories[side].of(name)), bands, { range: () => this.closely() });
+  }
+
+  // the axis of estimates
+  closely() {
+    const truth = this.histories[0].of("truth").findLast((value) => value !== null) ?? 0.5;
+    return this.close ? [Math.max(0, truth - NEAR), Math.min(1, truth + NEAR)] : [0, 1];
   }
 
   shares() {
@@ -150,7 +173,7 @@ class Charts {
         names.push([side, "done"]);
       }
     });
-    return this.make("Robots that are right", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: [0, 1] });
+    return this.make("Robots that are right", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: () => [0, 1] });
   }
 
   messages() {
@@ -176,7 +199,7 @@ class Charts {
   }
 
   refresh() {
-    const idx = Math.min(Math.floor(this.tick / this.histories[0].every), this.histories[0].points - 1);
+    const idx = this.histories[0].at(this.tick);
     for (const plot of this.plots) {
       plot.setData([this.xs(), ...plot.values()]);
       plot.setLegend({ idx });
@@ -185,9 +208,8 @@ class Charts {
 
   // the axis grows with what was seen
   end() {
-    const { seen, every } = this.histories[0];
-    const reached = seen.lastIndexOf(1) * every;
-    return Math.min(this.scenes[0].rounds, Math.max(50, Math.ceil(1.2 * reached)));
+    const { seen, ticks } = this.histories[0];
+    return Math.max(2, Math.min(this.scenes[0].rounds, Math.max(50, Math.ceil(1.2 * (ticks[seen.lastIndexOf(1)] || 0)))));
   }
 
   resize() {

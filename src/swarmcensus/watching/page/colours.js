@@ -3,7 +3,9 @@
 
 const BELIEF = [[0, 34, 78], [18, 53, 112], [59, 73, 108], [87, 93, 109], [112, 113, 115], [138, 134, 120], [165, 156, 116], [195, 179, 105], [225, 204, 85], [254, 232, 56]];
 const WRONG = [[0, 114, 178], [86, 180, 233], [200, 214, 220], [240, 180, 90], [213, 94, 0], [140, 30, 0]];
+const OFF = [[0, 60, 120], [0, 114, 178], [120, 180, 220], [232, 232, 228], [240, 170, 90], [213, 94, 0], [130, 50, 0]];
 const STEPS = 64;
+const NONE = [204, 121, 167]; // of a robot without an estimate
 
 function scaleOf(stops) {
   return Array.from({ length: STEPS }, (_, k) => {
@@ -18,15 +20,18 @@ const named = (scale) => scale.map((colour) => `rgb(${colour.join(" ")})`);
 // as a pixel of ImageData is one number, whatever the order of bytes here
 const pixels = (scale) => new Uint32Array(Uint8ClampedArray.from(scale.flatMap((colour) => [...colour, 255])).buffer);
 
-const MIXED = { belief: scaleOf(BELIEF), error: scaleOf(WRONG) };
-const SCALES = { belief: named(MIXED.belief), error: named(MIXED.error) };
-const WORDS = { belief: pixels(MIXED.belief), error: pixels(MIXED.error) };
-const MOST_WRONG = 0.5;
+const MIXED = { belief: [...scaleOf(BELIEF), NONE], off: [...scaleOf(OFF), NONE], error: [...scaleOf(WRONG), NONE] };
+const SCALES = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, named(scale)]));
+const WORDS = Object.fromEntries(Object.entries(MIXED).map(([how, scale]) => [how, pixels(scale)]));
+const MOST = { off: 0.1, error: 0.5 };
+const TOLD = { belief: ["believes 0", "1"], off: [`${MOST.off} too low, or lower`, `${MOST.off} too high, or higher`], error: ["right", `off by ${MOST.error} or more`] };
 
-// the step of a scale for an estimate (of 65535), where the truth is known
+// the step of a scale for an estimate, where the truth is known; the last is for none
 function stepOf(how, estimate, truth) {
-  const value = how === "belief" ? estimate / 65535 : Math.min(Math.abs(estimate / 65535 - truth) / MOST_WRONG, 1);
-  return Math.min(STEPS - 1, Math.floor(value * STEPS));
+  if (estimate === null) return STEPS;
+  const wrong = estimate - truth;
+  const value = { belief: estimate, off: 0.5 + wrong / MOST.off / 2, error: Math.abs(wrong) / MOST.error }[how];
+  return Math.min(STEPS - 1, Math.max(0, Math.floor(value * STEPS)));
 }
 
 function tone(name) {

@@ -40,6 +40,12 @@ function framesOf(buffer) {
   return { side, frames };
 }
 
+// what a robot believes; null where it has no estimate
+function estimateOf(frame, robot) {
+  const value = frame.estimates[robot];
+  return value === 65535 ? null : value / 65534;
+}
+
 // what a robot's sensor said at this moment, and whether it was wrong; null where it did not look
 function lookOf(frame, robot) {
   const flag = frame.flags[robot];

@@ -13,18 +13,30 @@ const KEYS = {
   p: () => choose(state.chosen === null ? 0 : (state.chosen + state.scenes[0].robots - 1) % state.scenes[0].robots),
   f: () => $("follow").click(),
   l: () => $("log").click(),
+  c: () => $("close").click(),
   "+": () => zoom(1.4),
   "-": () => zoom(1 / 1.4),
-  0: () => zoom(0),
+  0: () => whole(),
   w: () => move(0, -0.2),
   a: () => move(-0.2, 0),
   s: () => move(0, 0.2),
   d: () => move(0.2, 0),
 };
 
+// whoever moves the view wants to see something else than the robot that it follows
+function unfollow() {
+  state.follow = $("follow").checked = false;
+  again();
+}
+
 function move(right, down) {
   state.view.move(right, down);
-  again();
+  unfollow();
+}
+
+function whole() {
+  zoom(0);
+  unfollow();
 }
 
 function zoom(by) {
@@ -35,9 +47,10 @@ function zoom(by) {
 document.addEventListener("keydown", (event) => {
   const typing = event.target.matches("input:not([type=range]):not([type=checkbox]), select, textarea");
   const own = event.target.matches("[type=range]") ? !event.shiftKey && ["ArrowLeft", "ArrowRight", "Home", "End"].includes(event.key) : event.key === " " && event.target.matches("button, summary, [type=checkbox]");
-  if (typing || own || event.ctrlKey || event.altKey || event.metaKey || !KEYS[event.key] || !state.scenes.length) return;
+  const does = KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (typing || own || event.ctrlKey || event.altKey || event.metaKey || !does || !state.scenes.length) return;
   event.preventDefault();
-  KEYS[event.key](event);
+  does(event);
 });
 
 for (const speed of SPEEDS) $("speed").append(element("option", { value: String(speed) }, speed === Infinity ? "as fast as it computes" : `${speed.toLocaleString("en")} a second`));
@@ -60,24 +73,31 @@ $("last").addEventListener("click", () => hop(Infinity));
 $("back").addEventListener("click", (event) => hop(event.shiftKey ? -100 : -1));
 $("forth").addEventListener("click", (event) => hop(event.shiftKey ? 100 : 1));
 $("moment").addEventListener("input", () => seek(Number($("moment").value)));
-$("moment").addEventListener("change", () => {
-  remember();
-  fillBehind(state.run).catch(() => {});
-});
+$("moment").addEventListener("change", remember);
 $("which").addEventListener("change", () => {
   const robot = Number.parseInt($("which").value, 10);
-  if (robot >= 0 && robot < state.scenes[0].robots) choose(robot);
+  if (robot >= 0 && robot < state.scenes[0].robots) {
+    choose(robot);
+    $("which").blur(); // so that keys are heard again
+  }
   else $("which").value = state.chosen ?? "";
 });
 $("which-side").addEventListener("change", () => choose(state.chosen, Number($("which-side").value)));
 $("follow").addEventListener("change", () => {
+  if (state.chosen === null) choose(0);
   state.follow = $("follow").checked;
   zoom(state.follow ? Math.max(1, 3 / state.view.zoom) : 0);
 });
-$("log").addEventListener("change", () => {
-  state.charts?.build($("log").checked);
-  again();
-});
+for (const id of ["log", "close"]) {
+  $(id).addEventListener("change", () => {
+    state.charts?.build($("log").checked, $("close").checked);
+    again();
+  });
+}
+$("nearer").addEventListener("click", () => zoom(1.4));
+$("farther").addEventListener("click", () => zoom(1 / 1.4));
+$("whole").addEventListener("click", whole);
+$("to-robot").addEventListener("click", () => $("robot").scrollIntoView());
 $("world").addEventListener("submit", (event) => event.preventDefault());
 $("copy").addEventListener("click", async () => {
   remember();
@@ -113,8 +133,8 @@ async function start() {
   try {
     await state.source.open();
     state.source.closed = (error) => complain(error);
-    await begin(wish.ask, wish.tick, wish.robot);
     requestAnimationFrame(tickOn);
+    await begin(wish.ask, wish.tick, wish.robot);
   } catch (error) {
     $("title").textContent = "";
     complain(error);

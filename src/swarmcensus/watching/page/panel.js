@@ -18,23 +18,33 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
+// what is typed stays where it is, and what has the focus keeps it
 function buildControls(host, form, change, fixed) {
-  host.replaceChildren();
+  const rows = [];
   for (const [key, text, attributes] of CONTROLS) {
     const choices = form.choices[key];
     if ((key === "floor" && !choices.length) || (key === "density" && form.now.density === "")) continue;
     if (key === "setting" && form.settings[0] === form.settings[1]) continue;
     const id = `control-${key}`;
-    const input = choices ? element("select", { id, name: key }) : element("input", { id, name: key, ...attributes });
+    const there = $(id);
+    const input = there || element(choices ? "select" : "input", { id, name: key, ...attributes });
+    if (!there) input.addEventListener("change", () => change(key, input.value.trim()));
     if (choices) {
       const known = choices.includes(form.now[key]) ? choices : [form.now[key], ...choices];
-      for (const choice of known) input.append(element("option", { value: choice }, choice || "(none)"));
+      const names = known.map((choice) => element("option", { value: choice }, choice || "(none)"));
+      if (names.map((one) => one.value).join() !== [...input.options].map((one) => one.value).join()) input.replaceChildren(...names);
     }
-    input.value = form.now[key];
+    if (input !== document.activeElement || input.dataset.now !== form.now[key]) input.value = form.now[key];
+    input.dataset.now = form.now[key];
     input.disabled = fixed;
-    input.addEventListener("change", () => change(key, input.value.trim()));
-    host.append(element("label", { for: id }, text), input);
+    const more = { rounds: `, ${form.unit}s`, setting: `, ${form.settings.join(" to ")}`, trial: form.trials ? ` (of ${form.trials.toLocaleString("en")})` : "" }[key] || "";
+    rows.push(there ? host.querySelector(`[for=${id}]`) : element("label", { for: id }), input);
+    rows.at(-2).textContent = text + more;
   }
+  if (rows.length === host.children.length && rows.every((one, k) => one === host.children[k])) return;
+  const focused = document.activeElement;
+  host.replaceChildren(...rows);
+  if (rows.includes(focused)) focused.focus();
 }
 
 function shown(value) {
@@ -53,7 +63,7 @@ function tableOf(caption, rows) {
 
 function tellRobot(host, told, scene) {
   const belief = told.sensor;
-  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
+  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", told.estimate === null ? null : Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
   if (told.tile !== undefined) {
     rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
     rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);

@@ -1,46 +1,50 @@
 "use strict";
 // The player: which frames are asked for and when, and what is shown of them.
 
+function keep(sides) {
+  sides.forEach((frames, side) => {
+    for (const frame of frames) {
+      if (!state.frames.has(frame.tick)) state.frames.set(frame.tick, []);
+      state.frames.get(frame.tick)[side] = frame;
+    }
+  });
+}
+
 // frames from a moment on, so that they are there when they are due
 async function fetchAt(from, run) {
-  if (state.asking || run !== state.run || from > rounds()) return;
+  if (state.asking || state.halted || from > rounds()) return;
   state.asking = true;
   try {
     const sides = await state.source.frames(from, Math.min(strides(), Math.max(rounds(), 1)), AHEAD);
-    if (run !== state.run) return;
-    if (sides) {
-      sides.forEach((frames, side) => {
-        for (const frame of frames) {
-          if (!state.frames.has(frame.tick)) state.frames.set(frame.tick, []);
-          state.frames.get(frame.tick)[side] = frame;
-        }
-      });
-      forget();
-    }
+    if (run !== state.run || !sides) return;
+    keep(sides);
+    forget();
   } catch (error) {
-    if (run === state.run) {
-      complain(error);
-      pause();
-    }
+    if (run !== state.run) return;
+    state.halted = true; // until somebody wants something else
+    complain(error);
+    if (state.playing) pause();
   } finally {
     if (run === state.run) state.asking = false;
   }
 }
 
-// the curves before a moment that one came to at once, in as many points as can be told apart
-async function fillBehind(run) {
-  const history = state.charts.histories[0];
-  const to = state.tick;
-  if (state.playing || history.known(to) > 0.1) return;
-  const by = Math.max(history.every, Math.ceil(to / 400 / history.every) * history.every);
-  for (let from = 0; from < to && run === state.run && !state.playing; ) {
-    const sides = await state.source.frames(from, by, Math.floor((to - 1 - from) / by) + 1);
-    if (run !== state.run) return;
-    if (!sides) continue;
-    sides.forEach((frames, side) => state.charts.put(side, frames));
-    from = sides[0][sides[0].length - 1].tick + by;
+// what belongs to a moment beside its frame, once one stays there: what was looked at before, and all of the curves
+async function settle(run, tick) {
+  const stays = () => run === state.run && tick === state.tick && !state.playing && !state.halted;
+  const lately = () => Array.from({ length: LATELY }, (_, k) => tick - k).filter((one) => one >= 0 && !state.frames.has(one));
+  const wanted = [];
+  if (state.scenes[0].moves && state.chosen !== null) wanted.push(() => (lately().length ? { from: Math.min(...lately()), by: 1, count: LATELY } : null));
+  wanted.push(() => state.charts.histories[0].missing(tick));
+  for (const next of wanted) {
+    for (let ask = next(); ask && stays(); ask = next()) {
+      const sides = await state.source.frames(ask.from, ask.by, Math.min(ask.count, AT_ONCE));
+      if (!stays() || !sides) continue;
+      if (ask.by === 1 && ask.from > tick - LATELY) keep(sides);
+      sides.forEach((frames, side) => state.charts.put(side, frames));
+    }
+    if (stays()) again();
   }
-  if (run === state.run) state.charts.refresh();
 }
 
 // what lies far behind is asked for again if anyone goes back: the page grows no larger
@@ -64,7 +68,10 @@ function tickOn(now) {
   requestAnimationFrame(tickOn);
   const passed = Math.min((now - state.last) / 1000, 0.25);
   state.last = now;
-  if (!state.scenes.length) return;
+  const late = state.drawn !== state.tick && !state.halted && (state.preparing || state.scenes.length > 0);
+  $("waiting").hidden = !(late && now - state.shownAt > 700);
+  if (!late) state.shownAt = now;
+  if (!state.scenes.length || state.preparing) return;
   const by = strides();
   if (!state.frames.has(state.tick)) fetchAt(state.tick, state.run);
   else if (state.playing) {
@@ -81,6 +88,11 @@ function tickOn(now) {
   }
   const frames = state.frames.get(state.tick);
   if (frames && frames.filter(Boolean).length === state.scenes.length && state.drawn !== state.tick) show(frames, now);
+  const here = [state.run, state.tick, state.chosen, state.side].join();
+  if (!state.playing && !state.halted && state.drawn === state.tick && state.settled !== here) {
+    state.settled = here;
+    settle(state.run, state.tick).catch(() => {});
+  }
 }
 
 function show(frames, now) {
@@ -89,7 +101,7 @@ function show(frames, now) {
     stage.colour = state.colour;
     stage.chosen = side === state.side || state.scenes.length > 1 ? state.chosen : null;
     stage.follow = state.follow;
-    stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);
+    stage.before = state.chosen === null ? [] : [...state.frames].filter(([tick, sides]) => tick > state.tick - LATELY && tick <= state.tick && sides[side]).map(([, sides]) => sides[side]);
     stage.draw(frames[side]);
   });
   const scene = state.scenes[0];
@@ -143,6 +155,7 @@ function again() {
 }
 
 function play() {
+  state.halted = false;
   if (state.tick >= rounds()) seek(0);
   state.playing = true;
   state.place = state.tick;
@@ -159,6 +172,7 @@ function pause() {
 }
 
 function seek(tick) {
+  state.halted = false;
   state.tick = state.place = Math.min(Math.max(Math.round(tick), 0), rounds());
   again();
   $("moment").value = state.tick;
@@ -174,6 +188,8 @@ function choose(robot, side = state.side) {
   state.chosen = robot;
   state.side = side;
   $("which").value = robot ?? "";
+  $("to-robot").textContent = robot === null ? "Robot ↓" : `Robot ${robot} ↓`;
+  if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Robot ${robot} is on its way …`));
   $("which-side").value = side;
   again();
   remember();

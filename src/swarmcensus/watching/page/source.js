@@ -1,6 +1,8 @@
 "use strict";
 // Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
 
+const GONE = "The server is gone, or refuses this page. Begin swarmcensus watch again, and open the address that it prints.";
+
 class Live {
   constructor() {
     this.token = new URLSearchParams(location.search).get("token") || "";
@@ -17,7 +19,7 @@ class Live {
       this.socket.binaryType = "arraybuffer";
       this.socket.onopen = () => resolve();
       this.socket.onclose = () => {
-        const gone = new Error("The server is gone, or refuses this page. Begin swarmcensus watch again, and open the address that it prints.");
+        const gone = new Error(GONE);
         for (const { reject: refuse } of this.waiting.values()) refuse(gone);
         this.waiting.clear();
         reject(gone);
@@ -46,7 +48,7 @@ class Live {
     return new Promise((resolve, reject) => {
       const id = ++this.number;
       if (this.socket.readyState !== WebSocket.OPEN) {
-        reject(new Error("The server is gone."));
+        reject(new Error(GONE));
         return;
       }
       this.waiting.set(id, { resolve, reject });
@@ -123,7 +125,7 @@ class Recorded {
     const frame = this.sides[side][tick];
     return {
       robot, tick, fields, recorded: row * step, brain: scene.brain, honest: !scene.dishonest.includes(robot),
-      estimate: Number((frame.estimates[robot] / 65535).toFixed(4)), truth: frame.numbers[scene.columns.indexOf("truth")], heard: null,
+      estimate: estimateOf(frame, robot) === null ? null : Number(estimateOf(frame, robot).toFixed(4)), truth: frame.numbers[scene.columns.indexOf("truth")], heard: null,
       ...(frame.x ? { tile: frame.flags[robot] & FLAG.onBlack ? 1 : 0, reading: frame.flags[robot] & FLAG.looked ? (frame.flags[robot] & FLAG.readBlack ? 1 : 0) : null } : {}),
     };
   }

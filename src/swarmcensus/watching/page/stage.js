@@ -10,25 +10,6 @@ const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [22
 const GREEN = "#007a59";
 const DENSE = 1000; // lines of a network that are drawn thin
 
-// what part of the swarm is seen, by both sides of a pair
-class View {
-  constructor() {
-    this.zoom = 1;
-    this.centre = [0.5, 0.5];
-  }
-
-  near(factor, at = this.centre) {
-    const zoom = Math.min(Math.max(this.zoom * factor, 1), 40);
-    this.centre = zoom === 1 ? [0.5, 0.5] : this.centre.map((c, k) => at[k] + ((c - at[k]) * this.zoom) / zoom);
-    this.zoom = zoom;
-  }
-
-  // by a share of what is seen
-  move(right, down) {
-    if (this.zoom > 1) this.centre = [this.centre[0] + right / this.zoom, this.centre[1] + down / this.zoom];
-  }
-}
-
 function circles(g, places, r) {
   for (const [x, y] of places) {
     g.moveTo(x + r, y);
@@ -37,7 +18,7 @@ function circles(g, places, r) {
 }
 
 class Stage {
-  constructor(host, scene, view, { choose, changed }) {
+  constructor(host, scene, view, { choose, changed, moved }) {
     Object.assign(this, { host, scene, view, frame: null, before: [], colour: "belief", chosen: null, follow: false });
     this.konva = new Konva.Stage({ container: host, width: 1, height: 1 });
     this.ground = new Konva.Layer({ listening: false });
@@ -46,7 +27,7 @@ class Stage {
     if (scene.moves) this.layFloor();
     else this.layNetwork();
     this.layRobots();
-    this.listen(choose, changed);
+    this.listen(choose, changed, moved);
   }
 
   // a path that is drawn anew with each picture, its lines as wide on the screen as told
@@ -63,7 +44,7 @@ class Stage {
 
   layFloor() {
     const { floor, turns, across, side, tile } = this.scene;
-    const inside = new Konva.Group({ clip: { x: 0, y: 0, width: 1, height: 1 } });
+    const inside = (this.inside = new Konva.Group({ clip: { x: 0, y: 0, width: 1, height: 1 } }));
     if (floor) {
       const packed = bytesOf(floor);
       this.tiles = Uint8Array.from({ length: across * across }, (_, i) => (packed[i >> 3] >> (7 - (i & 7))) & 1);
@@ -100,7 +81,7 @@ class Stage {
 
   layRobots() {
     const { crowd, moves } = this.scene;
-    this.groups = Array.from({ length: STEPS }, () => []);
+    this.groups = SCALES.belief.map(() => []);
     this.trail = new Trail(this);
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
@@ -119,18 +100,26 @@ class Stage {
     return new Konva.Image({ image: this.dots, ...place });
   }
 
-  listen(choose, changed) {
+  listen(choose, changed, moved) {
+    let pressed = null;
+    this.konva.on("mousedown touchstart", () => {
+      pressed = this.pointed();
+      this.host.focus({ preventScroll: true });
+    });
     this.konva.on("click tap", () => {
-      const robot = this.robotAt(this.pointed());
-      if (robot !== null) choose(robot);
+      const [x, y] = this.pointed();
+      const robot = this.robotAt([x, y]);
+      const stayed = pressed && Math.hypot(x - pressed[0], y - pressed[1]) < 6 * this.pixel;
+      if (robot !== null && stayed) choose(robot);
     });
     this.konva.on("dragmove", () => {
       const { x, y } = this.konva.position();
-      this.view.centre = [x, y].map((from) => (this.size / 2 - from) / (this.size * this.view.zoom));
-      changed();
+      this.view.look([x, y].map((from) => (this.size / 2 - from) / (this.size * this.view.zoom)));
+      moved();
     });
     this.konva.on("wheel", ({ evt }) => {
       evt.preventDefault();
+      if (evt.deltaY === 0 || this.konva.isDragging()) return;
       this.view.near(evt.deltaY < 0 ? 1.2 : 1 / 1.2, this.pointed());
       changed();
     });
@@ -185,10 +174,10 @@ class Stage {
     this.frame = frame;
     this.size = Math.max(64, this.host.clientWidth);
     if (this.konva.width() !== this.size) this.konva.size({ width: this.size, height: this.size });
-    if (this.follow && this.chosen !== null) this.view.centre = this.place(this.chosen);
+    if (this.follow && this.chosen !== null) this.view.look(this.place(this.chosen));
     const scale = this.size * this.view.zoom;
     const [x, y] = this.view.centre.map((c) => this.size / 2 - c * scale);
-    this.konva.setAttrs({ x, y, scaleX: scale, scaleY: scale, draggable: this.view.zoom > 1 && !this.follow });
+    this.konva.setAttrs({ x, y, scaleX: scale, scaleY: scale, draggable: this.view.zoom > 1 });
     this.host.classList.toggle("near", this.view.zoom > 1);
     this.pixel = 1 / scale;
     this.fitRobots();
@@ -205,6 +194,7 @@ class Stage {
     const now = [this.konva.x(), this.konva.y(), this.pixel, turned, grey, tone("--ink"), this.size].join();
     if (now === this.drawn) return;
     this.wall?.stroke(tone("--ink"));
+    this.inside?.opacity(Number(tone("--floor")));
     this.still?.stroke(tone("--line"));
     this.even?.fill(grey);
     if (this.tiles && turned !== this.turned) this.paintFloor();
@@ -227,7 +217,7 @@ class Stage {
 
   drawRobots() {
     const { robots, crowd, moves } = this.scene;
-    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, this.frame.estimates[i], this.frame.numbers[0]));
+    const steps = Array.from({ length: robots }, (_, i) => stepOf(this.colour, estimateOf(this.frame, i), this.frame.numbers[0]));
     const shown = this.radius / this.pixel;
     const thick = (least, part, most) => Math.min(Math.max(least, shown / part), most);
     if (crowd) this.paintCrowd(steps);

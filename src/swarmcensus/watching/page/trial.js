@@ -6,13 +6,15 @@ const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
 const PICTURES = 60; // a second
 const AHEAD = 120; // frames that wait to be shown
 const MEMORIES = 30000; // robots in all frames that are kept
+const LATELY = 300; // rounds, of what a robot has looked at
+const AT_ONCE = 120; // frames, where many are missing
 const recordedText = $("recorded");
 
 const state = {
   source: recordedText ? new Recorded(JSON.parse(recordedText.textContent)) : new Live(),
   ask: {}, scenes: [], form: null, stages: [], view: new View(), charts: null, frames: new Map(),
   tick: 0, place: 0, playing: false, speed: 60, colour: "belief", chosen: null, side: 0, follow: false,
-  asking: false, run: 0, drawn: -1, last: 0, pictures: [], toldAt: -1, told: 0,
+  wish: null, preparing: false, asking: false, halted: false, settled: "", run: 0, drawn: -1, shownAt: 0, last: 0, pictures: [], told: 0,
 };
 
 function complain(error) {
@@ -27,7 +29,7 @@ const strides = () => (state.speed === Infinity ? Math.max(1, Math.floor(rounds(
 function wishOf(text) {
   const asked = Object.fromEntries(new URLSearchParams(text.replace(/^#/, "")));
   const { tick, robot, side, colour, ...ask } = asked;
-  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour === "error" ? "error" : "belief" };
+  return { ask, tick: Number.parseInt(tick || "0", 10) || 0, robot: robot === undefined ? null : Number.parseInt(robot, 10), side: side === "1" ? 1 : 0, colour: colour in SCALES ? colour : "belief" };
 }
 
 function fragment() {
@@ -46,60 +48,60 @@ function remember() {
   history.replaceState(null, "", fragment());
 }
 
+const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state.form.now.seed}, trial ${state.form.now.trial}`;
+
+// one wish after the other, and the last of those that came meanwhile: what the server has is what the page shows
 async function begin(ask, tick = 0, robot = state.chosen) {
-  const run = ++state.run;
-  state.asking = true;
-  $("title").textContent = "preparing … (a brain is compiled when it is watched for the first time)";
-  let answer;
-  try {
-    answer = await state.source.begin(ask);
-  } catch (error) {
-    if (run === state.run) {
-      complain(error);
-      state.asking = false;
-      if (state.form) {
-        $("title").textContent = `${state.form.name}: ${state.scenes[0].title}`;
-        buildControls($("controls"), state.form, change, Boolean(recordedText));
-      } else {
-        $("title").textContent = "";
-        if (Object.keys(ask).length) await begin({}, 0, null);
-        complain(error);
-      }
+  state.wish = { ask, tick, robot };
+  if (state.preparing) return;
+  state.preparing = true;
+  $("title").textContent = "preparing …";
+  let refused = null;
+  while (state.wish) {
+    const wish = state.wish;
+    try {
+      const answer = await state.source.begin(wish.ask);
+      arrive(answer, wish);
+    } catch (error) {
+      refused = error;
+      if (!state.form && state.wish === wish && Object.keys(wish.ask).length) state.wish = { ask: {}, tick: 0, robot: null };
     }
-    return;
+    if (state.wish === wish) state.wish = null;
   }
-  if (run !== state.run) return;
-  complain(null);
-  state.ask = answer.form.asked || ask;
-  state.scenes = answer.scenes;
-  state.form = answer.form;
+  state.preparing = false;
+  complain(refused);
+  $("title").textContent = state.form ? titled() : "";
+  if (refused && state.form) buildControls($("controls"), state.form, change, Boolean(recordedText));
+}
+
+function arrive({ form, scenes }, { ask, tick, robot }) {
+  state.run += 1;
+  [state.ask, state.scenes, state.form] = [form.asked || ask, scenes, form];
   state.frames.clear();
-  state.chosen = robot !== null && robot >= 0 && robot < state.scenes[0].robots ? robot : null;
-  state.side = Math.min(state.side, state.scenes.length - 1);
+  state.chosen = robot !== null && robot >= 0 && robot < scenes[0].robots ? robot : null;
+  state.side = Math.min(state.side, scenes.length - 1);
   state.tick = state.place = Math.min(Math.max(tick, 0), rounds());
-  state.drawn = -1;
-  state.toldAt = -1;
-  state.asking = false;
-  state.ended = false;
+  [state.drawn, state.settled, state.asking, state.halted, state.shownAt] = [-1, "", false, false, performance.now()];
   buildPage();
   remember();
-  await fetchAt(state.tick, run);
-  await fillBehind(run).catch(() => {});
 }
 
 function buildPage() {
   const { scenes, form } = state;
-  $("title").textContent = `${form.name}: ${scenes[0].title}; seed ${form.now.seed}, trial ${form.now.trial}`;
   document.title = `${scenes.map((scene) => scene.brain).join(" and ")} – swarmcensus`;
+  const focused = state.stages.findIndex((stage) => stage.host === document.activeElement);
   for (const stage of state.stages) stage.destroy();
+  state.charts?.destroy();
   state.view = new View();
+  if (state.follow) state.view.near(3);
   $("stages").replaceChildren();
   document.querySelector("main").classList.toggle("pair", scenes.length > 1);
   state.stages = scenes.map((scene, side) => {
     const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${scene.robots} robots with ${scene.brain}` });
     const liars = scene.dishonest.length ? `, ${scene.dishonest.length} of ${scene.robots} lie (crossed out)` : "";
     $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${scene.memory} bytes of memory, ${scene.message} a message${liars}`), host));
-    return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again });
+    if (side === focused) host.focus({ preventScroll: true });
+    return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again, moved: unfollow });
   });
   $("moment").max = rounds();
   $("which").max = scenes[0].robots - 1;
@@ -110,7 +112,7 @@ function buildPage() {
   if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see all that it remembers, reads and hears."));
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
-  state.charts.build($("log").checked);
+  state.charts.build($("log").checked, $("close").checked);
   if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds. Its estimates are rounded to four digits.";
   legend();
 }
@@ -121,15 +123,19 @@ function legend() {
     g.fillStyle = colour;
     g.fillRect((k * 256) / STEPS, 0, 256 / STEPS + 1, 10);
   });
-  $("legend-low").textContent = state.colour === "belief" ? "believes 0" : "right";
-  $("legend-high").textContent = state.colour === "belief" ? "1" : `off by ${MOST_WRONG} or more`;
-  const { moves, crowd } = state.scenes[0] || {};
-  const lines = crowd ? "each square a robot · green: links to the chosen one that carried a message" : "green: links that carried a message";
-  $("legend-text").textContent = `· ${moves ? "green: who hears whom · orange ring: a wrong reading · dots: what the chosen robot has looked at lately" : lines}`;
+  [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour];
+  const { moves, crowd, dishonest, edges } = state.scenes[0] || {};
+  const carried = crowd ? "green: links to the chosen one that carried a message" : "green: links that carried a message";
+  $("legend-text").textContent = [
+    ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: what the chosen robot has looked at lately"] : []),
+    ...(crowd ? ["each square a robot"] : []),
+    ...(moves ? [] : [edges ? carried : "its links are too many to be drawn"]),
+    ...(dishonest?.length ? ["crossed out: it lies"] : []),
+  ].join(" · ");
 }
 
 function change(key, value) {
-  const ask = { ...state.ask };
+  const ask = { ...(state.wish || state).ask };
   if (value === "" && key !== "beside") delete ask[key];
   else ask[key] = value;
   if (key === "beside" && value === "") delete ask[key];
