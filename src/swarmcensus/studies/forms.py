@@ -18,6 +18,7 @@ from swarmcensus.worlds import changes, patterns, spreading, wiring
 SHARE: Schema = {"type": "number", "minimum": 0, "maximum": 1}
 UP_TO_ONE = r"(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"  # a share as text
 LISTED_AT_LEAST_ONE: Schema = {"type": "array", "minItems": 1}
+FILE: Schema = {"type": "string", "pattern": r"[./\\]"}
 
 
 def _table(keys: Mapping[str, Schema], *required: str, more: Schema | bool = False) -> Schema:
@@ -73,8 +74,8 @@ def _change() -> Schema:
 
 
 def _named(*doors: Door) -> Schema:
-    """A name or the path of a file."""
-    return {"anyOf": [{"enum": [name for door in doors for name in door.names]}, TEXT]}
+    """A name or the path of a file: a misspelt name is marked, for it has no dot and no slash."""
+    return {"anyOf": [{"enum": [name for door in doors for name in door.names]}, FILE]}
 
 
 def _of_brain(*doors: Door) -> Schema:
