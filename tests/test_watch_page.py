@@ -272,12 +272,13 @@ def test_old_curves_and_swarms_are_let_go(page, served):
 
 def test_a_brain_that_fails_is_asked_once(page, folder):
     text = sc.brains.load("minimalistic").source
-    (folder / "fails.py").write_text(text.replace("    t = me.t\n", "    t = me.t / (50.0 - me.t)\n", 1))
-    with serving(made := listen(offer_of(None, (folder / "fails.py",)))):
-        come(page, made.address("brain=fails&topology=ring"), 0)
+    mine = folder / "fails.py"
+    mine.write_text(text.replace("    t = me.t\n", "    t = me.t / (50.0 - me.t)\n", 1))
+    with serving(made := listen(offer_of(None, (mine,)))):
+        come(page, made.address(f"brain={mine}&topology=ring"), 0)
         page.evaluate(COUNTED)
         page.keyboard.press("End")
-        playwright.expect(page.locator("#error")).to_contain_text("fails", timeout=30_000)
+        playwright.expect(page.locator("#error")).to_contain_text("fails in trial 0", timeout=30_000)
         page.wait_for_timeout(1000)
         assert page.evaluate("window.asked") < 10
 

@@ -248,6 +248,10 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
 def test_from_python_it_is_a_frame(tmp_path):
     with pytest.raises(InputError, match="robots = many: should be a whole number"):
         sc.watch(robots="many")
+    with pytest.raises(InputError, match="port='x': should be a whole number from 0 to 65,535"):
+        sc.watch(port="x")
+    with pytest.raises(InputError, match="height=True: should be"):
+        sc.watch(height=True)
     with pytest.raises(InputError, match="robot = 500: should be a whole number from 0 to 24"):
         sc.watch(robot=500)
     study = sc.Study(trials=2, swarm={"robots": 5, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.5})

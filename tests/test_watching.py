@@ -91,6 +91,9 @@ def test_results_are_watched_too(offer, tmp_path):
         ({"liars": "0.5", "adversary": "jammer"}, "of them 0.5 jammer, not honest"),
         ({"liars": "0"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"rounds": "7"}, "C = 7"),
+        ({"accuracy": "{black = 0.9, white = 0.6}"}, "accuracy black=0.9 white=0.6"),
+        ({"accuracy": "black=0.9 white=0.6"}, "accuracy black=0.9 white=0.6"),
+        ({"accuracy": "N(0.7, 0.05)"}, "accuracy N(0.7,0.05)"),
     ],
 )
 def test_values_are_changed(offer, asked, line):
@@ -118,6 +121,10 @@ def test_values_are_changed(offer, asked, line):
         ({"setting": "2", "density": "1000"}, "density = 1000: should be above 0 and at most"),
         ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
         ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd: one of"),
+        ({"density": "2"}, "density = 2: of robots that move, which those of this network do not"),
+        ({"setting": "2", "topology": "line", "floor": "half"}, "floor = half: of robots that move"),
+        ({"accuracy": "{black = 2, white = 1}"}, "accuracy = {black = 2, white = 1}: "),
+        ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
         ({"liars": "1"}, "none is honest"),
         ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic: no adversary of that name"),
         ({"topology": "full", "brain": "voter", "robots": "9000"}, "2000 is the most here"),
@@ -172,6 +179,16 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
                 assert told["fields"][name] == trace[name].values[tick, robot].tolist()
             assert told["estimate"] == trace["estimate"].values[tick, robot]
     json.dumps(robot_of(show, 60, 0), allow_nan=False)
+
+
+def test_who_has_no_estimate_is_told_apart(tmp_path):
+    mine = tmp_path / "none.py"
+    text = brains.load("minimalistic").source
+    mine.write_text(text.replace("    return me.x\n", "    return me.x + 1e999 - 1e999\n"))
+    found = wanted(offer_of(None, (mine,)), {"brain": str(mine), "topology": "ring", "robots": "5"})
+    show = Show(found.settings[0], 1, 0, found.study.measure)
+    assert (parsed(show.frames([3, 4]))["layers"][:, 0] == 65_535).all()
+    assert robot_of(show, 4, 2)["estimate"] is None
 
 
 @pytest.mark.parametrize("brain", ["voter", "sure"])
