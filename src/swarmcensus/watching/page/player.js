@@ -34,6 +34,8 @@ async function settle(run, tick) {
   const stays = () => run === state.run && tick === state.tick && !state.playing && !state.halted;
   const lately = () => Array.from({ length: LATELY }, (_, k) => tick - k).filter((one) => one >= 0 && !state.frames.has(one));
   const wanted = [];
+  await new Promise((soon) => setTimeout(soon, PATIENCE));
+  if (!stays()) return;
   if (state.scenes[0].moves && state.chosen !== null) wanted.push(() => (lately().length ? { from: Math.min(...lately()), by: 1, count: LATELY } : null));
   wanted.push(() => state.charts.histories[0].missing(tick));
   for (const next of wanted) {

@@ -8,6 +8,7 @@ const AHEAD = 120; // frames that wait to be shown
 const MEMORIES = 30000; // robots in all frames that are kept
 const LATELY = 300; // rounds, of what a robot has looked at
 const AT_ONCE = 120; // frames, where many are missing
+const PATIENCE = 200; // milliseconds: whoever stays at a moment for as long is not on the way to another
 const recordedText = $("recorded");
 
 const state = {
@@ -56,15 +57,17 @@ async function begin(ask, tick = 0, robot = state.chosen) {
   if (state.preparing) return;
   state.preparing = true;
   $("title").textContent = "preparing …";
-  let refused = null;
+  let [refused, instead] = [null, false]; // of a link that cannot be, the first trial is shown instead
   while (state.wish) {
     const wish = state.wish;
     try {
       const answer = await state.source.begin(wish.ask);
       arrive(answer, wish);
+      if (!instead) refused = null;
     } catch (error) {
       refused = error;
-      if (!state.form && state.wish === wish && Object.keys(wish.ask).length) state.wish = { ask: {}, tick: 0, robot: null };
+      instead = !state.form && state.wish === wish && Object.keys(wish.ask).length > 0;
+      if (instead) state.wish = { ask: {}, tick: 0, robot: null };
     }
     if (state.wish === wish) state.wish = null;
   }
