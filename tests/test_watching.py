@@ -1,5 +1,6 @@
 """What a page may ask for, what it is shown, and how it is answered: without a browser and without a server."""
 
+import base64
 import itertools
 import json
 import random
@@ -324,3 +325,22 @@ def test_random_words_are_answered(offer):
             else:
                 json.dumps(answer, allow_nan=False)
     assert session.answer('{"id": 7, "do": "begin", "ask": {}}')[0]["scenes"]
+
+
+@pytest.mark.parametrize(
+    ("asked", "crowd"),
+    [
+        ({"topology": "ring"}, 0), ({"topology": "line"}, 0), ({"topology": "scale-free", "robots": "30"}, 0),
+        ({"topology": "full", "robots": "12"}, 0), ({"topology": "line", "robots": "410"}, 21),
+    ],
+)  # fmt: skip
+def test_robots_of_a_network_stand_apart_within_the_picture(asked, crowd):
+    [begun] = Session(offer_of(None)).answer(json.dumps({"do": "begin", "ask": asked}))
+    [scene] = begun["scenes"]
+    places = np.frombuffer(base64.b64decode(scene["places"]), "<f4").reshape(-1, 2)
+    assert len(np.unique(places.round(4), axis=0)) == scene["robots"]
+    assert places.min() > 0.0
+    assert places.max() < 1.0
+    assert scene["crowd"] == crowd
+    apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2) + 9.0 * np.eye(len(places))
+    assert crowd or scene["room"] == pytest.approx(np.median(apart.min(axis=1)), abs=1e-5)
