@@ -11,6 +11,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
 from swarmcensus.watching.server import listen, serving
 
@@ -51,7 +52,7 @@ def watch(
     for name, value, least, most in (("port", port, 0, 65_535), ("height", height, 100, 10_000)):
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
             raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
-    words = {key: _word(value) for key, value in asked.items()}
+    words = {key: to_toml_value(value) if isinstance(value, Mapping) else str(value) for key, value in asked.items()}
     files = (Path(brain),) if brain is not None and str(brain).endswith(".py") else ()
     if brain is not None and not (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc"))):
         words["brain"] = str(brain)
@@ -62,10 +63,3 @@ def watch(
     running = contextlib.ExitStack()
     running.enter_context(serving(served))
     return Watching(served.address(urlencode(words)), height, running)
-
-
-def _word(value: object) -> str:
-    """As an address has it: of a table, as an accuracy of black and white, that of a study file."""
-    if not isinstance(value, Mapping):
-        return str(value)
-    return f"{{{', '.join(f'{key} = {one}' for key, one in value.items())}}}"

@@ -269,8 +269,7 @@ def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int
 
 
 def _accuracy(text: str) -> Any:
-    """As a study file has it, or as a page shows one that is of black and white."""
-    text = re.sub(r"^black=(\S+) white=(\S+)$", r"{black = \1, white = \2}", text)
+    """As a study file has it."""
     try:
         return tomllib.loads(f"it = {text}")["it"]
     except tomllib.TOMLDecodeError:

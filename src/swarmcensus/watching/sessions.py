@@ -11,6 +11,7 @@ from typing import Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
+from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.offers import KEYS, Offer, Wanted, names_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
@@ -115,7 +116,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
         "brain": setting.brain.told,
         "beside": found.settings[1].brain.told if len(found.settings) > 1 else "",
         "robots": str(setting.robots),
-        "accuracy": str(setting.accuracy),
+        "accuracy": form if isinstance(form := setting.accuracy.form, str) else to_toml_value(form),
         "fill_ratio": f"{setting.fill_ratio:g}",
         "topology": str(setting.topology),
         "density": "" if setting.density is None else f"{setting.density:g}",
