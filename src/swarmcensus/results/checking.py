@@ -240,7 +240,7 @@ def _missing(data: xr.Dataset) -> str | None:
         places = _place(data, dims, _malformed(name, array))
         if places:
             at, where = places
-            return f"{name} of {where} is {array[at].item()!r}, which no run writes there"
+            return f"{name} of {where} is {array.values[tuple(at.values())].item()!r}, which no run writes there"
     # files of the first format counted trials whose local estimates were still to come
     count = int((done.values if is_old(data) else finished(data)).sum())
     if data.attrs["trials_done"] != count:

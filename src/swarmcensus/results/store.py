@@ -177,7 +177,8 @@ def load(path: str | Path) -> xr.Dataset:
             data = data.load()
         for name in [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]:
             data[name] = data[name].astype(object)  # the type of text in a dataset that was never in a file
-        for one in (data, *data.variables.values()):
+        every: list[Any] = [data, *data.variables.values()]
+        for one in every:
             one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
     except InputError:
         raise
