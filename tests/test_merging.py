@@ -263,3 +263,17 @@ def test_studies_with_members_and_without_go_together():
         for k, one in enumerate(parts):
             found = both["final_estimate"].values[k, :, : one.sizes["robot"]]
             assert (found == one["final_estimate"].values[0]).all()
+
+
+def test_what_only_the_second_of_two_studies_measures_is_verified():
+    """Both hold the same settings and trials: of these all that either measured is run again."""
+    more = {"checkpoints": [10, 40], "estimates": True, "metrics": ["mean-error"]}
+    merged = sc.merge([ran(), ran(measure=more)])
+    found = sc.verify(merged, 1.0)
+    assert not (found.differences or found.labels)
+    for name in ("estimates", "mean_error"):
+        changed = merged.copy(deep=True)
+        place = tuple(np.argwhere(np.isfinite(changed[name].values))[-1])
+        changed[name].values[place] = 0.125
+        (difference,) = sc.verify(changed, 1.0).differences
+        assert (difference.variable, difference.stored) == (name, 0.125)
