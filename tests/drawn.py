@@ -18,19 +18,19 @@ ACCURACIES = [
 BELIEFS = [0.7, "U(0.5, 0.9)", {"error": "N(0, 0.05)"}]
 FILLS = [0.0, 0.1, 0.5, 0.55, 0.85, 1.0]
 TRIALS = 2
+LIARS = tuple(adversary.DOOR.shipped)
 
 
-def drawn(rng, names, moving=None):
-    """A random valid study of one of the brains of these names; `moving` says whether robots move, None for either."""
+def drawn(rng, brain, liars=LIARS):
+    """A random valid study of this brain, perhaps with members of others that say the same, or of `liars`."""
     while True:
-        tables = _tables(rng, str(rng.choice(names)), bool(rng.random() < 0.4) if moving is None else moving)
         try:
-            return sc.Study(**tables)
+            return sc.Study(**_tables(rng, brain, liars))
         except sc.InputError:  # its values do not go together
             continue
 
 
-def _tables(rng, brain, moving):
+def _tables(rng, brain, liars):
     def one(values):
         return values[rng.integers(len(values))]
 
@@ -40,9 +40,11 @@ def _tables(rng, brain, moving):
     def chance(p):
         return bool(rng.random() < p)
 
+    moving = chance(0.4)
     robots = 300 if chance(0.05) else whole(1, 9)
-    rounds = one([1, 1, 1, 2, 3, whole(4, 60)]) if robots < 300 else one([1, 2])
-    swarm = {"robots": robots, "brain": _worn(rng, brain), "accuracy": one(ACCURACIES)}
+    rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, 1500)]) if robots < 300 else one([1, 2])
+    sensors = one(ACCURACIES) if chance(0.7) else [0.6, 0.8]  # two settings, of which one walk carries both
+    swarm = {"robots": robots, "brain": _worn(rng, brain), "accuracy": sensors}
     if chance(0.2):
         swarm["assumed_accuracy"] = one(BELIEFS)
     fill = one(FILLS)
@@ -74,7 +76,7 @@ def _tables(rng, brain, moving):
         | ({"until": at + whole(1, 5)} if chance(0.5) else {})
         for _ in range(whole(1, 2) if chance(0.3) else 0)
     ]
-    members = [_member(rng, one, chance, brain) for _ in range(whole(1, 2) if chance(0.35) else 0)]
+    members = [_member(one, chance, brain, liars) for _ in range(whole(1, 2) if chance(0.35) else 0)]
     return {
         "seed": whole(0, 2**40), "trials": TRIALS, "swarm": swarm, "world": world, "schedule": schedule,
         "measure": measure, "faults": faults, "members": members,
@@ -94,12 +96,12 @@ def _worn(rng, name):
     return table
 
 
-def _member(rng, one, chance, brain):
+def _member(one, chance, brain, liars):
     table = {"robots": one([1, 2, 0.3])}
     if chance(0.5):
         table["accuracy"] = one(ACCURACIES)
     if chance(0.4):
-        return table | {"brain": one(list(adversary.DOOR.shipped)), "honest": False}
+        return table | {"brain": one(liars), "honest": False}
     message = brains.load(brain).message
-    alike = [name for name in brains.shipped() if brains.load(name).message == message]
+    alike = [brain, *(name for name in brains.shipped() if len(liars) > 1 and brains.load(name).message == message)]
     return table | ({"brain": one(alike)} if chance(0.6) else {}) | ({"honest": False} if chance(0.3) else {})

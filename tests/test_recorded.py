@@ -16,11 +16,16 @@ from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import Life
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
-from tests.drawn import TRIALS, drawn
-from tests.slow import times
+from tests.drawn import LIARS, TRIALS, drawn
+from tests.second import ADDS, ALL, STEER, TALKS, WALD
+
+pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
+
+OWN = {"all.py": ALL, "adds.py": ADDS, "talks.py": TALKS, "steers.py": ALL + STEER, "wald.py": WALD}
+A_BRAIN = 3  # studies of each that a long test draws
 
 
-def worked_out(study, setting, trace, trial):
+def worked_out(study, setting, trace):
     """The variables of a trial's replay, by their definitions, with the honest robots first as results have them."""
     honest, curves = honest_in(trace), trace["estimate"].values
     curves = curves[:, honest]
@@ -90,10 +95,11 @@ def _watched(metric, study, setting, curves, truths):
     functions, ends = metric.functions, []
     for truth in truths:
         inside = math.floor(truth * study.measure.bins + 1e-12)
-        low = min(inside, study.measure.bins - 1)
-        ends.append((low / study.measure.bins, np.inf if low == study.measure.bins - 1 else (low + 1) / study.measure.bins))
+        low, last = min(inside, study.measure.bins - 1), study.measure.bins - 1
+        ends.append((low / study.measure.bins, np.inf if low == last else (low + 1) / study.measure.bins))
     given = {"delta": study.measure.delta, "rounds": float(setting.rounds), "robots": float(curves.shape[1])}
-    minds = [metric.record(low=ends[0][0], high=ends[0][1], **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
+    low, high = ends[0]
+    minds = [metric.record(low=low, high=high, **given) for _ in range(1 if metric.of_swarm else curves.shape[1])]
     for my in minds:
         functions.begin(my)
     for k, (row, truth) in enumerate(zip(curves.tolist(), truths.tolist(), strict=True), start=1):
@@ -127,7 +133,7 @@ def alone(study, setting, trial, honest):
 
 
 def differences(study):
-    """In what its run and its replays differ, as sentences; how many trials were compared, and how many failed."""
+    """In what its run and its replays differ, as sentences, and how many trials were compared."""
     settings = study.settings()
     failed, compared, out = {}, 0, []
     try:
@@ -139,28 +145,30 @@ def differences(study):
         failed = {(0, 0): str(error)}
     for k, setting in enumerate(settings):
         for trial in range(TRIALS):
-            where = f"{setting}, members {setting.members}, seed {study.seed}, trial {trial}: "
+            where = f"{setting.brain.told}, {setting}, seed {study.seed}, trial {trial}: "
             if (k, trial) in failed:
                 out += [where + one for one in _failing(setting, study.seed, trial, failed[k, trial])]
             elif results is not None:
                 out += [where + one for one in _compared(study, results, k, trial)]
                 compared += 1
-    return out, compared, len(failed)
+    return out, compared
 
 
 def _failing(setting, seed, trial, why):
+    """A replay shows answers that a run refuses: no interval, no option, no finite number; what raises, it tells."""
     again = record_trial if setting.body is None else record_ride
     try:
         again(setting, seed, trial)
     except sc.InputError as error:
         return [] if why.startswith(str(error)) else [f"the run says {why!r}, the replay {str(error)!r}"]
-    return [f"the run fails, with {why!r}, and the replay does not"]
+    shown = any(answer in why for answer in ("interval gives (", "decide gives ", trials.NOT_FINITE))
+    return [] if shown else [f"the run fails, with {why!r}, and the replay does not"]
 
 
 def _compared(study, results, k, trial):
     setting = study.settings()[k]
     trace = sc.replay(results, k, trial)
-    found = worked_out(study, setting, trace, trial)
+    found = worked_out(study, setting, trace)
     honest = honest_in(trace)
     lucky = any(brain.uses.luck for brain in setting.crew)
     if study.measure.local and not lucky:
@@ -183,3 +191,43 @@ def _compared(study, results, k, trial):
         for name, value in zip(("messages_sent", "messages_heard"), stretches[-1].messages[-1], strict=True):
             if recorded[name].values.sum() != value:
                 yield f"{name} is recorded as {recorded[name].values.sum()}, watched as {value}"
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    for name, source in OWN.items():
+        (tmp_path / name).write_text(source)
+    monkeypatch.chdir(tmp_path)
+
+
+def all_differences(seed, names, monkeypatch, liars=LIARS):
+    """Those of a random study for each of these names, and how many trials were compared and how many studies short."""
+    rng = np.random.default_rng(seed)
+    found, compared, short = [], 0, 0
+    for name in names:
+        study = drawn(rng, name, liars)
+        some = int(rng.integers(1, 20))  # estimates are kept for so many rounds at a time, or for all of them
+        monkeypatch.setattr(trials, "ROWS_BYTES", int(rng.choice([1, 8_000_000])))
+        monkeypatch.setattr(trials, "ROWS_OF_A_CROWD", some)
+        more, here = differences(study)
+        found, compared = found + more, compared + here
+        short += study.settings()[0].rounds == 1
+    return found, compared, short
+
+
+def test_a_run_records_what_its_replays_show(here, monkeypatch):
+    """On networks and of robots that move, with intervals, ends and lies; of brains that compile quickly."""
+    names = [*["minimalistic"] * 7, *["wald.py"] * 3, *["leaver"] * 2]
+    found, compared, short = all_differences(1, names, monkeypatch, ("noisy-mirror",))
+    assert not found, "\n".join(found)
+    assert compared >= 2 * len(names)
+    assert short >= 3
+
+
+@pytest.mark.parametrize("seed", [2, 3, 4])
+def test_a_run_of_any_brain_records_what_its_replays_show(seed, here, monkeypatch):
+    names = sorted([*brains.shipped(), *OWN]) * A_BRAIN
+    found, compared, short = all_differences(seed, names, monkeypatch)
+    assert not found, "\n".join(found)
+    assert compared >= 1.8 * len(names)
+    assert short >= len(names) / 5
