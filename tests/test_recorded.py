@@ -16,6 +16,7 @@ from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import Life
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_readings, record_trial
+from tests.conftest import FAILS
 from tests.drawn import LIARS, TRIALS, drawn
 from tests.second import ADDS, ALL, STEER, TALKS, WALD
 
@@ -195,7 +196,7 @@ def _compared(study, results, k, trial):
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
-    for name, source in OWN.items():
+    for name, source in (OWN | {"fails.py": FAILS}).items():
         (tmp_path / name).write_text(source)
     monkeypatch.chdir(tmp_path)
 
@@ -222,6 +223,18 @@ def test_a_run_records_what_its_replays_show(here, monkeypatch):
     assert not found, "\n".join(found)
     assert compared >= 2 * len(names)
     assert short >= 3
+
+
+def test_replays_of_trials_that_fail_say_what_the_run_says(here):
+    """A brain that now and then divides by zero."""
+    study = sc.Study(
+        trials=TRIALS, swarm={"robots": 3, "brain": "fails.py", "accuracy": 0.6},
+        world={"topology": "ring", "fill_ratio": [0.55, 0.65, 0.7]},
+        schedule={"rounds": 6, "observations_per_round": 100},
+    )  # fmt: skip
+    found, compared = differences(study)
+    assert not found, "\n".join(found)
+    assert 0 < compared < 3 * TRIALS
 
 
 @pytest.mark.parametrize("seed", [2, 3, 4])
