@@ -11,6 +11,7 @@ from swarmcensus import brains
 from swarmcensus.engine.failures import works
 from swarmcensus.engine.modes import SENSING
 from swarmcensus.results.replaying import honest_in
+from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.living import Life
@@ -148,18 +149,20 @@ def differences(study):
         for trial in range(TRIALS):
             where = f"{setting.brain.told}, {setting}, seed {study.seed}, trial {trial}: "
             if (k, trial) in failed:
-                out += [where + one for one in _failing(setting, study.seed, trial, failed[k, trial])]
+                out += [where + one for one in _failing(study, setting, trial, failed[k, trial])]
             elif results is not None:
                 out += [where + one for one in _compared(study, results, k, trial)]
                 compared += 1
     return out, compared
 
 
-def _failing(setting, seed, trial, why):
+def _failing(study, setting, trial, why):
     """A replay shows answers that a run refuses: no interval, no option, no finite number; what raises, it tells."""
     again = record_trial if setting.body is None else record_ride
     try:
-        again(setting, seed, trial)
+        again(setting, study.seed, trial)
+        if study.measure.local:  # a replay shows no local estimate
+            trials.run_batch(setting, study.seed, trial, 1, metrics_of(study), np.zeros(1, np.uint8), local=True)
     except sc.InputError as error:
         return [] if why.startswith(str(error)) else [f"the run says {why!r}, the replay {str(error)!r}"]
     shown = any(answer in why for answer in ("interval gives (", "decide gives ", trials.NOT_FINITE))
