@@ -297,3 +297,18 @@ def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
         assert (data["done_round"].values[0, trial] == ends).all()
         assert wrong[trial].tolist() == (np.abs(then - f) > half).tolist()
     assert 0 < wrong.sum() < 60
+
+
+@pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["ring", "moving"])
+def test_an_interval_that_fails_where_only_a_replay_asks_is_told_as_a_brain_that_fails(world, here, capsys):
+    """A replay asks before the first observation too, where no run does."""
+    timid = "def interval(me):\n    half = 0.1 / me.t\n    return max(0.0, 0.5 - half), min(1.0, 0.5 + half)\n"
+    Path("timid.py").write_text(f"{MEANS}\n\n{timid}")
+    study = sc.Study(
+        trials=1, swarm={"brain": "timid.py", "robots": 3, "accuracy": 0.7}, world=world | {"fill_ratio": 0.8},
+        schedule={"ticks" if "density" in world else "rounds": 3}, measure={"checkpoints": [3]},
+    )  # fmt: skip
+    assert sc.run(study, jobs=1, out="timid.nc")["coverage"].notnull().all()
+    assert main(["replay", "timid.nc", "--setting", "0", "--trial", "0"]) == 2
+    said = capsys.readouterr().err
+    assert f"brain 'timid.py' fails in trial 0 of {study.settings()[0]}: ZeroDivisionError: division by zero" in said

@@ -62,6 +62,16 @@ def test_a_robot_without_evidence_in_some_stream_cannot_tell():
     assert not SURE.done(nobody)
 
 
+def test_who_must_never_miss_says_all():
+    """Where all streams have evidence, it divided by alpha."""
+    me = mind(alpha=0.0)
+    for _ in range(16):
+        SURE.observe(me, 3.0, 5.0)
+        SURE.fuse(me)
+    assert SURE.interval(me) == (0.0, 1.0)
+    assert not SURE.done(me)
+
+
 def test_blocks_double_and_a_look_follows_every_eighth():
     me, looks, lengths = mind(within=0.0), [], []
     for round in range(1, 121):

@@ -52,7 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _complain(f"{error.filename}: {what}" if error.filename else what)
         return 2
     except MemoryError:
-        print("swarmcensus: not enough memory: fewer robots, settings or trials would need less", file=sys.stderr)
+        print(
+            "swarmcensus: not enough memory: fewer robots, rounds, settings or trials would need less", file=sys.stderr
+        )
         return 2
     except Exception as error:
         if os.environ.get("SWARMCENSUS_DEBUG"):

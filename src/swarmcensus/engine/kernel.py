@@ -57,8 +57,9 @@ def simulate(
     Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
     those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. What is heard was said
     `delay` rounds ago. `memory` (robot, field), `outbox` (delay + 2 times robots, message), `rows` (index, robot),
-    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in; the last has
-    none where messages are not late, or no segment is run again.
+    `snapshots` (segment, robot or 0, field) and `said_before` (segment or 0, like `outbox`) are room to work in. Each
+    segment begins by filling its snapshot, if that has robots: it needs one only where a segment may be run again.
+    `said_before` has room where messages are late too.
     With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
     right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
@@ -116,7 +117,7 @@ def simulate(
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < segments
             s = step if forward else 2 * segments - 2 - step
-            if forward and segments > 1:
+            if forward and snapshots.shape[1] > 0:
                 put(snapshots[s], memory)
                 if said_before.shape[0] > 0:
                     put(said_before[s], outbox)

@@ -18,6 +18,7 @@ from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.results import store
 from swarmcensus.results.values import Values
 from swarmcensus.runs import pools
+from swarmcensus.runs.forecasts import tell_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.tasks import bundled, plan
@@ -87,7 +88,7 @@ def run(
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
         pool = stack.enter_context(_pool(state, jobs, cluster))
         try:
-            interrupted = _run_stages(state, pool)
+            interrupted = _run_stages(state, pool, None if cluster else jobs)
         except KeyboardInterrupt:  # between two stages
             interrupted = True
         if interrupted:
@@ -202,10 +203,10 @@ def _everything_found(state: State) -> bool:
     return state.study.until is None and bool(state.values.done().all())
 
 
-def _run_stages(state: State, pool: pools.Pool) -> bool:
-    """Run all trials, of a rule in stages; whether Ctrl-C ended it."""
+def _run_stages(state: State, pool: pools.Pool, jobs: int | None) -> bool:
+    """Run all trials, of a rule in stages, in so many threads or on a cluster; whether Ctrl-C ended it."""
     open_ = np.ones(len(state.settings), np.bool_)
-    for trials in state.study.stages():
+    for stage, trials in enumerate(state.study.stages()):
         state.values.grow(trials)
         mine = open_[:, np.newaxis] & _in_share(state, trials)
         lacking = mine & ~state.values.done()[:, :trials]
@@ -220,6 +221,8 @@ def _run_stages(state: State, pool: pools.Pool) -> bool:
         state.work_done, state.work_total = 0.0, sum(task.cost for task in tasks)
         if state.holding:
             state.holding.announce(state.done, state.total, state.work_total)
+        if stage == 0:
+            tell_length(state.study, state.settings, tasks, jobs)
         if tasks and work(state, bundled(tasks, some), pool):
             return True
         if state.study.until is not None:

@@ -240,7 +240,8 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
         links.append(links_of(chunk))
     estimates = np.concatenate([rider.start, rider.rows])
     joined = np.concatenate(links)
-    fields = fields_of(setting.crew, rider.swarm, history, estimates)
+    with blaming(setting, trial):  # intervals are asked for in every tick here
+        fields = fields_of(setting.crew, rider.swarm, history, estimates)
     done = ended(setting.crew, fields)
     if done.size:
         looked[1:][done], readings[1:][done] = False, np.nan

@@ -256,7 +256,8 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     compiler.compile_world().round_readings(
         *(a[0] for a in (*given.sensors, given.drift)), setting.course, looks, given.readings, trial, blacks[1:]
     )
-    fields = fields_of(setting.crew, made, history, estimates)
+    with blaming(setting, trial):  # intervals are asked for in every round here
+        fields = fields_of(setting.crew, made, history, estimates)
     done = ended(setting.crew, fields)
     if done.size:
         blacks[1:][done] = 0.0

@@ -18,6 +18,7 @@ from swarmcensus.engine.modes import LISTED, NOISE, SAID, TALKING
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Life, Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option
+from swarmcensus.simulation.trials import blaming
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Measure
 
@@ -169,7 +170,8 @@ class Show:
         parts = (a[rows] for a in (stretch.history, stretch.estimates))
         again = stretch.first > 0  # the first row is taken for that before any observation, when nobody decides
         history, estimates = (np.concatenate([part[:again], part]) for part in parts)
-        found = fields_of(self.setting.crew, self.life.swarm, history, estimates)
+        with blaming(self.setting, self.life.given.first):  # intervals are asked for in every round here
+            found = fields_of(self.setting.crew, self.life.swarm, history, estimates)
         return {name: values[int(again) :] for name, values in found.items()}
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:

@@ -100,7 +100,7 @@ def half(me, alpha):
             return 1.0
         s += me.s[k]
         v += me.v[k]
-    if me.looks == 0.0:
+    if me.looks == 0.0 or alpha <= 0.0:  # who must never miss says all
         return 1.0
     off = 0.0
     weights = v * v

@@ -1,0 +1,160 @@
+"""How long a run takes, said before it begins where that is long."""
+
+import logging
+import warnings
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.cli.commands import main
+from swarmcensus.runs import forecasts, progress
+from swarmcensus.runs.tasks import Task, plan
+from swarmcensus.simulation.trials import seconds, walk_seconds
+
+ONE = {"topology": "ring", "fill_ratio": 0.55}
+MOVING = {"topology": "moving", "density": 3, "fill_ratio": 0.55}
+HEARD = "this takes about "
+FEW = """
+name     = "small"
+trials   = 4
+swarm    = {robots = 5, accuracy = 0.8}
+world    = {topology = "ring", fill_ratio = 0.55}
+schedule = {rounds = 60}
+"""
+
+
+def study(rounds=2**31 - 1, trials=1, world=ONE, **tables):
+    schedule = {"ticks" if world is MOVING else "rounds": rounds}
+    swarm = {"robots": 20, "accuracy": 0.8} | tables.pop("swarm", {})
+    return sc.Study(name="long", trials=trials, swarm=swarm, world=world, schedule=schedule, **tables)
+
+
+def said(made, jobs, caplog):
+    """What is told of a study before it begins, as lines and as warnings."""
+    settings = made.settings()
+    every = np.ones((len(settings), made.trials), np.bool_)
+    tasks = plan(settings, every, every if made.measure.local else None, 0.1)
+    caplog.clear()
+    with caplog.at_level(logging.INFO), warnings.catch_warnings(record=True) as warned:
+        warnings.simplefilter("always")
+        forecasts.tell_length(made, settings, tasks, jobs)
+    return caplog.messages, [str(one.message) for one in warned]
+
+
+@pytest.fixture
+def tried(monkeypatch):
+    """What is tried, as (rounds, trials): all of it takes three times as long as predicted, and a second beforehand."""
+    found = []
+
+    def lived(_, settings, kind, rounds, trials):
+        found.append((rounds, trials))
+        parts = [replace(one, rounds=rounds) for one in settings]
+        due = sum(seconds(one, kind == "local") for one in parts) * trials
+        return 1.0 + 3.0 * (due + (walk_seconds(parts[0]) if kind == "ride" else 0.0))
+
+    monkeypatch.setattr(forecasts, "_lived", lived)
+    monkeypatch.setattr(forecasts.os, "cpu_count", lambda: 2)
+    return found
+
+
+@pytest.mark.parametrize("world", [ONE, MOVING], ids=["ring", "moving"])
+def test_a_study_of_2_to_the_31_rounds_says_so(world, tried, caplog):
+    made = study(world=world)
+    (setting,) = made.settings()
+    due = 3.0 * (seconds(setting) + (walk_seconds(setting) if setting.body else 0.0))
+    lines, warned = said(made, 2, caplog)
+    assert not warned
+    assert lines == [
+        f"long: this takes about {forecasts.told(due)} in 2 threads if nothing else keeps the machine busy. "
+        f"A trial alone takes up to {forecasts.told(due)}: nothing of it is kept before its end"
+    ]
+
+
+def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
+    made = study(rounds=70_000_000, trials=3000)
+    (setting,) = made.settings()
+    for jobs, cores in ((1, 1), (2, 2), (8, 2)):  # this machine has two cores
+        lines, (warned,) = said(made, jobs, caplog)
+        assert not lines
+        assert warned.startswith(f"long: {HEARD}{forecasts.told(3.0 * 3000 * seconds(setting) / cores)} in {jobs} thr")
+        assert "alone" not in warned  # each is soon kept
+    assert len(tried) == 6  # two parts of one trial each time
+    assert 1 == tried[0][0] < tried[1][0] < 200_000
+
+
+def test_each_brain_has_a_pace_of_its_own_and_each_kind_of_work(tried, caplog):
+    made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
+    settings = made.settings()
+    every = np.ones((2, 1), np.bool_)
+    due = 3.0 * sum(task.cost for task in plan(settings, every, every, 0.1))
+    (line,), _ = said(made, 1, caplog)
+    assert line.startswith(f"long: {HEARD}{forecasts.told(due)} in 1 thread if")
+    assert len(tried) == 8
+
+
+def test_short_studies_say_nothing_and_try_nothing(tried, caplog):
+    assert said(study(rounds=10_000, trials=100), 2, caplog) == ([], [])
+    assert said(study(rounds=10_000, world=MOVING), 2, caplog) == ([], [])
+    assert not tried
+
+
+def test_on_a_cluster_the_prediction_is_told(tried, caplog):
+    made = study(trials=3)
+    (setting,) = made.settings()
+    (line,), _ = said(made, None, caplog)
+    assert f"{HEARD}{forecasts.told(3 * seconds(setting))} of one core." in line
+    assert not tried
+
+
+def test_a_round_that_takes_long_itself_is_not_tried(tried, caplog):
+    (line,), _ = said(study(rounds=10, swarm={"robots": 2_000_000_000}), 2, caplog)
+    assert HEARD in line
+    assert not tried
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [(300.0, "5 minutes"), (5400.0, "1.5 hours"), (9 * 86_400.0, "9 days"), (4e14, "13,000,000 years")],
+)  # fmt: skip
+def test_long_times(seconds, text):
+    assert forecasts.told(seconds) == text
+
+
+def test_many_short_trials_are_tried_whole_and_together(tried, caplog):
+    made = study(rounds=2, trials=50_000_000, swarm={"robots": 1})
+    (setting,) = made.settings()
+    task = Task("batch", (0,), 0, 2000, 2000 * seconds(setting))
+    pace = forecasts._pace(made, [setting], task)
+    assert tried == [(2, 2000)]
+    assert pace == pytest.approx(3.0 + 1.0 / task.cost)
+
+
+def test_the_pace_is_that_of_the_brain():
+    """By the real clock: the rule that a network of neurons computes in each round costs several times the paper's."""
+    made = study(rounds=400_000, swarm={"brain": ["minimalistic", "recurrent"]})
+    tasks = [Task("batch", (0,), 0, 1, seconds(one)) for one in made.settings()]
+    quick, slow = (
+        min(forecasts._pace(made, [one], task) for _ in range(3))
+        for one, task in zip(made.settings(), tasks, strict=True)
+    )
+    assert slow > 2.0 * quick > 0.0
+
+
+def test_a_person_is_told_before_the_first_trial(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(progress, "LINE_SECONDS", 0.0)
+    (tmp_path / "small.toml").write_text(FEW)
+    assert main(["run", "small.toml", "--jobs", "1"]) == 0
+    assert HEARD not in capsys.readouterr().err
+    for name in ("LONG", "VERY_LONG"):
+        monkeypatch.setattr(forecasts, name, 1e-9)
+        assert main(["run", "small.toml", "--jobs", "1", "--fresh"]) == 0
+        heard = capsys.readouterr().err
+        begin = "small: " if name == "LONG" else "warning: small: "
+        assert heard.index(f"{begin}{HEARD}") <= heard.index("of 4 trials")
+    assert main(["run", "small.toml", "--jobs", "1", "--fresh", "--quiet"]) == 0
+    assert not capsys.readouterr().err
+    assert main(["run", "small.toml", "--jobs", "1"]) == 0  # all is there
+    assert HEARD not in capsys.readouterr().err
