@@ -62,8 +62,8 @@ def study_of(folder, seed, robots=5, rounds=1):
 
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
-    with Log(None, {}, ["a", "c"], False) as log, Training(study, plan.worlds, plan.measure, trials, jobs) as training:
-        return rounds.search_on(plan, log, training, lambda _: None)
+    with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
+        return rounds.search_on(plan, rounds.search_of(plan), log, training, lambda _: None)
 
 
 def worth(console, folder, studies):

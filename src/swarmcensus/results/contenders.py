@@ -112,9 +112,7 @@ def field_of(
     ), cautions
 
 
-def _named(
-    data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
-) -> list[str]:
+def _named(data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]) -> list[str]:
     """What each setting's contender is called: its brain, and those of its parameters that vary or are to be shown."""
     brains = data["brain"].values.tolist()
     names = list(map(str, brains))

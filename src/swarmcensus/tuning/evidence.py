@@ -55,7 +55,7 @@ class Evidence:
     def sentences(self) -> list[str]:
         """What is said of it: one of all worlds, one for each world, and one of the study's other brains."""
         if self.comparison is None:
-            return [f"{self.why}: the values stay as they were, {self.before}, and there is nothing to compare"]
+            return [f"{self.why}: the values stay as they were, and there is nothing to compare: {self.before}"]
         measure = self.comparison.measures[0]
         pairs = self.comparison.pairs.to_dict("records")
         told = {LEVEL: "is not told apart from", BETTER: "is better than", WORSE: "is worse than"}[self.verdict]

@@ -58,21 +58,24 @@ def report(
 
 def course_of(plan: Plan, ended: Ended) -> str:
     """How a search went and why it ended, such as "57 evaluations in 4 generations, as many as the budget allows"."""
-    drawn = ""
-    if ended.drawn:
-        drawn = f"{ended.drawn} of them drawn from the whole of the ranges, for no candidate had differed before, "
     why = "until all candidates of one had the same values" if ended.narrowed else "as many as the budget allows"
-    generations = _several(ended.generations, "generation")
-    return f"{len(ended.evaluations)} evaluations in {generations}, {drawn}{why} ({plan.budget.text})"
+    text = f"{len(ended.evaluations)} evaluations in {_several(ended.generations, 'generation')}, {why}"
+    return f"{text} ({plan.budget.text}){_drawn(ended)}"
 
 
 def why_unchanged(plan: Plan, ended: Ended) -> str:
     """Why a search ended at the values there were."""
-    if ended.flat:
-        return (
-            f"no candidate differed from another in {plan.metric}, and the budget is spent: {course_of(plan, ended)}"
-        )
-    return "the search ended at the values there were"
+    if not ended.flat:
+        return "the search ended at the values there were"
+    spent = f"{len(ended.evaluations)} evaluations, as many as the budget allows{_drawn(ended)}"
+    return f"no candidate differed from another in {plan.metric}, and the budget is spent ({spent})"
+
+
+def _drawn(ended: Ended) -> str:
+    if not ended.drawn:
+        return ""
+    were = "generation was" if ended.drawn == 1 else "generations were"
+    return f"; {ended.drawn} {were} drawn from the whole of the ranges, as no candidate had differed before"
 
 
 def _told(plan: Plan, values: tuple[float, ...]) -> str:

@@ -93,7 +93,9 @@ class Search:
             self._widen()
         else:
             self._strategy.tell(self._asked, order.tolist())
-            better = np.argsort(order, kind="stable")[: len(order) // 2]
+            worst = max(loss[0] for loss in losses)
+            half = np.argsort(order, kind="stable")[: len(order) // 2].tolist()
+            better = [k for k in half if losses[k][0] < worst] or half  # few may be any good in the metric
             weights = np.log(len(better) + 0.5) - np.log(np.arange(1, len(better) + 1))
             self._middles.append(np.average([self._asked[k] for k in better], axis=0, weights=weights))
         self._best = best if self._best is None else min(best, self._best)
