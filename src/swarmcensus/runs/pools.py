@@ -90,9 +90,7 @@ def threads(jobs: int | None) -> int:
     return jobs
 
 
-def compile_for(
-    studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]
-) -> None:
+def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
     """Compile here what all settings of some studies need, so that threads do not wait for one another.
 
     `show` is told for which kind of swarm, and how many kinds are done, of how many. Where nobody else runs in this

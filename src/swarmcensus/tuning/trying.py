@@ -55,7 +55,9 @@ class Training:
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need: candidates differ in numbers alone, and need nothing else."""
-        pools.compile_for([(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps)))
+        pools.compile_for(
+            [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+        )
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""
