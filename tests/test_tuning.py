@@ -294,7 +294,7 @@ def test_a_search_that_was_flat_goes_on_to_the_same_end(tmp_path):
     whole = sc.tune(*asked, budget=49, trials=1, out=tmp_path / "whole.toml")
     lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
     assert lines[2] == b"evaluation,generation,a,loss,final_error_loss,failed,seconds\n"
-    for cut in (10, 20, 40):
+    for cut in (10, 30):
         (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]))
         assert sc.tune(*asked, budget=49, trials=1, out=tmp_path / "cut.toml").values == whole.values
         assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
