@@ -2,7 +2,8 @@
 
 Prints how far from the best values, which are known, a search of 200 evaluations of 10 trials ends, with fresh training
 trials in each generation and with the same in all, and with the middle of what was good or the luckiest candidate for
-winner. Then what an evaluation takes beside its trials run in one go. Seeds are fixed.
+winner. Then, with half as many studies, what a search is worth that begins where its metric is flat, with the metric's
+companion and without. Then what an evaluation takes beside its trials run in one go. Seeds are fixed.
 """
 
 import argparse
@@ -15,7 +16,7 @@ from rich.console import Console
 from rich.table import Table
 
 import swarmcensus as sc
-from swarmcensus.tuning import rounds
+from swarmcensus.tuning import objectives, rounds
 from swarmcensus.tuning.budgets import budget_of
 from swarmcensus.tuning.logs import Log
 from swarmcensus.tuning.plans import plan_of
@@ -50,6 +51,21 @@ def estimate(me):
     return 0.5 + 0.5 * off + 0.1 * me.z
 """
 
+SWARM = {"robots": 20, "accuracy": 0.9}
+VOTERS = """
+trials = 100
+[swarm]
+brain = {file = "voter", explore = 500, listen = 900}
+robots = 20
+accuracy = 0.9
+[world]
+topology = "full"
+fill_ratio = 0.8
+[schedule]
+rounds = 300
+observations_per_round = 1
+"""
+
 
 def study_of(folder, seed, robots=5, rounds=1):
     (folder / "known.py").write_text(BRAIN)
@@ -62,8 +78,8 @@ def study_of(folder, seed, robots=5, rounds=1):
 
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
-    with Log(None, {}, ["a", "c"], False) as log, Training(study, plan.worlds, plan.measure, trials, jobs) as training:
-        return rounds.search_on(plan, log, training, lambda _: None)
+    with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
+        return rounds.search_on(plan, rounds.search_of(plan), log, training, lambda _: None)
 
 
 def worth(console, folder, studies):
@@ -83,6 +99,35 @@ def worth(console, folder, studies):
             far = np.hypot(*(np.array(values) - BEST).T)
             kind = "fresh in each generation" if fresh else "the same in all"
             out.add_row(kind, winner, f"{np.median(far):.3f}", f"{np.quantile(far, 0.9):.3f}")
+    console.print(out)
+
+
+def flat(console, folder, studies):
+    """How good the winners are of searches that begin where no swarm ever agrees."""
+    out = Table(
+        "evaluations", "ties", "mean share of right trials", "winners that are never right",
+        title=f"consensus_right of {studies} winners, from explore = 500, listen = 900: 0 %",
+    )  # fmt: skip
+    study = sc.Study.parse(VOTERS, context={"base": folder})
+    kept = dict(objectives.COMPANIONS)
+    for budget in (60, 200):
+        for companion in (True, False):
+            objectives.COMPANIONS.clear()
+            objectives.COMPANIONS.update(kept if companion else {})
+            right = []
+            for seed in range(studies):
+                asked = ["explore=1:1000", "listen=1:1000"]
+                plan = plan_of(study.with_(seed=seed), asked, None, "consensus_right", budget_of(budget), 10)
+                with (
+                    Log(None, {}, asked, plan.losses) as log,
+                    Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
+                ):
+                    ended = rounds.search_on(plan, rounds.search_of(plan), log, training, lambda _: None)
+                data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.brain_of(ended.values)}), jobs=1)
+                right.append(float(data["consensus_right"].mean()))
+            ties = "decided_right" if companion else "not broken"
+            out.add_row(f"{budget}", ties, f"{np.mean(right):.0%}", f"{np.sum(np.array(right) == 0)}")
+    objectives.COMPANIONS.update(kept)
     console.print(out)
 
 
@@ -116,5 +161,7 @@ if __name__ == "__main__":
     parser.add_argument("--studies", type=int, default=40)
     with tempfile.TemporaryDirectory() as temporary:
         console = Console(width=100)
-        worth(console, Path(temporary), parser.parse_args().studies)
+        count = parser.parse_args().studies
+        worth(console, Path(temporary), count)
+        flat(console, Path(temporary), count // 2)
         cost(console, Path(temporary))

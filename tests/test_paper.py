@@ -68,7 +68,7 @@ def test_all_files_are_there(done):
     found = [p.relative_to(done.out).as_posix() for p in done.out.rglob("*") if p.is_file()]
     assert sorted(found) == sorted(expected)
     assert sorted([*done.files, done.page]) == sorted(done.out / name for name in expected)
-    assert list(done.seconds) == ["simulate", "figures", "claims", "page"]
+    assert list(done.seconds) == ["compile", "simulate", "figures", "claims", "page"]
 
 
 def test_datasets_are_what_the_study_files_say(done):
@@ -168,6 +168,11 @@ def test_every_figure_names_claims_and_studies_that_exist():
     assert studies.issuperset(study for claim in claims.CLAIMS for study in claim.studies)
 
 
+def said_in(line):
+    """The stage and the seconds of a line, which names the clock."""
+    return re.fullmatch(r"(\w+): ([\d.]+ s), wall-clock time", line).groups()
+
+
 def test_a_part_runs_only_what_it_needs(tmp_path):
     said, bars = [], []
 
@@ -186,7 +191,12 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
     assert not (tmp_path / "claims.json").exists()
     assert "--trials 1 --seed 5 --only fig5" in done.page.read_text(encoding="utf-8")
-    assert len(said) == 3
+    assert [line.partition(":")[0] for line in said] == ["compile", "simulate", "figures", "page"]
+    text = done.page.read_text(encoding="utf-8")
+    told = re.search(r"<dt>Wall-clock time<dd>(.*?);", text)[1].split(", ")
+    assert [f"{stage} {seconds}" for stage, seconds in map(said_in, said[:3])] == told  # the same numbers there
+    assert said_in(said[1])[1] == f"{done.datasets['moving'].attrs['wall_seconds']:.1f} s"
+    assert "<th>Wall-clock time" in text
     assert bars[-1].done == bars[-1].total == 44
     assert bars[-1].work_done == pytest.approx(bars[-1].work_total)
 
@@ -240,7 +250,7 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_t
     assert max(spent) >= 100  # and not only what this call computed
     assert done.seconds["simulate"] == pytest.approx(sum(spent), abs=0.001)
     (line,) = (line for line in said if line.startswith("simulate: "))
-    assert re.fullmatch(rf"simulate: \d{{1,2}}\.\d s now, {sum(spent):.1f} s in all", line)
+    assert line == f"simulate: {sum(spent):.1f} s with earlier calls, wall-clock time"
     text = done.page.read_text(encoding="utf-8")
     assert f"simulate {sum(spent):.1f} s" in text
     assert "of all runs on their datasets together" in text

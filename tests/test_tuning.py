@@ -18,7 +18,7 @@ from swarmcensus.simulation import trials as simulated
 from swarmcensus.tuning import trying
 from swarmcensus.tuning.budgets import budget_of
 from swarmcensus.tuning.influence import without_idle
-from swarmcensus.tuning.objectives import loss, scales_of
+from swarmcensus.tuning.objectives import COMPANIONS, loss, scales_of
 from swarmcensus.tuning.plans import plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
@@ -102,7 +102,7 @@ def test_a_search_that_is_told_the_same_asks_for_the_same_and_leaves_chance_to_o
         mine = []
         for _ in range(5):
             mine.append(search.ask())
-            search.tell([abs(a - 0.2) + many for a, many in mine[-1]])
+            search.tell([(abs(a - 0.2) + many,) for a, many in mine[-1]])
         asked.append((mine, search.favourite))
     assert asked[0] == asked[1]
     assert (np.random.get_state()[1] == before).all()  # noqa: NPY002
@@ -116,11 +116,70 @@ def test_the_winner_is_among_what_was_good_where_that_is_near_the_end_of_a_range
     chance = np.random.default_rng(8)
     for _ in range(8):
         asked = search.ask()
-        search.tell([abs(a - 0.92) + 0.3 * chance.normal() for a, _ in asked])
+        search.tell([(abs(a - 0.92) + 0.3 * chance.normal(),) for a, _ in asked])
     low, high = np.min(asked, axis=0), np.max(asked, axis=0)
     assert (low <= search.favourite).all()
     assert (search.favourite <= high).all()
     assert 0.75 < search.favourite[0] < 0.97
+
+
+def searched(brain, loss, generations, start=(0.9, 0.9), seed=3):
+    """A search over two ranges from 0 to 1 after so many generations, and all that it has asked for."""
+    search = Search(ranges_of(["a=0:1", "weight=0:1"], brain), start, seed)
+    asked = []
+    for _ in range(generations):
+        asked.append(search.ask())
+        search.tell([loss(*one) for one in asked[-1]])
+    return search, asked
+
+
+def test_a_flat_metric_is_searched_everywhere_until_something_differs(brain):
+    """All is as bad but a square of 4 % of the ranges, far from the start."""
+    found = 0
+    for seed in range(20):
+        search, asked = searched(brain, lambda a, w: (float(max(a, w) > 0.2),), 16, seed=seed)
+        assert not search.ended
+        found += max(search.favourite) <= 0.2
+        everywhere = np.array(asked[1])
+        assert (np.sort(np.floor(everywhere * 12), axis=0) == np.arange(12)[:, np.newaxis]).all()
+    assert found >= 18
+
+
+def test_where_nothing_differs_a_search_never_ends_by_itself_and_stays_where_it_was(brain):
+    search, asked = searched(brain, lambda *_: (0.5,), 200)
+    assert not search.ended
+    assert not search.differed
+    assert search.drawn == len(asked) - 1
+    assert search.favourite == (0.9, 0.9)
+
+
+def test_a_search_ends_by_itself_once_it_asks_for_one_candidate_alone(brain):
+    search, generations = Search(ranges_of(["a=0:1", "weight=0:1"], brain), (0.9, 0.9), 3), 0
+    while not search.ended and generations < 100:
+        asked = search.ask()
+        search.tell([(abs(a - 0.25) + abs(w - 0.75),) for a, w in asked])
+        generations += 1
+    assert 10 < generations < 60
+    assert set(asked) == {(0.25, 0.75)}
+
+
+def test_a_flat_generation_makes_the_next_one_wider(brain):
+    search, asked = searched(brain, lambda a, w: (abs(a - 0.5) + abs(w - 0.5),), 20)
+    for _ in range(8):
+        asked.append(search.ask())
+        search.tell([(0.3,)] * search.size)
+    before, after = (np.std(asked[k], axis=0).max() for k in (19, -1))
+    assert 4 * before < after < 0.4
+
+
+def test_a_companion_breaks_ties_and_nothing_else(brain):
+    """The metric is a step towards low values of a; its companion prefers high ones, and low ones of the weight."""
+    search, _ = searched(brain, lambda a, w: (float(a > 0.3), 1 - a + w), 40, start=(0.5, 0.5))
+    assert search.favourite[0] <= 0.3
+    assert search.favourite[1] < 0.05
+    flat, _ = searched(brain, lambda a, w: (1.0, abs(a - 0.5) + abs(w - 0.5)), 40)
+    assert flat.favourite == pytest.approx((0.5, 0.5), abs=0.05)
+    assert not flat.differed
 
 
 def test_seeds_of_training_are_never_the_study_s_and_all_differ():
@@ -198,8 +257,57 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3)
     assert found.verdict == "not told apart"
     assert found.values == {"idle": 1.0}
-    assert "ended at the values there were" in str(found)
-    assert "no candidate was better or worse than another" in found.text.replace("\n#  ", "")
+    assert len(found.evaluations) == 1 + 4 * 12  # whole generations, as many as the budget allows
+    said = "no candidate differed from another in final_error, and the budget is spent (49 evaluations, as many as"
+    assert str(found).startswith(said)
+    assert str(found).endswith("there is nothing to compare: tunable.py idle=1 noise=0.1")
+    assert said in found.text.replace("\n#  ", "")
+    assert "3 generations were drawn from the whole of the ranges" in found.course
+
+
+NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284 and 0.916 only
+
+
+@pytest.mark.parametrize("companion", [True, False])
+def test_values_that_are_right_are_found_from_where_all_are_wrong(companion, tmp_path, monkeypatch):
+    if not companion:
+        monkeypatch.delitem(COMPANIONS, "correct")
+    study = study_of(tmp_path, NOWHERE)
+    found = sc.tune(study, ["a=0:10"], metric="correct", budget=97, trials=1)
+    assert len(found.evaluations) == 97
+    assert {one.loss for one in found.evaluations[:13]} == {1.0}  # as it was, and all of the first generation
+    assert abs(found.values["a"] - 0.6) < 0.316
+    assert found.verdict == "better"
+    assert ("where that is the same, by final_error" in found.text.replace("\n#  ", "")) == companion
+    assert len(found.evaluations[0].losses) == 1 + companion
+
+
+def test_the_values_stay_where_only_the_companion_differs(tmp_path):
+    found = sc.tune(study_of(tmp_path, NOWHERE), ["a=5:10"], metric="correct", budget=40, trials=1)
+    assert len({one.losses for one in found.evaluations}) > 30
+    assert found.values == {"a": 9.0}
+    assert "no candidate differed from another in correct, and the budget is spent (37 evaluations" in str(found)
+
+
+def test_a_search_that_was_flat_goes_on_to_the_same_end(tmp_path):
+    asked = [study_of(tmp_path, NOWHERE), ["a=0:10"], None, "correct"]
+    whole = sc.tune(*asked, budget=49, trials=1, out=tmp_path / "whole.toml")
+    lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
+    assert lines[2] == b"evaluation,generation,a,loss,final_error_loss,failed,seconds\n"
+    for cut in (10, 30):
+        (tmp_path / "cut.csv").write_bytes(b"".join(lines[:cut]))
+        assert sc.tune(*asked, budget=49, trials=1, out=tmp_path / "cut.toml").values == whole.values
+        assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
+
+
+def test_labels_name_all_parameters_that_were_searched(tmp_path):
+    """`a` stays as its file has it, and `idle` too."""
+    study = study_of(tmp_path, "weight = 1.0, a = 0.6", robots=1, fill=0.6, looks=12)
+    found = sc.tune(study, ["weight=0:1", "idle=0:10"], budget=61, trials=5)
+    for name in (found.evidence.tuned, found.evidence.before):
+        assert re.fullmatch(r"tunable.py weight=[\d.]+ idle=1", name)
+    assert found.evidence.comparison.contenders == [found.evidence.before, found.evidence.tuned]
+    assert re.search(r'^brain = \[{file = "tunable.py", weight = [\d.]+, idle = 1.0}\]$', found.text, re.M)
 
 
 def test_failed_trials_are_borne_and_avoided(tmp_path):
@@ -326,7 +434,7 @@ def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
 def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path):
     sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml")
     text = (tmp_path / "a.csv").read_text()
-    assert json.loads(text.splitlines()[0].removeprefix("# swarmcensus tune 1 "))["parameters"] == "a=0:1 idle=1:9:log"
+    assert json.loads(text.splitlines()[0].removeprefix("# swarmcensus tune 2 "))["parameters"] == "a=0:1 idle=1:9:log"
     lines = text.splitlines(keepends=True)
     for number, line in ((8, "8,1,0.3\n"), (8, "nonsense\n"), (3, "a,b\n")):
         (tmp_path / "a.csv").write_text("".join([*lines[: number - 1], line, *lines[number:]]))

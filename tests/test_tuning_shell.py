@@ -43,7 +43,9 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
     text = Path("tunable-tuned.toml").read_text()
     [brain] = tomllib.loads(text)["swarm"]["brain"]
     assert brain.pop("file") == "tunable.py"
-    assert brain.keys() == {"a", "noise"}  # and of idle it is said that it changes nothing
+    assert brain.keys() == {"a", "noise", "idle"}  # all that was searched
+    assert brain["idle"] == 1.0  # of which it is said that it changes nothing
+    assert " idle=1 noise=0.1 is better than tunable.py a=0.1 idle=1 " in out
     assert all(len(line) < 120 for line in text.splitlines())
     for said in (
         "seed 1, the study's own",

@@ -9,11 +9,13 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 Result = TypeVar("Result")
+WAIT_SECONDS = 0.5
 
 
-def beside(work: Callable[[], Result]) -> Callable[[], Result]:
+def beside(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
     """Begin some work, and return what waits for it and gives its result, or raises what it raised.
 
+    While it waits it calls `meanwhile` now and then.
     Where a process cannot safely be copied, or there is one core, the work is done only then, here: threads that
     others started may hold locks that no copy would ever see opened.
     """
@@ -34,6 +36,8 @@ def beside(work: Callable[[], Result]) -> Callable[[], Result]:
 
     def ended() -> Result:
         try:
+            while not mine.poll(WAIT_SECONDS):
+                meanwhile()
             good, result = mine.recv()
         except (EOFError, pickle.UnpicklingError):  # it was killed
             return work()

@@ -20,12 +20,15 @@ from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
 from swarmcensus.paper.strips import strip
 
+CLOCK = "wall-clock time"  # of all times that are told, on the page and while it is made
+
 
 @dataclass(frozen=True)
 class Reproduction:
     """What `reproduce` made: datasets by study, figures with their files, claims as measured, seconds by stage.
 
-    Those of "simulate" are of all runs on these datasets together; the other stages are done anew each time.
+    Seconds are wall-clock time. Those of "simulate" are of all runs on these datasets together; the other stages are
+    done anew each time, "compile" where there is something to run.
     """
 
     out: Path
@@ -192,16 +195,16 @@ def _provenance(done: Reproduction) -> str:
             f"swarmcensus {data.attrs['swarmcensus_version']}, Python {data.attrs['python_version']}, "
             f"{data.attrs['library_versions']}; {data.attrs['machine']}"
         )
-    facts["Time"] = ", ".join(f"{escape(stage)} {seconds:.1f} s" for stage, seconds in done.seconds.items())
+    facts[CLOCK.capitalize()] = ", ".join(f"{escape(stage)} {seconds:.1f} s" for stage, seconds in done.seconds.items())
     if done.datasets:
-        facts["Time"] += "; that of simulations and studies is of all runs on their datasets together"
+        facts[CLOCK.capitalize()] += "; that of simulations and studies is of all runs on their datasets together"
     studies = "".join(
         f"<tr><td>{escape(name)}<td>{data.sizes['setting']}<td>{data.sizes['trial']}<td>{data.attrs['seed']}"
         f"<td>{data.attrs['wall_seconds']:.1f} s"
         for name, data in done.datasets.items()
     )
     if studies:
-        head = "<tr><th>Study<th>Settings<th>Trials<th>Seed<th>Time"
+        head = f"<tr><th>Study<th>Settings<th>Trials<th>Seed<th>{CLOCK.capitalize()}"
         facts["Studies"] = f"<table class=studies>{head}{studies}</table>"
     return (
         f"<dl>{''.join(f'<dt>{key}<dd>{value}' for key, value in facts.items())}</dl>"

@@ -69,19 +69,22 @@ def reproduce(
 
     seconds: dict[str, float] = {}
 
+    def took(name: str, spent: float, more: str = "") -> None:
+        seconds[name] = round(spent, 3)
+        say(f"{name}: {seconds[name]:.1f} s{more}, {page.CLOCK}")
+
     @contextlib.contextmanager
     def stage(name: str) -> Iterator[None]:
-        begun = time.perf_counter()
+        begun = time.monotonic()
         yield
-        seconds[name] = round(time.perf_counter() - begun, 3)
-        say(f"{name}: {seconds[name]:.1f} s")
+        took(name, time.monotonic() - begun)
 
-    begun = time.perf_counter()
-    datasets = _simulate(out, studies, jobs, fresh, reporting, say)
-    spent = time.perf_counter() - begun
-    seconds["simulate"] = round(sum(data.attrs["wall_seconds"] for data in datasets.values()), 3)
-    more = f" now, {seconds['simulate']:.1f} s in all" if datasets and seconds["simulate"] - spent > TAKEN_OVER else ""
-    say(f"simulate: {spent:.1f} s{more}")
+    datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, reporting, say)
+    if compiled:
+        took("compile", compiled)
+    if datasets:
+        every = sum(data.attrs["wall_seconds"] for data in datasets.values())
+        took("simulate", every, " with earlier calls" if every - simulated > TAKEN_OVER else "")
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
@@ -119,24 +122,31 @@ def _simulate(
     fresh: bool,
     reporting: Reporting | None,
     say: Callable[[str], None],
-) -> dict[str, xr.Dataset]:
+) -> tuple[dict[str, xr.Dataset], float, float]:
+    """The results of all studies, and how long this call compiled and simulated."""
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
-    if any(not data_path(out, name).exists() for name in studies):  # of all studies at a time, as two can be compiled
-        compile_for([(study, settings[name]) for name, study in studies.items()], say)
     work = {name: work_of(study, settings[name]) for name, study in studies.items()}
     datasets: dict[str, xr.Dataset] = {}
+    begun = compiled = time.monotonic()
     with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:
 
         def show(now: Progress) -> None:
             if progress:
                 before, work_before = (sum(each[name] for name in datasets) for each in (trials, work))
                 total, work_total = sum(trials.values()), sum(work.values())
-                progress(Progress(int(before) + now.done, total, work_before + now.work_done, work_total, now.note))
+                done, work_done = int(before) + now.done, work_before + now.work_done
+                progress(Progress(done, total, work_done, work_total, now.note, steps=now.steps))
 
+        def tell(note: str, steps: tuple[int, int]) -> None:
+            show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+
+        if any(fresh or not data_path(out, name).exists() for name in studies):  # of all studies: two compile at a time
+            compile_for([(study, settings[name]) for name, study in studies.items()], tell)
+            compiled = time.monotonic()
         for name, study in studies.items():
             datasets[name] = run(study, jobs=jobs, progress=show, out=data_path(out, name), fresh=fresh, say=say)
-    return datasets
+    return datasets, compiled - begun, time.monotonic() - compiled
 
 
 def _drawn(

@@ -1,6 +1,6 @@
 """Which brain is better in which world, by how much, for which cost, and what trials do not tell: `sc.compare`."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -90,20 +90,30 @@ def compare(
     but one, all others are held against it alone, which takes fewer tests. Raises InputError, as where there is nothing
     to compare.
     """
-    whole = load(results) if isinstance(results, str | Path) else results
+    return compared(load(results) if isinstance(results, str | Path) else results, metric, where, against, {})
+
+
+def compared(
+    whole: xr.Dataset,
+    metric: str | Sequence[str],
+    where: str | None,
+    against: str | None,
+    shown: Mapping[str, Collection[str]],
+) -> Comparison:
+    """The same with parameters, brain by brain, that names of contenders have even where all have the same value."""
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
-    field, cautions = field_of(data, whole)
+    field, cautions = field_of(data, whole, shown)
     if not isinstance(against, str | None):
         raise InputError(f"{option('against', against)}: should be the name of a contender")
     mark = None if against is None else _marked(against, field.contenders)
     some, unsaid = measures.chosen(data, metric)
-    compared = [field.spread(measures.numbers(data, one.name)) for one in some]
-    if all(np.isnan(numbers).all() for numbers in compared):
+    numbers = [field.spread(measures.numbers(data, one.name)) for one in some]
+    if all(np.isnan(one).all() for one in numbers):
         what = f"has numbers of {', '.join(one.label for one in some)}" if done(data).any() else "has been run"
         raise InputError(f"there is nothing to compare: no trial of these settings {what}")
-    asked = zip(compared, some, strict=True)
-    found = contests([Asked(numbers, one.statistic, one.low, one.share) for numbers, one in asked], against=mark)
+    asked = zip(numbers, some, strict=True)
+    found = contests([Asked(each, one.statistic, one.low, one.share) for each, one in asked], against=mark)
     costs = {
         name: centres(field.spread(measures.numbers(data, name)), "mean")
         for name in COSTS
@@ -111,7 +121,7 @@ def compare(
     }
     sizes = {name: field.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
     settings = np.where(field.place == NONE, NONE, data["setting"].values[field.place])
-    cautions += [*unsaid, *_cautions(data, field, some, compared, found, costs)]
+    cautions += [*unsaid, *_cautions(data, field, some, numbers, found, costs)]
     title = str(data.attrs.get("title", ""))
     return Comparison(title, field, some, found, costs, sizes, settings, cautions, mark)
 

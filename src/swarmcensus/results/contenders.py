@@ -4,7 +4,9 @@ A world is all that settings are but the brain and its parameters. A contender i
 """
 
 import json
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -48,15 +50,18 @@ def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
     return found
 
 
-def field_of(data: xr.Dataset, whole: xr.Dataset) -> tuple[Field, list[str]]:
+def field_of(
+    data: xr.Dataset, whole: xr.Dataset, shown: Mapping[str, Collection[str]] = MappingProxyType({})
+) -> tuple[Field, list[str]]:
     """Worlds, in the order of the settings, contenders likewise, and cautions.
 
-    `whole` are the results that `data` are some settings of: contenders are called as in them. Worlds that only one
-    contender has been in are left out. Raises InputError where nothing can be compared, and where
+    `whole` are the results that `data` are some settings of: contenders are called as in them. `shown` names, brain by
+    brain, parameters that names of contenders have even where all have the same value. Worlds that only one contender
+    has been in are left out. Raises InputError where nothing can be compared, and where
     two settings are the same contender in the same world.
     """
     parameters = parameters_in(data)
-    called = dict(zip(whole["setting"].values.tolist(), _named(whole, parameters), strict=True))
+    called = dict(zip(whole["setting"].values.tolist(), _named(whole, parameters, shown), strict=True))
     names = [called[setting] for setting in data["setting"].values.tolist()]
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
@@ -107,15 +112,15 @@ def field_of(data: xr.Dataset, whole: xr.Dataset) -> tuple[Field, list[str]]:
     ), cautions
 
 
-def _named(data: xr.Dataset, parameters: dict[str, list[str]]) -> list[str]:
-    """What each setting's contender is called: its brain, and those of its parameters that vary among the brain's."""
+def _named(data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]) -> list[str]:
+    """What each setting's contender is called: its brain, and those of its parameters that vary or are to be shown."""
     brains = data["brain"].values.tolist()
     names = list(map(str, brains))
     for brain, several in parameters.items():
         mine = [k for k, one in enumerate(brains) if one == brain]
         for name in several:
             values = data[name].values[mine].tolist()
-            if len(set(map(repr, values))) > 1:
+            if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
                 distinct = list(dict.fromkeys(values))
                 text = dict(zip(distinct, told_apart(distinct), strict=True))
                 for k, value in zip(mine, values, strict=True):

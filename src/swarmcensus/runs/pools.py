@@ -3,6 +3,7 @@
 import logging
 import os
 import time
+from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
@@ -89,31 +90,55 @@ def threads(jobs: int | None) -> int:
     return jobs
 
 
-def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str], None]) -> None:
+def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
     """Compile here what all settings of some studies need, so that threads do not wait for one another.
 
-    Where nobody else runs in this process, a copy of it compiles for robots that move while this one compiles for
-    networks, and leaves it on disk.
+    `show` is told for which kind of swarm, and how many kinds are done, of how many. Where nobody else runs in this
+    process, a copy of it compiles for robots that move while this one compiles for networks, and leaves it on disk.
     """
     tiny = [(setting, study) for study, settings in studies for setting in smallest(settings)]
     new = [one for one in tiny if not _is_compiled(*one)]
-    told = ((" and ".join(brain.name for brain in setting.crew), bool(setting.body)) for setting, _ in new)
-    for name, moves in dict.fromkeys(told):
-        loops = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
-        show(f"compiling {loops}{name} for {'robots that move' if moves else 'fixed networks'}, once on this machine")
     for setting, study in tiny:
         if (setting, study) not in new:
             LOG.debug("%s: machine code found in %s", _loops(setting), modules.cache_root())
     begun = time.monotonic()
+    kinds = len({_loops(setting) for setting, _ in new})
+    here, beside_it = deque(new), deque[tuple[Setting, Study]]()
+
+    def tell() -> None:
+        while beside_it and _is_compiled(*beside_it[0]):
+            beside_it.popleft()
+        if left := [*here, *beside_it]:
+            show(_note(left[0][0]), (kinds - len({_loops(setting) for setting, _ in left}), kinds))
+
     moving = [one for one in new if one[0].body]
-    if moving and len(moving) < len(new) and modules.keeps():
-        ended = beside(lambda: _run_all(moving))
-        _run_all([one for one in new if not one[0].body])
+
+    def compile_moving() -> None:
+        _run_all(moving)
+
+    alone = not moving or len(moving) == len(new) or not modules.keeps()
+    ended = compile_moving if alone else beside(compile_moving, tell)
+    if ended is not compile_moving:
+        here, beside_it = deque(one for one in new if not one[0].body), deque(moving)
+    while here:
+        tell()
+        _run_once(*here[0])
+        here.popleft()
+    if beside_it:
+        tell()
         ended()
     _run_all(tiny)
     if new:
         kept = f", kept in {modules.cache_root()}" if modules.keeps() else ""
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
+
+
+def _note(setting: Setting) -> str:
+    """What is compiled for a setting, to a person who waits for it."""
+    moves = bool(setting.body)
+    engine = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
+    crew = " and ".join(brain.name for brain in setting.crew)
+    return f"compiling {engine}{crew} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
 
 
 def _loops(setting: Setting) -> str:

@@ -4,6 +4,7 @@ import contextlib
 import html
 import importlib
 import logging
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -13,6 +14,7 @@ from swarmcensus.runs.working import Progress
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
+FRAME_SECONDS = 0.1  # between pictures of a bar
 SOON = 0.5  # seconds: what is over by then needs no bar in a notebook
 
 
@@ -33,22 +35,31 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
         TextColumn("{task.description}"),
         BarColumn(bar_width=None),
         MofNCompleteColumn(),
-        TextColumn("trials  {task.fields[rate]}  {task.fields[left]}"),
+        TextColumn("{task.fields[unit]}  {task.fields[rate]}  {task.fields[left]}"),
     )
-    with Bar(*columns, console=console, transient=True) as bar:
-        task = bar.add_task(escape(label), total=None, rate="", left="")
-        begun = time.monotonic()
+    # no thread that draws it: a process with one cannot be copied, and compiling is done by copies
+    with Bar(*columns, console=console, transient=True, auto_refresh=False) as bar:
+        task = bar.add_task(escape(label), total=None, unit="trials", rate="", left="")
+        begun, drawn = time.monotonic(), -math.inf
 
         def show(progress: Progress) -> None:
-            rate, left = _pace(progress, time.monotonic() - begun)
+            nonlocal begun, drawn
+            now, counted = time.monotonic(), progress.steps[1] > 1
+            begun = begun if progress.work_done else now
+            rate, left = _pace(progress, now - begun)
+            done, total = progress.steps if counted else (progress.done, progress.total)
             bar.update(
                 task,
                 description=escape(progress.note or ": ".join(filter(None, (label, progress.stage)))),
-                total=progress.total,
-                completed=progress.done,
+                total=total,
+                completed=done,
+                unit="" if counted else "trials",
                 rate=rate,
                 left=left,
             )
+            if progress.note or now - drawn >= FRAME_SECONDS:
+                bar.refresh()
+                drawn = now
 
         yield show
 
@@ -93,7 +104,8 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
         last, elapsed = progress, time.monotonic() - begun
         if handle is None and elapsed < SOON:
             return
-        pace = progress.note or ", ".join(filter(None, _pace(progress, elapsed)))
+        count = "{:,} of {:,}".format(*progress.steps) if progress.steps[1] > 1 else ""
+        pace = ", ".join(filter(None, (progress.note, count) if progress.note else _pace(progress, elapsed)))
         trials = f"{progress.done:,} of {progress.total:,} trials" if progress.total else ""
         bar = f'<progress max="{max(progress.work_total, 1e-9)}" value="{progress.work_done}"></progress> '
         put(": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))])), bar)
@@ -110,11 +122,14 @@ def _lines(label: str) -> Callable[[Progress], None]:
     before = "", ""
 
     def show(progress: Progress) -> None:
-        nonlocal last, before
-        now, this = time.monotonic(), (progress.note, progress.stage)
+        nonlocal last, before, begun
+        now, several = time.monotonic(), progress.steps[1]
+        begun = begun if progress.work_done else now
+        note = f"compiling for {several:,} kinds of swarms, once on this machine" if several > 1 else progress.note
+        this = note, progress.stage
         if this != before or (not progress.note and now - last >= LINE_SECONDS):
             last, before = now, this
-            pace = progress.note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
+            pace = note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
             trials = f"{progress.done:,} of {progress.total:,} trials, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
             print(f"{label}: {stage}{trials}{pace}", file=sys.stderr, flush=True)

@@ -30,6 +30,7 @@ class Progress:
     work_total: float
     note: str = ""  # what is going on where it is not trials
     stage: str = ""  # which part of several this is
+    steps: tuple[int, int] = (0, 0)  # of what the note says: how many are done, of how many
 
 
 Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # a bar of a label
@@ -52,9 +53,9 @@ class State:
     work_done: float = 0.0
     work_total: float = 0.0
 
-    def show(self, note: str = "") -> None:
+    def show(self, note: str = "", steps: tuple[int, int] = (0, 0)) -> None:
         """Report how far the run is."""
-        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note))
+        self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, steps=steps))
 
 
 def work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:

@@ -21,10 +21,13 @@ from swarmcensus.studies.toml_text import read_toml
 MARK = "tuned: "  # how the titles of evaluations begin: no other results are ever replaced by one
 
 
-def evaluation_of(study: Study, tuned: Brain) -> Study:
-    """The same study with one brain more, wherever it has that brain, and with its number of trials at the most."""
+def evaluation_of(study: Study, tuned: Brain, told: str) -> Study:
+    """The same study with one brain more, wherever it has that brain, and with its number of trials at the most.
+
+    What is `told` of the tuned brain becomes part of the study's name.
+    """
     tables = read_toml(study.text, "study")
-    changes: dict[str, Any] = {"name": f"{MARK}{tuned.told}, {study.name}", "trials": study.trials}
+    changes: dict[str, Any] = {"name": f"{MARK}{told}, {study.name}", "trials": study.trials}
     if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
         changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
     cases = [

@@ -1,5 +1,6 @@
 """What a search was worth: the brain with the values found against the brain as it was, where the search never was."""
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,7 +9,7 @@ import xarray as xr
 
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.brains import Brain
-from swarmcensus.results.comparing import Comparison, compare
+from swarmcensus.results.comparing import Comparison, compared
 from swarmcensus.results.comparison_cells import p_value
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.results.verdicts import often
@@ -21,13 +22,15 @@ BETTER, WORSE, LEVEL = "better", "worse", "not told apart"
 class Evidence:
     """What the comparison of two says; `comparison` is of the tuned brain with the brain as it was, and with no other.
 
-    `everyone` is of all brains of the study beside. Both are None where the search ended at the values there were.
+    `everyone` is of all brains of the study beside. Both are None where the search ended at the values there were, and
+    `why` says how that came.
     """
 
     tuned: str
     before: str
     comparison: Comparison | None
     everyone: Comparison | None
+    why: str = ""
 
     @property
     def verdict(self) -> str:
@@ -52,7 +55,7 @@ class Evidence:
     def sentences(self) -> list[str]:
         """What is said of it: one of all worlds, one for each world, and one of the study's other brains."""
         if self.comparison is None:
-            return [f"the search ended at the values there were, and there is nothing to compare: {self.before}"]
+            return [f"{self.why}: the values stay as they were, and there is nothing to compare: {self.before}"]
         measure = self.comparison.measures[0]
         pairs = self.comparison.pairs.to_dict("records")
         told = {LEVEL: "is not told apart from", BETTER: "is better than", WORSE: "is worse than"}[self.verdict]
@@ -88,12 +91,18 @@ class Evidence:
         )
 
 
-def evidence_of(data: xr.Dataset, settings: list[Setting], tuned: Brain, before: Brain, metric: str) -> Evidence:
-    """Compare two brains in the results of an evaluation, whose settings these are, and then all of them."""
+def evidence_of(
+    data: xr.Dataset, settings: list[Setting], tuned: Brain, before: Brain, metric: str, searched: Collection[str]
+) -> Evidence:
+    """Compare two brains in the results of an evaluation, whose settings these are, and then all of them.
+
+    Both are called by all parameters that were searched, those too whose value stayed as it was.
+    """
+    shown = {before.name: searched}
     mine = [k for k, one in enumerate(settings) if one.brain in (tuned, before)]
-    found = compare(data.isel(setting=mine), metric)
+    found = compared(data.isel(setting=mine), metric, None, None, shown)
     names = _names(data, settings, mine, found, (tuned, before))
-    everyone = compare(data, metric) if len(mine) < len(settings) else None
+    everyone = compared(data, metric, None, None, shown) if len(mine) < len(settings) else None
     return Evidence(*names, found, everyone)
 
 

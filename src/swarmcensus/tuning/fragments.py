@@ -9,10 +9,16 @@ from swarmcensus.studies.toml_text import to_toml_value
 WIDTH = 110
 
 
-def fragment(brain: Brain, head: Sequence[str], evidence: Sequence[str], told: Sequence[str]) -> str:
-    """TOML text: comments of what came of it, the line to paste, and comments of how it came to be."""
+def fragment(
+    brain: Brain, searched: Sequence[str], head: Sequence[str], evidence: Sequence[str], told: Sequence[str]
+) -> str:
+    """TOML text: comments of what came of it, the line to paste, and comments of how it came to be.
+
+    The line names all parameters that were searched, those too that are as the brain's file says.
+    """
+    table = {"file": brain.name, **{name: brain.parameters[name] for name in searched}, **dict(brain.given)}
     lines = [*_comments(head), "#", *_comments(evidence)]
-    lines += ["", "[swarm]", f"brain = [{to_toml_value(brain)}]", "", *_comments(told)]
+    lines += ["", "[swarm]", f"brain = [{to_toml_value(table)}]", "", *_comments(told)]
     return "\n".join(lines) + "\n"
 
 

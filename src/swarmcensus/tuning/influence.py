@@ -42,7 +42,7 @@ def without_idle(
 
 
 def _tried(plan: Plan, candidates: list[Values], training: Training, show: Callable[[Progress], None]) -> list[Floats]:
-    """The numbers of candidates on the same training trials, (world, trial) each."""
+    """The numbers of candidates on the same training trials, (measure, world, trial) each."""
     kept: dict[int, Floats] = {}
     brains = [plan.brain_of(values) for values in candidates]
     training.run(brains, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)

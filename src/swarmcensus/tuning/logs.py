@@ -20,7 +20,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, remove_leftovers, whole
 from swarmcensus.basics.options import option
 
-FORMAT = "# swarmcensus tune 1 "
+FORMAT = "# swarmcensus tune 2 "
 USUAL = "# usual "
 TO_DISK = 0.5  # seconds between waits for the disk: a process that is killed loses nothing, a power cut so much
 
@@ -36,17 +36,29 @@ class Evaluation:
 
     generation: int
     values: tuple[float, ...]
-    loss: float
+    losses: tuple[float, ...]  # by the metric; and by its companion, which breaks ties
     failed: int  # trials
     seconds: float  # since the search began, without the pauses where it was cut off
+
+    @property
+    def loss(self) -> float:
+        """How bad it is by the metric, in [0, 1]."""
+        return self.losses[0]
 
 
 class Log:
     """The evaluations so far, on disk where there is a path; no other search may have it as long as the block lasts."""
 
-    def __init__(self, path: Path | None, identity: Mapping[str, Any], places: Sequence[str], fresh: bool) -> None:
-        """Name the search by what makes it what it is, and the columns of its values."""
-        self.path, self.identity, self.places, self.fresh = path, dict(identity), list(places), fresh
+    def __init__(
+        self,
+        path: Path | None,
+        identity: Mapping[str, Any],
+        places: Sequence[str],
+        losses: Sequence[str] = ("loss",),
+        fresh: bool = False,
+    ) -> None:
+        """Name the search by what makes it what it is, and the columns of its values and of how bad they are."""
+        self.path, self.identity, self.places, self.losses, self.fresh = path, dict(identity), places, losses, fresh
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
         self._file: BinaryIO | None = None
@@ -106,14 +118,15 @@ class Log:
     def add(self, one: Evaluation) -> None:
         """Keep an evaluation: a line, whole once this returns."""
         self.evaluations.append(one)
-        numbers = [len(self.evaluations) - 1, one.generation, *one.values, one.loss, one.failed, round(one.seconds, 3)]
+        numbers = [len(self.evaluations) - 1, one.generation, *one.values, *one.losses]
+        numbers += [one.failed, round(one.seconds, 3)]
         self._add(",".join(map(repr, numbers)) + "\n")
 
     def _head(self) -> str:
         return FORMAT + json.dumps(self.identity) + "\n"
 
     def _columns(self) -> str:
-        return ",".join(["evaluation", "generation", *self.places, "loss", "failed", "seconds"]) + "\n"
+        return ",".join(["evaluation", "generation", *self.places, *self.losses, "failed", "seconds"]) + "\n"
 
     def _add(self, text: str) -> None:
         if self._file is None:
@@ -146,7 +159,7 @@ class Log:
         try:
             if not lines[0].startswith(USUAL) or lines[1] + "\n" != self._columns():
                 raise ValueError
-            self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(-1, 2)
+            self.usual = np.array(json.loads(lines[0].removeprefix(USUAL)), np.float64).reshape(len(self.losses), -1, 2)
         except ValueError:
             raise InputError(f"{self.path}, line 2 or 3: damaged or changed. {hint()}") from None
         for number, line in enumerate(lines[2:]):
@@ -182,6 +195,7 @@ class Log:
         first, generation, *rest = line.split(",")
         *numbers, failed, seconds = rest
         values = [float(one) for one in numbers]
-        if int(first) != number or len(values) != len(self.places) + 1 or not 0.0 <= values[-1] <= 1.0:
+        losses = tuple(values[len(self.places) :])
+        if int(first) != number or len(losses) != len(self.losses) or not all(0.0 <= one <= 1.0 for one in losses):
             raise ValueError
-        return Evaluation(int(generation), tuple(values[:-1]), values[-1], int(failed), float(seconds))
+        return Evaluation(int(generation), tuple(values[: len(self.places)]), losses, int(failed), float(seconds))

@@ -3,6 +3,9 @@
 Worlds have errors of very different size, trials that never end and trials that fail. So each trial's number is made
 one in [0, 1], where 1/2 is what the brain as it was usually has in this world, and of these the mean is taken: no world
 and no trial can outweigh the others, and what never came, or failed, is the worst that there is.
+
+Some measures are steps: of trials that end without a consensus all are as bad. These have a companion, a measure of how
+near a trial came. It is asked only between candidates that the measure itself does not tell apart.
 """
 
 from collections.abc import Sequence
@@ -15,6 +18,11 @@ from swarmcensus.studies.settings import Setting
 
 Floats = NDArray[np.float64]
 WORST = 1.0
+COMPANIONS = {  # of measures that are the same in whole regions of values: which one breaks their ties
+    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
+    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+}  # fmt: skip
 FARTHEST = 500.0  # widths from the middle, beyond which a logistic is 0 or 1
 
 

@@ -9,14 +9,14 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
-from swarmcensus.brains import Brain
+from swarmcensus.brains import Brain, Value
 from swarmcensus.results.measures import Measure
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.budgets import Budget
 from swarmcensus.tuning.ranges import Range, ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import library
-from swarmcensus.tuning.trying import measure_of
+from swarmcensus.tuning.trying import measures_of
 
 MOST_TRIALS = 100_000
 
@@ -30,8 +30,8 @@ class Plan:
     worlds: list[Setting]
     ranges: list[Range]
     metric: str  # as it was asked for
-    measure: Measure
-    least: float  # that the measure can be
+    measures: list[Measure]  # the measure of that name, and its companion if it has one
+    least: list[float]  # that each can be
     budget: Budget
     trials: int
 
@@ -39,6 +39,21 @@ class Plan:
     def start(self) -> tuple[float, ...]:
         """The values that there are, one a range."""
         return start_of(self.ranges, self.before)
+
+    @property
+    def searched(self) -> list[str]:
+        """The parameters that are looked for, a vector once."""
+        return list(dict.fromkeys(one.name for one in self.ranges))
+
+    def told(self, brain: Brain) -> str:
+        """A brain by its name, all that is looked for, and what else is not as its file says."""
+        values = {name: brain.parameters[name] for name in self.searched} | dict(brain.given)
+        return " ".join([brain.name, *(f"{name}={_told(value)}" for name, value in values.items())])
+
+    @property
+    def losses(self) -> list[str]:
+        """What the log calls how bad a candidate is, by each measure."""
+        return ["loss", *(f"{one.name}_loss" for one in self.measures[1:])]
 
     def brain_of(self, values: Sequence[float]) -> Brain:
         """The brain with other values."""
@@ -64,6 +79,10 @@ class Plan:
         }
 
 
+def _told(value: Value) -> str:
+    return f"[{', '.join(map(_told, value))}]" if isinstance(value, tuple) else f"{value:.15g}"
+
+
 def plan_of(
     study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int
 ) -> Plan:
@@ -74,9 +93,10 @@ def plan_of(
     ranges = ranges_of(parameters, before)
     mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
     worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in mine))
-    measure = measure_of(study, worlds, metric)
+    measures = measures_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
-    return Plan(study, before, worlds, ranges, metric, measure, lows.get(measure.name, 0.0), budget, trials)
+    least = [lows.get(one.name, 0.0) for one in measures]
+    return Plan(study, before, worlds, ranges, metric, measures, least, budget, trials)
 
 
 def chosen(study: Study, name: str | None) -> Brain:

@@ -43,24 +43,39 @@ def report(
         "that swarmcensus compare, which asks for more measures, may tell less apart",
     ]
     names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
-    why = (
-        "no candidate was better or worse than another"
-        if ended.flat
-        else "until it had narrowed down"
-        if ended.narrowed
-        else "as many as the budget allows"
-    )
+    ties = "".join(f"; where that is the same, by {one.name}: {one.meaning}" for one in plan.measures[1:])
     told = [
         f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",
-        f"by {plan.metric}: {plan.measure.meaning}",
-        f"with CMA-ES (cma {library().__version__}): {len(ended.evaluations)} evaluations in {ended.generations} "
-        f"generations, {plan.trials} trials in each world; {why} ({plan.budget.text})",
+        f"by {plan.metric}: {plan.measures[0].meaning}{ties}",
+        f"with CMA-ES (cma {library().__version__}), {plan.trials} trials in each world: {course_of(plan, ended)}",
         f"training seeds {seed_for(seed, 'training')} (the brain as it was) and those that follow from {seed}, one a "
         f"generation; the search's own {seed_for(seed, 'search')}",
         f"the brain's source has SHA-256 {tuned.sha256}",
         *names,
     ]
-    return fragment(tuned, head, said, told)
+    return fragment(tuned, plan.searched, head, said, told)
+
+
+def course_of(plan: Plan, ended: Ended) -> str:
+    """How a search went and why it ended, such as "57 evaluations in 4 generations, as many as the budget allows"."""
+    why = "until all candidates of one had the same values" if ended.narrowed else "as many as the budget allows"
+    text = f"{len(ended.evaluations)} evaluations in {_several(ended.generations, 'generation')}, {why}"
+    return f"{text} ({plan.budget.text}){_drawn(ended)}"
+
+
+def why_unchanged(plan: Plan, ended: Ended) -> str:
+    """Why a search ended at the values there were."""
+    if not ended.flat:
+        return "the search ended at the values there were"
+    spent = f"{len(ended.evaluations)} evaluations, as many as the budget allows{_drawn(ended)}"
+    return f"no candidate differed from another in {plan.metric}, and the budget is spent ({spent})"
+
+
+def _drawn(ended: Ended) -> str:
+    if not ended.drawn:
+        return ""
+    were = "generation was" if ended.drawn == 1 else "generations were"
+    return f"; {ended.drawn} {were} drawn from the whole of the ranges, as no candidate had differed before"
 
 
 def _told(plan: Plan, values: tuple[float, ...]) -> str:

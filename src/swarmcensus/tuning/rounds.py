@@ -29,8 +29,9 @@ class Ended:
     values: tuple[float, ...]
     evaluations: list[Evaluation]
     generations: int
+    drawn: int  # of which from the whole of the ranges, as no candidate had differed before
     narrowed: bool  # whether it ended by itself, and not with its budget
-    flat: bool  # whether no candidate of any generation was better or worse than another: the values are the start's
+    flat: bool  # whether no candidate of any generation differed in the metric: the values are the start's
 
 
 class _Course:
@@ -48,7 +49,7 @@ class _Course:
         """How long the search has been going on, pauses left out."""
         return self.before + time.monotonic() - self.begun
 
-    def evaluate(self, generation: int, asked: Sequence[tuple[float, ...]]) -> list[float]:
+    def evaluate(self, generation: int, asked: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
         """How bad some candidates are, those of the log as it says."""
         found = self.log.evaluations[self.done : self.done + len(asked)]
         for k, (one, values) in enumerate(zip(found, asked, strict=False), start=self.done):
@@ -60,7 +61,7 @@ class _Course:
         if len(found) < len(asked):
             self._try(generation, asked[len(found) :])
         self.done += len(asked)
-        return [one.loss for one in self.log.evaluations[self.done - len(asked) : self.done]]
+        return [one.losses for one in self.log.evaluations[self.done - len(asked) : self.done]]
 
     def _try(self, generation: int, asked: Sequence[tuple[float, ...]]) -> None:
         if not self.compiled:
@@ -71,14 +72,16 @@ class _Course:
 
         def keep(place: int, numbers: Floats) -> None:
             if log.usual is None:
-                if np.isnan(numbers).all():
+                if np.isnan(numbers[0]).all():
                     return  # told of below
-                log.set_usual(scales_of(numbers, plan.worlds, plan.measure, plan.least))
+                each = zip(numbers, plan.measures, plan.least, strict=True)
+                log.set_usual(np.array([scales_of(some, plan.worlds, one, least) for some, one, least in each]))
             assert log.usual is not None
-            lost = loss(numbers, plan.measure, log.usual)
+            by = zip(numbers, plan.measures, log.usual, strict=True)
+            lost = tuple(loss(some, one, usual) for some, one, usual in by)
             told = ", ".join(f"{r.place} = {v:.6g}" for r, v in zip(plan.ranges, asked[place], strict=True))
-            LOG.debug("generation %s: %s: loss %.6g", generation, told, lost)
-            log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers).sum()), self.seconds))
+            LOG.debug("generation %s: %s: loss %s", generation, told, ", ".join(f"{one:.6g}" for one in lost))
+            log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers[0]).sum()), self.seconds))
 
         failures = self.training.run(
             [plan.brain_of(values) for values in asked],
@@ -135,4 +138,5 @@ def search_on(plan: Plan, search: Search, log: Log, training: Training, show: Ca
         search.tell(course.evaluate(generation, search.ask()))
     done = log.evaluations[: course.done]
     flat = len({(one.generation, one.loss) for one in done}) == generation + 1
-    return Ended(plan.start if flat else search.favourite, done, generation, search.ended, flat)
+    values = plan.start if flat else search.favourite
+    return Ended(values, done, generation, search.drawn, search.ended, flat)

@@ -11,32 +11,38 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Brain
 from swarmcensus.results import store
-from swarmcensus.results.measures import MADE_OF, Measure, chosen, numbers
+from swarmcensus.results.measures import MADE_OF, OURS, Measure, chosen, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.tasks import bundled, plan
 from swarmcensus.runs.working import Progress, State, work
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.tuning.objectives import COMPANIONS
 
 Floats = NDArray[np.float64]
 FOR_ALL = ("convergence_round", "final_estimate", "true_fill_ratio", "right_option")  # shapes, and what errors are of
-Keep = Callable[[int, Floats], None]  # a candidate's place, and its numbers (world, trial): NaN of trials that failed
+Keep = Callable[[int, Floats], None]  # a candidate's place, its numbers (measure, world, trial): NaN of failed trials
 
 
-def measure_of(study: Study, worlds: list[Setting], metric: str) -> Measure:
-    """The measure of this name. Raises InputError where such worlds have none, or nobody says what is better."""
+def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measure]:
+    """The measure of this name, and its companion if it has one here.
+
+    Raises InputError where such worlds have none, or nobody says what is better.
+    """
     blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
-    return chosen(blank, [metric])[0][0]
+    [measure], _ = chosen(blank, [metric])
+    companion = COMPANIONS.get(measure.name, "")
+    return [measure, *([OURS[companion]] if companion and not lacks(blank, companion) else [])]
 
 
 class Training:
     """Worlds in which candidates are tried, with threads that wait for them as long as the block lasts."""
 
-    def __init__(self, study: Study, worlds: list[Setting], measure: Measure, trials: int, jobs: int) -> None:
+    def __init__(self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int) -> None:
         """Each candidate has so many trials in each world."""
-        self.study, self.worlds, self.measure, self.trials, self.jobs = study, worlds, measure, trials, jobs
-        self.local = measure.name in LOCAL
+        self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
+        self.local = any(one.name in LOCAL for one in measures)
 
     def __enter__(self) -> Self:
         """Begin the threads."""
@@ -49,7 +55,9 @@ class Training:
 
     def compile(self, show: Callable[[Progress], None]) -> None:
         """Compile what the worlds need: candidates differ in numbers alone, and need nothing else."""
-        pools.compile_for([(self.study, self.worlds)], lambda note: show(Progress(0, 0, 0.0, 0.0, note)))
+        pools.compile_for(
+            [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
+        )
 
     def cost(self) -> float:
         """The predicted seconds of a candidate on one core."""
@@ -103,11 +111,12 @@ class Training:
         return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
 
     def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
-        """The numbers of candidates from `first` to before `last`, (candidate, world, trial)."""
+        """The numbers of candidates from `first` to before `last`, (candidate, measure, world, trial)."""
         rows = slice(first * len(self.worlds), last * len(self.worlds))
         some = copy.copy(values)
-        needed = {*FOR_ALL, *MADE_OF.get(self.measure.name, (self.measure.name,))}
+        needed = {*FOR_ALL, *(part for one in self.measures for part in MADE_OF.get(one.name, (one.name,)))}
         some.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         mine = settings[rows]
-        found = numbers(store.dataset(study, mine, [""] * len(mine), some), self.measure.name)
-        return found.reshape(last - first, len(self.worlds), self.trials)
+        data = store.dataset(study, mine, [""] * len(mine), some)
+        found = np.stack([numbers(data, one.name) for one in self.measures])
+        return found.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)

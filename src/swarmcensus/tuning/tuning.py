@@ -18,8 +18,8 @@ from swarmcensus.tuning.evidence import Evidence, evidence_of
 from swarmcensus.tuning.influence import without_idle
 from swarmcensus.tuning.logs import Evaluation, Log
 from swarmcensus.tuning.plans import Plan, plan_of
-from swarmcensus.tuning.reports import notes_of, report
-from swarmcensus.tuning.rounds import search_of, search_on
+from swarmcensus.tuning.reports import course_of, notes_of, report, why_unchanged
+from swarmcensus.tuning.rounds import Ended, search_of, search_on
 from swarmcensus.tuning.trying import Training
 
 
@@ -32,6 +32,7 @@ class Tuned:
     values: dict[str, float]  # what was looked for, as "prior" or "weights[0]"
     evaluations: list[Evaluation]
     evidence: Evidence
+    course: str  # how the search went and why it ended, a sentence
     notes: list[str]  # what else should be known of these values, a sentence each
     text: str  # a study file's fragment, with the evidence as comments
 
@@ -51,8 +52,8 @@ class Tuned:
         found = self.evidence.comparison
         return {
             "brain": self.before.name, "values": self.values, "parameters": self.parameters,
-            "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "verdict": self.verdict,
-            "sentences": self.evidence.sentences, "notes": self.notes,
+            "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "course": self.course,
+            "verdict": self.verdict, "sentences": self.evidence.sentences, "notes": self.notes,
             "worlds": [] if found is None else found.field.worlds,
             "pairs": [] if found is None else found.pairs.to_dict("records"),
         }  # fmt: skip
@@ -92,22 +93,22 @@ def tune(
     show = progress or (lambda _: None)
     jobs, search = pools.threads(jobs), search_of(plan)
     with (
-        Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], fresh) as log,
-        Training(study, plan.worlds, plan.measure, trials, jobs) as training,
+        Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], plan.losses, fresh) as log,
+        Training(study, plan.worlds, plan.measures, trials, jobs) as training,
     ):
         if log.evaluations and say:
             say(f"{log.path}: found {len(log.evaluations):,} evaluations")
         ended = search_on(plan, search, log, training, show)
         values, idle = without_idle(plan, ended.values, training, show)
         tuned = plan.brain_of(values)
-        evidence = _evidence(plan, tuned, files.get(".nc"), jobs, show, say, fresh)
+        evidence = _evidence(plan, tuned, ended, files.get(".nc"), jobs, show, say, fresh)
         notes = notes_of(plan, idle)
         text = report(plan, tuned, ended, evidence, notes, files)
         if files:
             with whole(files[".toml"]) as beside:
                 beside.write_text(text, encoding="utf-8")
     found = dict(zip((one.place for one in plan.ranges), values, strict=True))
-    return Tuned(tuned, plan.before, found, ended.evaluations, evidence, notes, text)
+    return Tuned(tuned, plan.before, found, ended.evaluations, evidence, course_of(plan, ended), notes, text)
 
 
 def files_of(out: str | Path | None) -> dict[str, Path]:
@@ -125,6 +126,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
 def _evidence(
     plan: Plan,
     tuned: Brain,
+    ended: Ended,
     out: Path | None,
     jobs: int,
     show: Callable[[Progress], None],
@@ -132,7 +134,7 @@ def _evidence(
     fresh: bool,
 ) -> Evidence:
     if tuned == plan.before:
-        return Evidence(tuned.told, plan.before.told, None, None)
-    study = evaluation_of(plan.study, tuned)
+        return Evidence(plan.told(tuned), plan.told(plan.before), None, None, why_unchanged(plan, ended))
+    study = evaluation_of(plan.study, tuned, plan.told(tuned))
     data: Any = evaluate(study, out, jobs, show, say, fresh)
-    return evidence_of(data, study.settings(), tuned, plan.before, plan.metric)
+    return evidence_of(data, study.settings(), tuned, plan.before, plan.metric, plan.searched)

@@ -1,0 +1,108 @@
+"""What a person sees who waits for the compiler: one line with a count, whatever the number of brains."""
+
+import io
+import os
+import sys
+import threading
+import time
+
+import pytest
+
+import swarmcensus as sc
+from swarmcensus.basics import copies
+from swarmcensus.runs import pools, progress
+from swarmcensus.runs.working import Progress
+
+NAMES = ["minimalistic", "legacy", "voter"]
+
+
+class Terminal(io.StringIO):
+    """A terminal of 100 columns, as far as a bar is concerned."""
+
+    def isatty(self):
+        return True
+
+
+def waited(show, kinds=60):
+    """Show how so many kinds of swarms are compiled, and then a trial that is run."""
+    for k in range(kinds):
+        show(Progress(0, 0, 0.0, 0.0, f"compiling number {k}, once on this machine", steps=(k, kinds)))
+    show(Progress(0, 1, 0.0, 1.0))
+    show(Progress(1, 1, 1.0, 1.0))
+
+
+def test_where_there_is_no_terminal_many_brains_are_one_line(capsys):
+    with progress.reporting("board") as show:
+        waited(show)
+    assert capsys.readouterr().err.splitlines() == [
+        "board: compiling for 60 kinds of swarms, once on this machine", "board: 0 of 1 trials, starting"
+    ]  # fmt: skip
+
+
+def test_one_brain_is_named_there(capsys):
+    with progress.reporting("board") as show:
+        waited(show, 1)
+    assert capsys.readouterr().err.startswith("board: compiling number 0, once on this machine\n")
+
+
+def test_on_a_terminal_it_is_a_bar_with_a_count_that_no_thread_draws(monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv("TERM", "xterm")
+    before = threading.active_count()
+    with progress.reporting("board") as show:
+        assert threading.active_count() == before  # a process with threads cannot be copied, and would compile alone
+        waited(show)
+    seen = terminal.getvalue()
+    assert all(f"compiling number {k}, once on this machine" in seen for k in range(60))
+    assert all(f"{k:>2}/60" in seen for k in range(60))
+    assert "59/60 trials" not in seen
+
+
+@pytest.mark.parametrize("copied", [True, False])
+def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
+    """Networks are compiled here, robots that move in a copy of the process where there is one, else here too."""
+    compiled, told = [], []
+
+    def beside(work, meanwhile):
+        if not copied:
+            return work
+
+        def ended():
+            for one in moving:
+                compiled.append(one)
+                meanwhile()
+
+        return ended
+
+    study = sc.Study(
+        trials=1, swarm={"brain": NAMES, "robots": 4, "accuracy": 0.8}, schedule={"rounds": 5, "ticks": 5},
+        world={"topology": ["full", "ring", "moving"], "density": 1, "fill_ratio": 0.55},
+    )  # fmt: skip
+    moving = [(name, True) for name in NAMES]
+    monkeypatch.setattr(pools, "beside", beside)
+    monkeypatch.setattr(pools.modules, "keeps", lambda: True)
+    monkeypatch.setattr(pools, "_is_compiled", lambda setting, _: (setting.brain.name, bool(setting.body)) in compiled)
+    monkeypatch.setattr(
+        pools, "_run_once", lambda setting, _: compiled.append((setting.brain.name, bool(setting.body)))
+    )
+    pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
+    assert [steps for _, steps in told if steps[0]][-1] == (5, 6)
+    assert sorted({steps for _, steps in told}) == [(k, 6) for k in range(6)]
+    assert [steps for _, steps in told] == sorted(steps for _, steps in told)
+    assert len({note for note, _ in told}) == 6
+    assert told[0][0].endswith("minimalistic for fixed networks, once on this machine")
+    told.clear()
+    pools.compile_for([(study, study.settings())], lambda note, steps: told.append((note, steps)))
+    assert told == []
+
+
+def test_who_waits_for_a_copy_is_called_meanwhile(monkeypatch):
+    monkeypatch.setattr(copies, "WAIT_SECONDS", 0.01)
+    monkeypatch.setattr(threading, "active_count", lambda: 1)
+    calls = []
+    ended = copies.beside(lambda: time.sleep(0.2) or 7, lambda: calls.append(1))
+    assert ended() == 7
+    if sys.platform == "linux" and os.cpu_count() > 1:
+        assert calls
