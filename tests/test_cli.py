@@ -246,7 +246,7 @@ def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_b
     assert list((here / "scratch").iterdir()) == []
 
 
-def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
+def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here, ctrl_c):
     """A study of minutes; the interrupt comes once it is under way."""
     text = SMALL.replace("trials = 4", "trials = 100000").replace("rounds                 = 60", "rounds = 2000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
@@ -278,6 +278,12 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     done = int((~data["final_estimate"].isel(robot=0).isnull()).sum())
     assert data.attrs["trials_done"] == done > 0
     assert took < 30  # saving 100,000 trials is most of it; that threads stop at once is tested in the engine
+
+
+def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
+    """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
+    data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))
+    assert data.identical(small_results)
 
 
 def test_a_reader_that_goes_away_is_no_error(here):

@@ -203,7 +203,7 @@ def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     ]  # fmt: skip
 
 
-def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, capsys):
+def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     process = begun(*LONG, "--out", "cut.toml")
     wait_for(process, 60)
     process.send_signal(signal.SIGINT)

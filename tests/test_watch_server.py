@@ -4,7 +4,10 @@ import concurrent.futures
 import contextlib
 import http.client
 import json
+import os
 import random
+import signal
+import threading
 import time
 
 import psutil
@@ -16,7 +19,7 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.watching.offers import offer_of
-from swarmcensus.watching.server import MOST_PAGES, listen, serving
+from swarmcensus.watching.server import MOST_PAGES, listen, serve, serving
 from tests.slow import times
 
 # uvicorn itself still asks websockets for a part that is going out of use
@@ -243,6 +246,24 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
     assert address.startswith("http://127.0.0.1:")
     assert address.endswith("#robots=9&tick=70")
     assert opened == [address]
+
+
+def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, monkeypatch):
+    made, answers = listen(offer_of(None)), []
+    monkeypatch.setattr(signal, "raise_signal", lambda _: None)  # uvicorn ends as it was told to: so would the tests
+
+    def stopped():
+        answers.append(get(made, f"/?token={made.token}")[0])
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.3)
+        answers.append(get(made, f"/?token={made.token}")[0])
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    thread = threading.Thread(target=stopped)
+    thread.start()
+    serve(made)
+    thread.join()
+    assert answers == [200, 200]
 
 
 def test_from_python_it_is_a_frame(tmp_path):

@@ -3,6 +3,7 @@
 import contextlib
 import json
 import secrets
+import signal
 import socket
 import threading
 import time
@@ -191,9 +192,13 @@ def warm(served: Served, asked: Mapping[str, str]) -> None:
 
 
 def serve(served: Served) -> None:
-    """Serve until it is interrupted."""
+    """Serve until it is interrupted; where Ctrl-C is ignored, as a shell's background has it, until it is ended."""
+    server = server_of(served)
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # which uvicorn does not ask about
+        end = server.handle_exit
+        server.handle_exit = lambda number, frame: None if number == signal.SIGINT else end(number, frame)
     with served.socket:
-        server_of(served).run([served.socket])
+        server.run([served.socket])
 
 
 @contextlib.contextmanager
