@@ -2,6 +2,7 @@
 
 import concurrent.futures
 import contextlib
+import functools
 import http.client
 import json
 import os
@@ -9,17 +10,23 @@ import random
 import signal
 import threading
 import time
+import types
 
+import numba
 import psutil
 import pytest
+import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
+from swarmcensus.watching import server, sessions
 from swarmcensus.watching.offers import offer_of
 from swarmcensus.watching.server import MOST_PAGES, listen, serve, serving
+from swarmcensus.watching.sessions import Session
+from swarmcensus.watching.shows import Show
 from tests.slow import times
 
 # uvicorn itself still asks websockets for a part that is going out of use
@@ -46,12 +53,19 @@ def talk(served, token=None, **more):
     return connect(address, origin=origin, max_size=None, proxy=None, compression=None, **more)
 
 
+def heard(page):
+    """The next part of an answer; that something is compiled is none."""
+    while '"compiling"' in str(said := page.recv(timeout=60)):
+        pass
+    return said
+
+
 def ask(page, **words):
     while True:
         page.send(json.dumps(words))
-        parts = [page.recv(timeout=60)]
+        parts = [heard(page)]
         while isinstance(parts[-1], bytes):
-            parts.append(page.recv(timeout=60))
+            parts.append(heard(page))
         end = json.loads(parts[-1])
         if not end.get("going"):
             return parts[:-1], end
@@ -139,6 +153,45 @@ def test_fifty_pages(served):
         assert len(more) == MOST_PAGES - 50
         with pytest.raises(InvalidStatus, match="403"):
             talk(served)
+
+
+@pytest.fixture
+def hasty(monkeypatch):
+    """A server that wants a sign of life of its pages every fifth of a second, in place of 20 seconds."""
+    often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
+    monkeypatch.setattr(uvicorn, "Config", often)
+    made = listen(offer_of(None))
+    with serving(made):
+        yield made
+
+
+def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, monkeypatch):
+    begun = Session.answer
+    monkeypatch.setattr(Session, "answer", lambda *given: (time.sleep(0.5), begun(*given))[1])
+    with talk(hasty) as page:
+        for number in range(4):
+            page.send(json.dumps({"id": number, "do": "begin", "ask": {"trial": str(number)}}))
+        assert [json.loads(page.recv(timeout=60))["id"] for _ in range(4)] == [0, 1, 2, 3]
+
+
+def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
+    """First something of the engine, then something of a brain; each is compiled anew here, and no more than a sum."""
+
+    def compiling(*given):
+        for place in ("living", "phases"):
+            function = types.FunctionType((lambda x: x + 1).__code__, {"__name__": place})
+            function.__module__ = f"somewhere.{place}"
+            numba.njit(function)(1)
+        return Show(*given)
+
+    monkeypatch.setattr(sessions, "Show", compiling)
+    monkeypatch.setattr(server, "NOTICE", 0.005)
+    with talk(served) as page:
+        page.send(json.dumps({"id": 1, "do": "begin", "ask": {"brain": "commons", "topology": "ring"}}))
+        said = []
+        while "id" not in (one := json.loads(page.recv(timeout=60))):
+            said.append(one["compiling"])
+    assert said == ["the engine for fixed networks", "commons for fixed networks"]
 
 
 def test_a_page_that_goes_stops_its_computing(served):
@@ -236,8 +289,6 @@ def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, cap
 
 
 def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
-    from swarmcensus.watching import server
-
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr(server, "serve", lambda served: (time.sleep(0.5), served.socket.close()))
