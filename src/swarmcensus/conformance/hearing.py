@@ -11,6 +11,7 @@ from swarmcensus.conformance.lives import (
     CLOSE,
     SEED,
     Fault,
+    NotUsed,
     at,
     call,
     copy_of,
@@ -42,10 +43,12 @@ def any_order(brain: Brain) -> None:
         call(brain, where, "observe", other, blacks, 13.0)
         heard.append(call(brain, where, "broadcast", other))
     heard = [fixed(message) for message in heard if is_message(brain, message)]
+    pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
+    if not heard and not any(pools):  # it is always silent
+        raise NotUsed
     for where, me in short_lives(brain):
         _in_orders(brain, where, me, heard)
     random = np.random.default_rng(SEED)
-    pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
     for k, (where, me) in enumerate(long_lives(brain)):
         pool = pools[k // len(SIZES) % 2]
         _in_orders(brain, where, me, some(random, pool, SIZES[k % len(SIZES)]))
@@ -84,7 +87,7 @@ def sums_add(brain: Brain) -> None:
         if any(numbers({name: brain.memory[name]})):
             raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
-        return
+        raise NotUsed
     pools = [
         [(message, _added(brain, where, message)) for where, message in messages(brain, extreme)]
         for extreme in (False, True)
