@@ -286,7 +286,7 @@ def test_many_messages_add_to_sums_and_those_of_old_robots(adds, tmp_path):
         (("return me.n / me.t", "return me.n / me.t + (me.t > 5000.0)"), "gives finite", "estimate .* gives 1"),
         (
             ("return (me.n,)", "me.n += me.t > 5000.0\n    return (me.n,)"),
-            "broadcast, est",
+            "functions that tell",
             "broadcast .* changes me.n",
         ),
     ],

@@ -20,6 +20,7 @@ from swarmcensus.results.comparison_cells import (
     rows_of,
 )
 from swarmcensus.results.summaries import is_idle
+from swarmcensus.results.verdicts import tests_of
 
 
 def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
@@ -126,7 +127,7 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         f"{head(one)}: {one.meaning}" + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
         for one in found.measures
     ]
-    tests = sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
+    tests = tests_of(found)
     same = [
         f"{name} {value}" for name, value in found.field.common.items()
         if not (is_idle(value) or (name == "link_success" and value == 1.0))

@@ -32,7 +32,7 @@ Test = Callable[[brains.Brain], None]
 
 @dataclass(frozen=True)
 class Check:
-    """One check: what it asks for, what is wrong (None where nothing is), and whether the brain has what it is about."""
+    """One check: what it asks for, what is wrong (None where nothing is), and whether the brain has such a part."""
 
     name: str
     fault: str | None
