@@ -280,6 +280,24 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here, ctrl_c):
     assert took < 30  # saving 100,000 trials is most of it; that threads stop at once is tested in the engine
 
 
+def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
+    """In its results, which are verified and merged as others are; those of earlier versions are titled "study"."""
+    assert main(["run", "hello.toml", "--jobs", "1"]) == 0
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+    assert sc.load("hello.nc").attrs["study"] == f'name = "hello"\n{HELLO}'
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    assert main(["merge", "hello.nc", "--out", "both.nc"]) == 0
+    assert main(["verify", "both.nc"]) == 0
+    assert sc.load("both.nc").attrs["title"] == "hello"
+    sc.save(sc.run(sc.Study.parse(HELLO), jobs=1), "hello.nc")
+    assert sc.load("hello.nc").attrs["title"] == "study"
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    capsys.readouterr()
+    assert main(["run", "hello.toml", "--jobs", "1", "--trials", "4"]) == 0
+    assert "found 12 of 16 trials" in capsys.readouterr().err
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+
+
 def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
     """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
     data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))

@@ -19,7 +19,7 @@ from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables, explain
-from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
+from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
 from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture
@@ -82,9 +82,15 @@ class Study:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a study file. Brain and metric files, edge lists and images are looked for beside it."""
-        where = f"study file {path}"
-        return cls.parse(text_of_file(path, where), where=where, context={"base": Path(path).parent})
+        """Read a study file. Brain and metric files, edge lists and images are looked for beside it.
+
+        One that gives no `name` has that of its file, which is then the first line of its text.
+        """
+        where, name = f"study file {path}", Path(path).stem
+        text = text_of_file(path, where)
+        if "name" not in read_toml(text, where) and name.isprintable():
+            text = f"name = {to_toml_value(name)}\n{text}"
+        return cls.parse(text, where=where, context={"base": Path(path).parent})
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:

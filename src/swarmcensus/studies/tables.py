@@ -34,6 +34,8 @@ from swarmcensus.worlds.bodies import Body, Number
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
+UNNAMED = "study"  # what a study is called that has no name and comes from no file
+
 
 class _Table(BaseModel):
     model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
@@ -129,8 +131,8 @@ class Measure(_Table):
 class Tables(_Table):
     """The study file as a whole."""
 
-    name: Name = "study"
-    """The title of the results and of figures."""
+    name: Name = UNNAMED
+    """The title of the results and of figures; without one, the name of the study file."""
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     """The same seed gives the same numbers."""
     trials: Trials

@@ -30,6 +30,7 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_pooled,
     sheet,
     show_range,
 )
@@ -110,6 +111,7 @@ def decisions_grid(
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries | theory_entries(expected))
     say_lacking(axes, [panel.results for panel in drawn])
+    say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
 
 
