@@ -232,8 +232,7 @@ def test_contenders_may_differ_while_no_two_are_told_apart_and_both_is_said():
     found = sc.compare(data, "final_error")
     assert not found.duels["told_apart"].any()
     assert found.verdict[1].endswith(
-        "; they differ (Friedman's test: p < 0.001), but 6 trials are too few to tell any two of them apart, "
-        "corrected for 18 tests"
+        "; they differ (Friedman's test: p < 0.001), but with 6 trials no two can be told apart, corrected for 18 tests"
     )
     [panel] = sc.plot.ranks(data, metric="final_error").axes
     assert "they differ (Friedman's test: p < 0.001), but no two are told apart" in " ".join(

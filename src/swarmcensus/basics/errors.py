@@ -5,6 +5,8 @@ import re
 import traceback
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
+
 STOPPED = 130  # the exit code that a shell expects of a program that Ctrl-C ended
 
 
@@ -17,7 +19,7 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, results: object, done: int, total: int) -> None:
         """Keep the partial dataset and how far it got."""
-        super().__init__(f"stopped after {done} of {total} trials")
+        super().__init__(f"stopped after {done:,} of {counted(total, 'trial')}")
         self.results = results
         self.done = done
         self.total = total

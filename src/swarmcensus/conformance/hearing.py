@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Brain, Vector, numbers, slots
 from swarmcensus.conformance import chances
 from swarmcensus.conformance.lives import (
@@ -130,7 +131,7 @@ def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, 
         expected = sum(parts)
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
         if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
-            what = f"of {len(heard)} messages in a row " if len(heard) > 1 else ""
+            what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
             raise Fault(
                 f"{at(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
                 f"{expected!r} in a blank one that believes in b = 0.8, w = 0.7: by SUMS it adds to "

@@ -16,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.rankings import groups
 from swarmcensus.figures.lettering import wrapped
@@ -57,7 +58,7 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, resul
         raise InputError("ranks: there is no world in which all contenders have finished the same trials")
     if len(found.contenders) > MOST:
         raise InputError(
-            f"ranks: a line has room for {MOST} contenders, not {len(found.contenders)}: select some settings"
+            f"ranks: a line has room for {MOST:,} contenders, not {len(found.contenders)}: select some settings"
         )
     joined = [_joined(found, found.contests[k]) for k in drawn]
     names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
@@ -96,7 +97,7 @@ def _caption(found: Standings, k: int, bars: list[list[int]]) -> str:
 
 def _over(contest: Contest) -> str:
     worlds, trials = int(contest.met.sum()), len(contest.ranks)
-    return f"{trials} trials" + (f" in {worlds:,} worlds" if worlds > 1 else "")
+    return f"{counted(trials, 'trial')}" + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
 
 
 def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:

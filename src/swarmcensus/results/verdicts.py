@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.rankings import groups
 from swarmcensus.results.comparison_cells import amount, equals
 from swarmcensus.results.contests import Contest, pairs_of
@@ -60,7 +61,7 @@ def _by_world(found: Standings, contest: Contest) -> str:
             how = "behind in all"
         parts.append(f"{found.contenders[k]} is {how}")
     more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
-    return f"of {worlds:,} worlds, " * (worlds > 1) + "; ".join(parts) + more
+    return f"of {counted(worlds, 'world')}, " * (worlds > 1) + "; ".join(parts) + more
 
 
 def _overall(found: Standings, contest: Contest) -> str:
@@ -77,8 +78,8 @@ def _overall(found: Standings, contest: Contest) -> str:
         told = f"all are told apart ({test})"
     elif len(level[0]) == len(order) and contest.differ:
         told = (
-            f"they differ ({test}), but {len(contest.ranks):,} trials are too few to tell any two of them apart, "
-            f"corrected for {tests_of(found):,} tests"
+            f"they differ ({test}), but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
+            f"corrected for {counted(tests_of(found), 'test')}"
         )
     elif len(level[0]) == len(order):
         told = f"none is told apart from another ({test})"
@@ -114,7 +115,7 @@ def _against(found: Standings, standing: NDArray[np.str_]) -> str:
         return f"nobody else has numbers of it where {mark} has"
     alone = [name for k, name in enumerate(found.contenders) if name != mark and not (standing[:, k] != "").any()]
     parts += [f"{', '.join(alone)} {'is' if len(alone) == 1 else 'are'} in no world with it"] * bool(alone)
-    worlds = f"of {len(standing):,} worlds, " * (len(standing) > 1)
+    worlds = f"of {counted(len(standing), 'world')}, " * (len(standing) > 1)
     return f"{worlds}against {mark}: {'; '.join(parts)}"
 
 

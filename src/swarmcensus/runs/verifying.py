@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
@@ -113,7 +114,9 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
         failed = len(checking.failures(data))
-        yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+        yield f"{total - done:,} of {counted(total, 'trial')} are not in the file" + (
+            f", {failed:,} failed" if failed else ""
+        )
     own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - own):
         yield f"the attribute {name} is not of a run"
@@ -141,7 +144,7 @@ def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
             number = data["setting"].values[k]
             found, lacking = _stages(study, values, k, failed[k])
             if ended and lacking:
-                yield f"setting {number}: of its {lacking} trials some are missing, and none is said to be"
+                yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
             if "half_width" not in data or data["half_width"].dims != ("setting",) or study.until is None:
                 continue
             said = data["half_width"].values[k].item()

@@ -10,6 +10,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Adversary, Brain, adversary
@@ -53,7 +54,7 @@ class Study:
             check(checked, self.grids, all_used=not context.get("kept"))
             count = sum(grid.count for grid in self.grids)
             if count > MOST_SETTINGS:
-                raise ValueError(f"its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
+                raise ValueError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise InputError(f"{where}: {error}") from None
@@ -61,7 +62,7 @@ class Study:
         values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
         if values > MOST_VALUES:
             raise InputError(
-                f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
+                f"{where}: {len(settings):,} settings of {self.trials:,} trials make {values:,} values to keep; "
                 f"{MOST_VALUES:,} is the most: fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
             )
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):

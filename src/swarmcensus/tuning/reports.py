@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.tuning.evidence import BETTER, Evidence
@@ -38,8 +39,9 @@ def report(
     said = [
         *evidence.sentences,
         *notes,
-        f"evaluated in {_several(worlds, 'world')} with seed {seed}, the study's own, and {plan.study.trials} trials "
-        "in each, none of which the search has seen; p-values are corrected by Holm's method for this metric alone, so "
+        f"evaluated in {counted(worlds, 'world')} with seed {seed}, the study's own, and "
+        f"{counted(plan.study.trials, 'trial')} in each, none of which the search has seen; "
+        "p-values are corrected by Holm's method for this metric alone, so "
         "that swarmcensus compare, which asks for more measures, may tell less apart",
     ]
     names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
@@ -53,8 +55,9 @@ def report(
     told = [
         f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",
         f"by {plan.metric}: {plan.measure.meaning}",
-        f"with CMA-ES (cma {library().__version__}): {len(ended.evaluations)} evaluations in {ended.generations} "
-        f"generations, {plan.trials} trials in each world; {why} ({plan.budget.text})",
+        f"with CMA-ES (cma {library().__version__}): {counted(len(ended.evaluations), 'evaluation')} in "
+        f"{counted(ended.generations, 'generation')}, {counted(plan.trials, 'trial')} in each world; {why} "
+        f"({plan.budget.text})",
         f"training seeds {seed_for(seed, 'training')} (the brain as it was) and those that follow from {seed}, one a "
         f"generation; the search's own {seed_for(seed, 'search')}",
         f"the brain's source has SHA-256 {tuned.sha256}",
@@ -65,7 +68,3 @@ def report(
 
 def _told(plan: Plan, values: tuple[float, ...]) -> str:
     return ", ".join(f"{one.place} = {value:.6g}" for one, value in zip(plan.ranges, values, strict=True))
-
-
-def _several(count: int, what: str) -> str:
-    return f"{count:,} {what}{'s' * (count != 1)}"

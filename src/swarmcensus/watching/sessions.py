@@ -157,7 +157,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
 
 def _read(said: str | bytes) -> dict[str, Any]:
     if isinstance(said, bytes) or len(said) > MOST_TEXT:
-        raise InputError(f"a page says JSON of at most {MOST_TEXT} letters")
+        raise InputError(f"a page says JSON of at most {MOST_TEXT:,} letters")
     try:
         asked = json.loads(said)
     except (ValueError, RecursionError):
@@ -177,5 +177,5 @@ def _read(said: str | bytes) -> dict[str, Any]:
 def _whole(asked: Mapping[str, Any], key: str, least: int, most: int) -> int:
     value = asked.get(key, least)
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least} to {most}")
+        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least:,} to {most:,}")
     return value
