@@ -298,6 +298,25 @@ def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
     assert sc.load("hello.nc").attrs["title"] == "hello"
 
 
+def test_one_is_singular_and_thousands_have_commas(here, capsys):
+    text = HELLO.replace("trials = 3", "trials = 1").replace("[0.7, 0.9]", "0.7").replace("[0.55, 0.95]", "0.55")
+    (here / "one.toml").write_text(text.replace("rounds = 20", "rounds = 1000"))
+    assert main(["run", "one.toml", "--jobs", "1"]) == 0
+    said = capsys.readouterr()
+    assert "\none.nc: 1 setting of 1 trial, " in said.out
+    assert "after round 1,000;" in said.out
+    assert "rounds 1,000, " in said.out
+    for command, line in (
+        (["show", "one.nc"], "1 setting, 1 of 1 trial done"),
+        (["status", "one.nc"], "one: 1 setting; 1 of 1 trial done (100.0 %)"),
+        (["merge", "one.nc", "--out", "two.nc"], "two.nc: 1 setting, 1 of 1 trial\n"),
+        (["verify", "one.nc"], "1 of 1 trial run again"),
+        (["explain", "one.nc", "--setting", "0"], "ring, N = 6, accuracy 0.7, f = 0.55, C = 1,000, R = 10; 1 trial\n"),
+    ):
+        main(command)
+        assert line in capsys.readouterr().out
+
+
 def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
     """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
     data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))

@@ -223,7 +223,7 @@ def test_decide_and_done_only_read():
 @pytest.mark.parametrize("options", ["1", "0", "-3", "2.0", "True", "'two'", "10001", "(2, 3)"])
 def test_wrong_options_are_refused(options):
     with pytest.raises(
-        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10000"
+        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10,000"
     ):
         brain(changed(("MEMORY =", f"OPTIONS = {options}\nMEMORY =")))
 

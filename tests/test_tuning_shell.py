@@ -93,7 +93,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         (["--budget", "5"], "--budget 5: the brain as it is and one generation take 13 evaluations"),
         (["--budget", "soon"], "--budget soon: should be a number of evaluations, as 200, or a time"),
         (["--budget", "0 s"], "--budget '0 s': should be"),
-        (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100000 trials"),
+        (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100,000 trials"),
         (["--out", "a.nc"], "--out a.nc: the values found are written as .toml"),
         (["--out", "s.toml"], "cannot write s.toml: it is what is read"),
     ],

@@ -269,9 +269,9 @@ def test_it_listens_on_loopback_alone(served):
     [
         (["--set", "robots"], "--set robots: should be such as robots=100"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
-        (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20000"),
+        (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20,000"),
         (["--at", "not a link"], "--at not a link: should be a copied link, or what stands behind its #"),
-        (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10000"),
+        (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10,000"),
         (["--set", "robot=25"], "robot = 25: should be a whole number from 0 to 24"),
         (["--set", "colour=red"], "colour = red: should be one of belief, off, error"),
         (["mine.py"], "neither a shipped brain"),
