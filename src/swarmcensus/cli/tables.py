@@ -238,7 +238,7 @@ def failures(data: xr.Dataset) -> int:
         trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
         print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
     if len(by_setting) > MOST_ROWS:
-        print(f"and trials of {len(by_setting) - MOST_ROWS:,} more settings", file=sys.stderr)
+        print(f"and trials of {counted(len(by_setting) - MOST_ROWS, 'more setting')}", file=sys.stderr)
     return 2 if by_setting else 0
 
 

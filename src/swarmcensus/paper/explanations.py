@@ -120,9 +120,8 @@ def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
         for d, (accuracy, f) in zip(later, map(_swarm, later), strict=True)
         if evidence.judge("", _error_ratio(evidence, accuracy, f), BELOW_ONE).verdict == YES
     ]
-    said.append(
-        f"The error of their estimates falls beyond doubt in {len(closer)} of these {counted(len(later), 'setting')}."
-    )
+    those = counted(len(later), "setting")
+    said.append(f"The error of their estimates falls beyond doubt in {len(closer)} of these {those}.")
     return " ".join(said)
 
 

@@ -91,7 +91,9 @@ class Holding:
         if done:
             known = f"{done:,} of " * (not self.study.until)
             total = done if self.study.until else self.study.trials * len(self.settings)
-            where = f"; {done - before:,} of them in {shards} shards of a run that was cut off" if shards else ""
+            where = (
+                f"; {done - before:,} of them in {counted(shards, 'shard')} of a run that was cut off" if shards else ""
+            )
             self.say(f"{self.out}: found {known}{counted(total, 'trial')}{where}")
 
     def announce(self, found: int, total: int, work: float) -> None:
