@@ -37,3 +37,9 @@ def line_of(error: BaseException, path: Path) -> str:
             line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
             return f", at {frame.filename}, line {frame.lineno}: {line}"
     return ""
+
+
+def worded(message: str) -> str:
+    """What pydantic says is wrong with a value, in our words: "should be less than 1,000"."""
+    said = message.removeprefix("Value error, ").replace("Input should", "should")
+    return re.sub(r"(?<=than |l to )\d{4,}", lambda found: f"{int(found[0]):,}", said)

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.bins import right_bin
-from swarmcensus.basics.counting import counted
 from swarmcensus.worlds.sensors import Accuracy
 
 POINTS = 51  # of the range of fill ratios that are looked at
@@ -65,9 +64,7 @@ class Goal:
         if self.half_width is not None:
             return f"within {self.half_width:g} of the truth"
         aside = f", {self.margin:g} or further from its edges" if self.margin else ""
-        return (
-            f"in the right half{aside}" if self.bins == 2 else f"in the right one of {counted(self.bins, 'bin')}{aside}"
-        )
+        return f"in the right half{aside}" if self.bins == 2 else f"in the right one of {self.bins} bins{aside}"
 
 
 def check_wishes(mission: Any) -> None:

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from swarmcensus.basics.errors import worded
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
 from swarmcensus.studies.fields import (
@@ -206,10 +207,8 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
-    message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    message = worded(first["msg"])
     message = message.replace("should be a valid boolean", "should be true or false")
-    if first["type"].startswith(("less_than", "greater_than")):
-        message = re.sub(r"(?<![\d.])\d{4,}", lambda found: f"{int(found[0]):,}", message)
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
     if not key:

@@ -47,4 +47,4 @@ class Compilations(event.Listener):  # type: ignore[misc]
 
 
 COMPILATIONS = Compilations()
-event.register("numba:compile", COMPILATIONS)
+event.register("numba:compile", COMPILATIONS)  # type: ignore[no-untyped-call]
