@@ -3,6 +3,7 @@
 import hashlib
 import math
 import os
+import signal
 import sys
 import threading
 
@@ -68,6 +69,22 @@ def untraced(untraced_processes):
     sys.settrace(None)
     yield
     sys.settrace(trace)
+
+
+@pytest.fixture
+def ctrl_c():
+    """Ctrl-C is heard here and in processes begun here: a shell has what it begins in the background ignore it."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.fixture
+def no_ctrl_c():
+    """Ctrl-C is ignored here, as in what a shell begins in the background."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 POINTS = [0.001 * k for k in range(1, 20_000)]

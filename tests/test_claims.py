@@ -237,7 +237,7 @@ def test_what_density_does_is_explained_by_the_data():
     crowd = why("denser-first", quiet(mover("0.525"), K=1.2 / 0.9, error=0.5 / 0.9))
     assert "sooner in 21 settings, by 10.0 % (0.575, f = 0.55;" in crowd
     assert "later in 1 setting, by 20.0 % (0.525, f = 0.55)" in crowd
-    assert "falls beyond doubt in 1 of these 1 settings" in crowd
+    assert "falls beyond doubt in 1 of these 1 setting" in crowd
     assert "have not settled" not in crowd  # 400 * exp(-0.1) * 12 ticks of 10,000
     unsettled = lambda accuracy, f, density, **_: {  # noqa: E731
         "K": (2.5 if density == 10 else 2.2) if (accuracy, f) == ("0.525", 0.55) else 1, "noise": 0,
@@ -246,7 +246,7 @@ def test_what_density_does_is_explained_by_the_data():
     assert "later in 1 setting, by 2.3 %" in end
     settled = 400 * np.exp(-0.1) * 1.2 * 10 * 2.2 / 10_000
     assert f"their medians are {100 * settled:.1f} % of it or more, and K is when the last jump came" in end
-    assert "falls beyond doubt in 1 of these 1 settings" in end
+    assert "falls beyond doubt in 1 of these 1 setting" in end
     fewer = why("denser-alike", quiet(mover(), error=0.5 / 0.9))
     assert "errors fall in 1 setting, by 50.0 % (0.775, f = 0.55) and rise in none" in fewer
     assert "averages over more neighbours" in fewer

@@ -246,7 +246,7 @@ def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_b
     assert list((here / "scratch").iterdir()) == []
 
 
-def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
+def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here, ctrl_c):
     """A study of minutes; the interrupt comes once it is under way."""
     text = SMALL.replace("trials = 4", "trials = 100000").replace("rounds                 = 60", "rounds = 2000")
     (here / "long.toml").write_text(text.replace("[10, 60]", "[10]"))
@@ -278,6 +278,49 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here):
     done = int((~data["final_estimate"].isel(robot=0).isnull()).sum())
     assert data.attrs["trials_done"] == done > 0
     assert took < 30  # saving 100,000 trials is most of it; that threads stop at once is tested in the engine
+
+
+def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
+    """In its results, which are verified and merged as others are; those of earlier versions are titled "study"."""
+    assert main(["run", "hello.toml", "--jobs", "1"]) == 0
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+    assert sc.load("hello.nc").attrs["study"] == f'name = "hello"\n{HELLO}'
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    assert main(["merge", "hello.nc", "--out", "both.nc"]) == 0
+    assert main(["verify", "both.nc"]) == 0
+    assert sc.load("both.nc").attrs["title"] == "hello"
+    sc.save(sc.run(sc.Study.parse(HELLO), jobs=1), "hello.nc")
+    assert sc.load("hello.nc").attrs["title"] == "study"
+    assert main(["verify", "hello.nc", "--all"]) == 0
+    capsys.readouterr()
+    assert main(["run", "hello.toml", "--jobs", "1", "--trials", "4"]) == 0
+    assert "found 12 of 16 trials" in capsys.readouterr().err
+    assert sc.load("hello.nc").attrs["title"] == "hello"
+
+
+def test_one_is_singular_and_thousands_have_commas(here, capsys):
+    text = HELLO.replace("trials = 3", "trials = 1").replace("[0.7, 0.9]", "0.7").replace("[0.55, 0.95]", "0.55")
+    (here / "one.toml").write_text(text.replace("rounds = 20", "rounds = 1000"))
+    assert main(["run", "one.toml", "--jobs", "1"]) == 0
+    said = capsys.readouterr()
+    assert "\none.nc: 1 setting of 1 trial, " in said.out
+    assert "after round 1,000;" in said.out
+    assert "rounds 1,000, " in said.out
+    for command, line in (
+        (["show", "one.nc"], "1 setting, 1 of 1 trial done"),
+        (["status", "one.nc"], "one: 1 setting; 1 of 1 trial done (100.0 %)"),
+        (["merge", "one.nc", "--out", "two.nc"], "two.nc: 1 setting, 1 of 1 trial\n"),
+        (["verify", "one.nc"], "1 of 1 trial run again"),
+        (["explain", "one.nc", "--setting", "0"], "ring, N = 6, accuracy 0.7, f = 0.55, C = 1,000, R = 10; 1 trial\n"),
+    ):
+        main(command)
+        assert line in capsys.readouterr().out
+
+
+def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl_c, small_study, small_results):
+    """A shell sends Ctrl-C to all that it began, and has what is in the background ignore it."""
+    data = sc.run(small_study, jobs=1, progress=lambda _: signal.raise_signal(signal.SIGINT))
+    assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
 
 
 def test_a_reader_that_goes_away_is_no_error(here):

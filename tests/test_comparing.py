@@ -226,6 +226,31 @@ def test_the_best_is_told_apart_from_all_and_the_level_are_not_from_the_first():
     assert "none is told apart from another" in alike.verdict[1]
 
 
+def test_contenders_may_differ_while_no_two_are_told_apart_and_both_is_said():
+    """Six trials are too few for any pair among so many tests, and enough for Friedman's one."""
+    data = made_up(gap=0.6, trials=6)
+    found = sc.compare(data, "final_error")
+    assert not found.duels["told_apart"].any()
+    assert found.verdict[1].endswith(
+        "; they differ (Friedman's test: p < 0.001), but with 6 trials no two can be told apart, corrected for 18 tests"
+    )
+    [panel] = sc.plot.ranks(data, metric="final_error").axes
+    assert "they differ (Friedman's test: p < 0.001), but no two are told apart" in " ".join(
+        panel.get_title("left").split()
+    )
+    [panel] = sc.plot.ranks(made_up(gap=0.6), metric="final_error").axes
+    assert "differ" not in panel.get_title("left")
+
+
+def test_friedman_s_tests_are_corrected_for_one_another_alone():
+    found = sc.compare(made_up(trials=6, gap=0.6), ["final_error", "consensus_round", "correct"])
+    ranks = found.ranks.drop_duplicates("measure")
+    once, corrected = ranks["friedman_p"].to_numpy(), ranks["friedman_p_corrected"].to_numpy()
+    assert corrected == pytest.approx(holm(once))
+    assert corrected[0] == pytest.approx(3 * once[0])
+    assert [contest.differ for contest in found.contests] == (corrected <= 0.05).tolist()
+
+
 def test_the_cost_is_said_beside():
     found = sc.compare(made_up(brains=2))
     sent = measures.numbers(made_up(brains=2), "bytes_sent").mean(axis=1)

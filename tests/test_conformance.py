@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.cli import shelves
 from swarmcensus.conformance import machine_code
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
@@ -63,6 +64,20 @@ def changed(path, *changes):
         source = source.replace(old, new)
     path.write_text(source)
     return path
+
+
+def test_of_what_a_brain_has_not_it_is_said_that_it_is_not_used(tmp_path, capsys):
+    """A leaver steers and sums up what it hears; a brain alone says nothing, and hears nothing."""
+
+    def unused(name):
+        return [one.name for one in conformance.examine(name, PROMISES) if not one.used]
+
+    optional = ["steers by a speed and a turn, or not at all", "decides for an option, or not yet",
+                "tells an interval within [0, 1], the low end first"]  # fmt: skip
+    assert unused("alone") == [*optional, "messages mean the same in any order", "SUMS only add up"]
+    assert unused("leaver") == optional[1:]
+    assert shelves.checks("alone", list(conformance.examine("alone", PROMISES)))
+    assert f"-     {optional[0]}: not used\n" in capsys.readouterr().out
 
 
 def fault_in(path, name):
@@ -271,7 +286,7 @@ def test_many_messages_add_to_sums_and_those_of_old_robots(adds, tmp_path):
         (("return me.n / me.t", "return me.n / me.t + (me.t > 5000.0)"), "gives finite", "estimate .* gives 1"),
         (
             ("return (me.n,)", "me.n += me.t > 5000.0\n    return (me.n,)"),
-            "broadcast, est",
+            "functions that tell",
             "broadcast .* changes me.n",
         ),
     ],

@@ -215,7 +215,7 @@ def test_what_is_no_option_is_told(choice):
 def test_decide_and_done_only_read():
     for name, line in (("decide", "me.n = 0.5\n    return 1"), ("done", "me.t += 1.0\n    return False")):
         source = MEANS + f"\n\ndef {name}(me):\n    {line}\n"
-        fault = suite.fault_of(PROMISES["broadcast, estimate and steer only read"], brain(source))
+        fault = suite.fault_of(PROMISES["functions that tell something only read"], brain(source))
         assert fault
         assert f"{name} (line " in fault
 
@@ -223,7 +223,7 @@ def test_decide_and_done_only_read():
 @pytest.mark.parametrize("options", ["1", "0", "-3", "2.0", "True", "'two'", "10001", "(2, 3)"])
 def test_wrong_options_are_refused(options):
     with pytest.raises(
-        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10000"
+        InputError, match=r"brain.py: OPTIONS = .*: should be a whole number, 2 \(white and black\) to 10,000"
     ):
         brain(changed(("MEMORY =", f"OPTIONS = {options}\nMEMORY =")))
 

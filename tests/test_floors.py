@@ -511,7 +511,7 @@ floor = FLOOR
             "{clusters = 0}",
             "world.floor = {clusters = 0}: floor clusters: length = 0: should be greater than 0 (metres)",
         ),
-        ("{clusters = 1001}", "length = 1001: should be less than or equal to 1000"),
+        ("{clusters = 1001}", "length = 1001: should be less than or equal to 1,000"),
         ('"clusters"', "floor clusters needs the key length: write {clusters = 0.2}"),
         ("{half = 2}", 'floor half: it has no keys: write "half"'),
         ("{clusters = 1, length = 2}", "floor clusters: clusters is its length"),

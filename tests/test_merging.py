@@ -270,7 +270,7 @@ def test_what_only_the_second_of_two_studies_measures_is_verified():
     more = {"checkpoints": [10, 40], "estimates": True, "metrics": ["mean-error"]}
     merged = sc.merge([ran(), ran(measure=more)])
     found = sc.verify(merged, 1.0)
-    assert not (found.differences or found.labels)
+    assert (found.differences, found.labels) == ([], [])
     for name in ("estimates", "mean_error"):
         changed = merged.copy(deep=True)
         place = tuple(np.argwhere(np.isfinite(changed[name].values))[-1])

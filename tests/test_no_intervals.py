@@ -78,7 +78,7 @@ def test_names_and_arguments():
 
 def test_it_only_reads():
     fault = suite.fault_of(
-        PROMISES["broadcast, estimate and steer only read"],
+        PROMISES["functions that tell something only read"],
         brain(MEANS + "\n\ndef interval(me):\n    me.n += 1.0\n    return 0.0, 1.0\n"),
     )
     assert fault

@@ -124,7 +124,7 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         ((), ["--robots", "2000000000"], "free.robots = 2000000000: a plan is of 1,000,000 robots at the most"),
         ((), ["--robots", "1:2:3"], "--robots 1:2:3: should be a number, or a range such as 10:100"),
         ((), ["--minutes", "1e9"], "free.minutes = 1e+09: a plan is for a year at the most, 527,040 min"),
-        ((), ["--minutes", "inf"], "free.minutes = inf: should be less than or equal to 1000000000"),
+        ((), ["--minutes", "inf"], "free.minutes = inf: should be less than or equal to 1,000,000,000"),
         ((), ["--plot", "p.png", *EVERYWHERE], "would be 10 lines, and a figure has 8 at the most"),
         (("[known]", "known = 3\n[other]"), [], "unknown key other"),
         (("[known]", "body = 3\n[known]"), [], "body = 3: should be a table"),

@@ -309,6 +309,27 @@ def test_settings_that_are_pooled_count_a_trial_once():
     assert drawn(ax, "0.6")[0, 1] == pytest.approx(np.nanmedian(some.convergence_error))
 
 
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("lines", {"x": "robots", "color": "topology", "panels": "fill_ratio"}, "2 accuracies"),
+        ("lines", {"x": "robots", "color": "topology", "panels": []}, "2 fill ratios and 2 accuracies"),
+        ("lines", {"x": "robots", "color": "topology", "panels": ["fill_ratio", "accuracy"]}, ""),
+        ("lines", {}, ""),
+        ("decisions", {"color": "robots", "panels": "topology"}, "2 fill ratios and 2 accuracies"),
+        ("scatter", {"panels": "topology"}, "2 numbers of robots and 2 fill ratios"),
+        ("scatter", {}, ""),
+    ],
+)
+def test_a_figure_says_what_is_pooled_in_it(kind, options, said, small_results, caplog):
+    with caplog.at_level("INFO", "swarmcensus"):
+        figure = getattr(sc.plot, kind)(small_results, **options)
+    foot = [text.get_text() for text in figure.texts if text.get_gid() == "pooled"]
+    assert foot == ([f"pooled over {said}"] if said else [])
+    told = [f"settings that are drawn as one are pooled over {said}"] if said else []
+    assert [one for one in caplog.messages if "pooled" in one] == told
+
+
 def test_intervals_end_where_a_variable_can_go_no_further():
     results = study(["0.6"], trials=12)
     below = results.assign(final_estimate=results["convergence_error"] - 1.0)

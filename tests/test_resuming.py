@@ -15,6 +15,7 @@ import pytest
 from filelock import FileLock
 
 import swarmcensus as sc
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
@@ -524,7 +525,7 @@ def test_a_fresh_run_that_was_cut_off_goes_on_and_replaces_the_output(here, whol
     found = cut_when(lambda p: p.done >= 40, study(), "a.nc", fresh=True)
     lines = []
     assert same(run(study(), out="a.nc", say=lines.append), whole)
-    assert f"in {found} shards" in lines[0]
+    assert f"in {counted(found, 'shard')} of a run" in lines[0]
     assert same(sc.load("a.nc"), whole)
     assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
 

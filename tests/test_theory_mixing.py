@@ -267,7 +267,7 @@ def test_a_robot_alone_is_mixed_from_the_first_whatever_its_relaxation_time():
         (lambda: theory.mixing_matrix("rign", 10), "did you mean 'ring'?"),
         (lambda: theory.mixing_matrix("ring"), "has no size of its own: say how many robots"),
         (lambda: theory.mixing_matrix("ring", -3), "-3 robots: should be 1 to 4,096"),
-        (lambda: theory.mixing_matrix("ring", 10_000), "10000 robots: should be 1 to 4,096, for a matrix has"),
+        (lambda: theory.mixing_matrix("ring", 10_000), "10,000 robots: should be 1 to 4,096, for a matrix has"),
         (lambda: theory.ring_spectrum(2), "robots = 2: should be from 3"),
         (lambda: theory.factor_bounds([0.5, 0.6], 3.0, 5), "law: should be weights above 0"),
         (lambda: theory.factor_bounds([0.5, 0.5], -3.0, 5), "relaxation = -3: should be rounds, 0 or above"),

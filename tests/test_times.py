@@ -55,8 +55,8 @@ def test_every_key_that_counts_ticks_takes_times():
          'schedule.ticks = "1.25 s": that is 12.5 ticks of 0.1 s: should be a whole number, such as "1.2 s" (12) or '
          '"1.3 s" (13)'),
         ({"schedule": {"ticks": ["1 s", "0 s"]}}, 'such as "0.1 s" (1)'),
-        ({"schedule": {"ticks": "9e99 h"}}, "2147483647 at the most"),
-        ({"schedule": {"ticks": "1e999 h"}}, "2147483647 at the most"),
+        ({"schedule": {"ticks": "9e99 h"}}, "2,147,483,647 at the most"),
+        ({"schedule": {"ticks": "1e999 h"}}, "2,147,483,647 at the most"),
         ({"schedule": {"ticks": "10"}}, 'schedule.ticks = "10": should be a whole number, or a time such as "17 min"'),
         ({"schedule": {"ticks": "5 m"}}, "(s, min or h)"),
         ({"schedule": {"ticks": ["1 s", 10]}}, "a value stands twice in a list"),
@@ -64,7 +64,7 @@ def test_every_key_that_counts_ticks_takes_times():
         ({"faults": [{"at": "0.25 s", "robots": 1, "stop": "moving"}]}, 'faults[0].at = "0.25 s": that is 2.5 ticks'),
         ({"measure": {"checkpoints": "0.25 s"}}, 'measure.checkpoints = "0.25 s": that is 2.5 ticks'),
         ({"world": {"body": {"message_delay": "0.25 s"}}}, 'world.body.message_delay = "0.25 s": that is 2.5 ticks'),
-        ({"world": {"body": {"message_delay": "9 h"}}}, "less than or equal to 1000"),
+        ({"world": {"body": {"message_delay": "9 h"}}}, "less than or equal to 1,000"),
         ({"world": {"body": {"message_delay": "1 s", "tick": -1}}}, "world.body.tick = -1"),
     ],
 )  # fmt: skip

@@ -95,7 +95,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         (["--budget", "5"], "--budget 5: the brain as it is and one generation take 13 evaluations"),
         (["--budget", "soon"], "--budget soon: should be a number of evaluations, as 200, or a time"),
         (["--budget", "0 s"], "--budget '0 s': should be"),
-        (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100000 trials"),
+        (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100,000 trials"),
         (["--out", "a.nc"], "--out a.nc: the values found are written as .toml"),
         (["--out", "s.toml"], "cannot write s.toml: it is what is read"),
     ],
@@ -205,7 +205,7 @@ def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     ]  # fmt: skip
 
 
-def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, capsys):
+def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     process = begun(*LONG, "--out", "cut.toml")
     wait_for(process, 60)
     process.send_signal(signal.SIGINT)

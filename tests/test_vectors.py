@@ -193,7 +193,7 @@ def test_a_message_of_another_shape_is_told(message, given, said):
 @pytest.mark.parametrize(
     ("declared", "said"),
     [
-        ("(0.0,) * 4097", "a vector of 4097: it should have 1 to 4096 numbers"),
+        ("(0.0,) * 4097", "a vector of 4,097: it should have 1 to 4,096 numbers"),
         ("()", "a vector of 0"),
         ("(0.0, (1.0, 2.0))", "not a number"),
         ("(0.0, True)", "not a number, as item 1"),

@@ -1,17 +1,22 @@
 """The live page in a real browser: it plays, is wound to and fro, tells what `replay` does, and is exported."""
 
+import dataclasses
+import functools
 import re
 import shutil
 import time
 
 import numpy as np
 import pytest
+import uvicorn
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import offer_of, wanted
 from swarmcensus.watching.server import listen, serving
+from swarmcensus.watching.sessions import Session
 from swarmcensus.worlds.bodies import Body
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
@@ -318,6 +323,50 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
     page.keyboard.press("Home")
     come(page, served.address("robots=many"))
     playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
+
+
+def test_quick_changes_while_something_is_computed_lose_no_server(page, folder, monkeypatch):
+    """The server wants a sign of life five times a second, in place of every 20; what is compiled is said meanwhile."""
+    often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
+    monkeypatch.setattr(uvicorn, "Config", often)
+    answer = Session.answer
+
+    def long(session, words):
+        monkeypatch.setattr(COMPILATIONS, "now", "commons for fixed networks")
+        time.sleep(1.5)
+        monkeypatch.setattr(COMPILATIONS, "now", "")
+        return answer(session, words)
+
+    with serving(made := listen(offer_of(folder / "study.toml"))):
+        come(page, made.address("setting=1"), 0)
+        monkeypatch.setattr(Session, "answer", long)
+        page.keyboard.press("End")  # a moment is asked for, and then another trial, and another
+        page.wait_for_timeout(100)
+        page.evaluate("change('trial', '1')")
+        page.wait_for_timeout(100)
+        page.evaluate("change('trial', '2')")
+        playwright.expect(page.locator("#waiting")).to_contain_text("Compiling commons for fixed networks")
+        until(page, "[state.preparing, state.form.now.trial, state.source.tries]", [False, "2", 0])
+        assert page.locator("#error").is_hidden()
+        page.goto("about:blank")  # a page whose server goes would say so
+
+
+def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder):
+    page = browser.new_page()
+    first = listen(offer_of(folder / "study.toml"))
+    port = first.port
+    with serving(first):
+        come(page, first.address("setting=1&tick=40"), 40)
+        page.evaluate("WAITS.splice(0, 5, 200, 200, 200)")
+    page.evaluate("seek(200)")
+    playwright.expect(page.locator("#waiting")).to_contain_text("The connection is lost. Trying again")
+    assert page.locator("#error").is_hidden()
+    playwright.expect(page.locator("#error")).to_contain_text("The server is gone")
+    again = listen(first.offer, port=port)
+    with serving(dataclasses.replace(again, token=first.token)):
+        at(page, 200)
+        assert page.locator("#error").is_hidden()
+    page.close()
 
 
 def test_two_brains_go_in_step(page, served):

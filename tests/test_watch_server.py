@@ -2,21 +2,31 @@
 
 import concurrent.futures
 import contextlib
+import functools
 import http.client
 import json
+import os
 import random
+import signal
+import threading
 import time
+import types
 
+import numba
 import psutil
 import pytest
+import uvicorn
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
+from swarmcensus.watching import server, sessions
 from swarmcensus.watching.offers import offer_of
-from swarmcensus.watching.server import MOST_PAGES, listen, serving
+from swarmcensus.watching.server import MOST_PAGES, listen, serve, serving
+from swarmcensus.watching.sessions import Session
+from swarmcensus.watching.shows import Show
 from tests.slow import times
 
 # uvicorn itself still asks websockets for a part that is going out of use
@@ -43,12 +53,19 @@ def talk(served, token=None, **more):
     return connect(address, origin=origin, max_size=None, proxy=None, compression=None, **more)
 
 
+def heard(page):
+    """The next part of an answer; that something is compiled is none."""
+    while '"compiling"' in str(said := page.recv(timeout=60)):
+        pass
+    return said
+
+
 def ask(page, **words):
     while True:
         page.send(json.dumps(words))
-        parts = [page.recv(timeout=60)]
+        parts = [heard(page)]
         while isinstance(parts[-1], bytes):
-            parts.append(page.recv(timeout=60))
+            parts.append(heard(page))
         end = json.loads(parts[-1])
         if not end.get("going"):
             return parts[:-1], end
@@ -138,6 +155,45 @@ def test_fifty_pages(served):
             talk(served)
 
 
+@pytest.fixture
+def hasty(monkeypatch):
+    """A server that wants a sign of life of its pages every fifth of a second, in place of 20 seconds."""
+    often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
+    monkeypatch.setattr(uvicorn, "Config", often)
+    made = listen(offer_of(None))
+    with serving(made):
+        yield made
+
+
+def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, monkeypatch):
+    begun = Session.answer
+    monkeypatch.setattr(Session, "answer", lambda *given: (time.sleep(0.5), begun(*given))[1])
+    with talk(hasty) as page:
+        for number in range(4):
+            page.send(json.dumps({"id": number, "do": "begin", "ask": {"trial": str(number)}}))
+        assert [json.loads(page.recv(timeout=60))["id"] for _ in range(4)] == [0, 1, 2, 3]
+
+
+def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
+    """First something of the engine, then something of a brain; each is compiled anew here, and no more than a sum."""
+
+    def compiling(*given):
+        for place in ("living", "phases"):
+            function = types.FunctionType((lambda x: x + 1).__code__, {"__name__": place})
+            function.__module__ = f"somewhere.{place}"
+            numba.njit(function)(1)
+        return Show(*given)
+
+    monkeypatch.setattr(sessions, "Show", compiling)
+    monkeypatch.setattr(server, "NOTICE", 0.005)
+    with talk(served) as page:
+        page.send(json.dumps({"id": 1, "do": "begin", "ask": {"brain": "commons", "topology": "ring"}}))
+        said = []
+        while "id" not in (one := json.loads(page.recv(timeout=60))):
+            said.append(one["compiling"])
+    assert said == ["the engine for fixed networks", "commons for fixed networks"]
+
+
 def test_a_page_that_goes_stops_its_computing(served):
     """It goes while the end of a long trial is on its way: a second later nothing is computed any more."""
     me = psutil.Process()
@@ -213,9 +269,9 @@ def test_it_listens_on_loopback_alone(served):
     [
         (["--set", "robots"], "--set robots: should be such as robots=100"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
-        (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20000"),
+        (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20,000"),
         (["--at", "not a link"], "--at not a link: should be a copied link, or what stands behind its #"),
-        (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10000"),
+        (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10,000"),
         (["--set", "robot=25"], "robot = 25: should be a whole number from 0 to 24"),
         (["--set", "colour=red"], "colour = red: should be one of belief, off, error"),
         (["mine.py"], "neither a shipped brain"),
@@ -233,8 +289,6 @@ def test_mistakes_are_told_in_a_sentence(given, said, tmp_path, monkeypatch, cap
 
 
 def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys):
-    from swarmcensus.watching import server
-
     opened = []
     monkeypatch.setattr("webbrowser.open", opened.append)
     monkeypatch.setattr(server, "serve", lambda served: (time.sleep(0.5), served.socket.close()))
@@ -243,6 +297,24 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
     assert address.startswith("http://127.0.0.1:")
     assert address.endswith("#robots=9&tick=70")
     assert opened == [address]
+
+
+def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, monkeypatch):
+    made, answers = listen(offer_of(None)), []
+    monkeypatch.setattr(signal, "raise_signal", lambda _: None)  # uvicorn ends as it was told to: so would the tests
+
+    def stopped():
+        answers.append(get(made, f"/?token={made.token}")[0])
+        os.kill(os.getpid(), signal.SIGINT)
+        time.sleep(0.3)
+        answers.append(get(made, f"/?token={made.token}")[0])
+        os.kill(os.getpid(), signal.SIGTERM)
+
+    thread = threading.Thread(target=stopped)
+    thread.start()
+    serve(made)
+    thread.join()
+    assert answers == [200, 200]
 
 
 def test_from_python_it_is_a_frame(tmp_path):

@@ -62,7 +62,7 @@ def parsed(message):
 
 def test_a_small_swarm_is_offered_where_no_study_is():
     found = wanted(offer_of(None), {})
-    assert str(found.settings[0]) == "moving, N = 25, D = 1.0, accuracy 0.75, f = 0.75, 10000 ticks"
+    assert str(found.settings[0]) == "moving, N = 25, D = 1.0, accuracy 0.75, f = 0.75, 10,000 ticks"
 
 
 def test_settings_are_those_of_the_study(offer):
@@ -84,8 +84,8 @@ def test_results_are_watched_too(offer, tmp_path):
         ({"brain": "commons"}, "ring, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"robots": "50"}, "ring, N = 50, accuracy U(0.6,0.9), f = 0.6, C = 60, R = 10"),
         ({"accuracy": "0.8"}, "ring, N = 6, accuracy 0.8, f = 0.6, C = 60, R = 10"),
-        ({"topology": "moving"}, "moving, N = 6, D = 1.0, accuracy U(0.6,0.9), f = 0.6, 10000 ticks"),
-        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1000, R = 10"),
+        ({"topology": "moving"}, "moving, N = 6, D = 1.0, accuracy U(0.6,0.9), f = 0.6, 10,000 ticks"),
+        ({"setting": "2", "topology": "line"}, "line, N = 6, accuracy U(0.6,0.9), f = 0.6, C = 1,000, R = 10"),
         ({"setting": "2", "floor": "half", "density": "2"}, "D = 2.0, accuracy U(0.6,0.9), f = 0.6, floor half, 60 t"),
         ({"link_success": "0.5", "fill_ratio": "0.25"}, "f = 0.25, link success 0.5"),
         ({"liars": "0.5"}, "of them 0.5 always-black, not honest"),
@@ -122,7 +122,7 @@ def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
             "brain = comons: did you mean 'commons'? no brain of this study, nor a shipped",
         ),
         ({"beside": "comons"}, "beside = comons: did you mean"),
-        ({"robots": "1e3"}, "robots = 1e3: should be a whole number from 1 to 20000"),
+        ({"robots": "1e3"}, "robots = 1e3: should be a whole number from 1 to 20,000"),
         ({"robots": "-1"}, "robots = -1: should be a whole number"),
         ({"robots": "٣"}, "robots = ٣: should be a whole number"),
         ({"setting": "99"}, "setting = 99: there are 0 to 7"),
@@ -140,7 +140,7 @@ def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
         ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
         ({"liars": "1"}, "none is honest"),
         ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic: no adversary of that name"),
-        ({"topology": "full", "brain": "voter", "robots": "9000"}, "2000 is the most here"),
+        ({"topology": "full", "brain": "voter", "robots": "9000"}, "2,000 is the most here"),
     ],
 )
 def test_what_is_wrong_is_told(offer, asked, said):
@@ -250,7 +250,7 @@ def test_what_cannot_be_watched_is_told(offer, tmp_path):
             offer_of(results.isel(setting=chosen))
     big = {"robots": 30_000, "accuracy": 0.7}
     study = sc.Study(trials=1, swarm=big, world={"topology": "ring", "fill_ratio": 0.5})
-    with pytest.raises(InputError, match="up to 20000"):
+    with pytest.raises(InputError, match="up to 20,000"):
         wanted(offer_of(study), {})
     with pytest.raises(InputError, match="tiles wide"):
         wanted(offer, {"topology": "moving", "density": "1e-300"})

@@ -34,4 +34,4 @@ def places(width: float, digits: int = 2) -> int:
 
 def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, str]:
     """A number and its interval as text."""
-    return f"{value:.{decimals}f}", f"[{low:.{decimals}f}, {high:.{decimals}f}]"
+    return f"{value:,.{decimals}f}", f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"

@@ -5,6 +5,8 @@ import re
 import traceback
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
+
 STOPPED = 130  # the exit code that a shell expects of a program that Ctrl-C ended
 
 
@@ -17,7 +19,7 @@ class Interrupted(KeyboardInterrupt):
 
     def __init__(self, results: object, done: int, total: int) -> None:
         """Keep the partial dataset and how far it got."""
-        super().__init__(f"stopped after {done} of {total} trials")
+        super().__init__(f"stopped after {done:,} of {counted(total, 'trial')}")
         self.results = results
         self.done = done
         self.total = total
@@ -35,3 +37,9 @@ def line_of(error: BaseException, path: Path) -> str:
             line = (frame.line or linecache.getline(frame.filename, frame.lineno or 0)).strip()
             return f", at {frame.filename}, line {frame.lineno}: {line}"
     return ""
+
+
+def worded(message: str) -> str:
+    """What pydantic says is wrong with a value, in our words: "should be less than 1,000"."""
+    said = message.removeprefix("Value error, ").replace("Input should", "should")
+    return re.sub(r"(?<=than |l to )\d{4,}", lambda found: f"{int(found[0]):,}", said)

@@ -31,7 +31,7 @@ class Time:
         """How many ticks of so many seconds. Raises ValueError, naming the nearest, where that is no whole number."""
         count = self.number * UNITS[self.unit] / tick
         if not count <= MOST:
-            raise ValueError(f"that is {count:.3g} ticks: {MOST} at the most")
+            raise ValueError(f"that is {count:.3g} ticks: {MOST:,} at the most")
         whole = round(count)
         if whole >= least and abs(count - whole) <= min(NEAR * count, 1e-3):
             return whole

@@ -81,7 +81,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     whole = isinstance(options, int) and not isinstance(options, bool)
     need(
         whole and 2 <= options <= MOST_OPTIONS,
-        f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS} (bins)",
+        f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS:,} (bins)",
     )
     functions = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     need("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")

@@ -52,7 +52,7 @@ def value_of(given: object) -> Value:
     """A number, or a vector, as floats. Raises ValueError, which says what it is not."""
     if isinstance(given, list | tuple):
         if not 1 <= len(given) <= LONGEST:
-            raise ValueError(f"a vector of {len(given)}: it should have 1 to {LONGEST} numbers")
+            raise ValueError(f"a vector of {len(given):,}: it should have 1 to {LONGEST:,} numbers")
         return tuple(_number(one, f", as item {k}") for k, one in enumerate(given))
     return _number(given)
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 from rich.table import Table
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.tables import NOTHING, coordinates
 
@@ -45,7 +46,10 @@ def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: in
     for number, why in enumerate(reasons, start=1):
         out.print(f"[{number}] no verdict: {why}")
     if len(shown) < len(found.settings):
-        out.print(f"{len(shown):,} of {len(found.settings):,} settings; all of them: {again} --limit 0", soft_wrap=True)
+        out.print(
+            f"{len(shown):,} of {counted(len(found.settings), 'setting')}; all of them: {again} --limit 0",
+            soft_wrap=True,
+        )
     out.print(verdict_of(found))
 
 
@@ -54,7 +58,7 @@ def verdict_of(found: "Agreement") -> str:
     if not found.exact:
         return "no verdict in any of these settings: theory is not exact there, or trials are too few to tell"
     return (
-        f"{found.agree:,} of {found.exact:,} settings where theory is exact agree, at 1 in 1,000 each "
+        f"{found.agree:,} of {counted(found.exact, 'setting')} where theory is exact agree, at 1 in 1,000 each "
         f"({found.by_chance:.2g} expected to differ by chance; that any does: at most {100 * found.by_chance:.2g} %)"
     )
 

@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.cli.voice import answer, say, wrote
@@ -46,7 +47,7 @@ def compare(options: argparse.Namespace) -> int:
     else:
         comparison_page.show(found, title, again, limit, options.pairs)
     if options.csv:
-        wrote(f"{options.csv}: {write_csv(found, options.csv):,} rows")
+        wrote(f"{options.csv}: {counted(write_csv(found, options.csv), 'row')}")
     if options.latex:
         write_latex(found, options.latex)
         wrote(options.latex)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
+from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.comparison_page import tell
 from swarmcensus.results.comparing import Comparison
@@ -42,14 +43,14 @@ def show(found: Comparison, title: str, again: str, axes: Sequence[str], limit: 
             style="dim",
         )
     if len(rows) < len(everything):
-        out.print(f"{len(rows):,} of {len(everything):,} rows; all of them: {again} --limit 0", soft_wrap=True)
+        out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; all of them: {again} --limit 0", soft_wrap=True)
     tell(found)
 
 
 def _once(rows: Any, axes: Sequence[str]) -> list[str]:
     """What is said of an axis, in the first row of all that share it, and what stands left of it."""
-    keys = rows[list(axes)].map(str).agg(" ".join, axis=1)
-    return list(rows[axes[-1]].map(str).where(keys != keys.shift(), ""))
+    keys = rows[list(axes)].map(grouped).agg(" ".join, axis=1)
+    return list(rows[axes[-1]].map(grouped).where(keys != keys.shift(), ""))
 
 
 def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
@@ -57,7 +58,7 @@ def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
     ways = RANKED if found.against is None else AGAINST
     heads = [f"{one.label} " * (way == ways[0]) + MARKS.get(way, way) for way in ways]
     out: list[Column] = [
-        (head, True, rows[f"{one.name}_{way}"].map(str).tolist()) for head, way in zip(heads, ways, strict=True)
+        (head, True, rows[f"{one.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
     if found.against is not None:
         for name in (gap_of(one.share), "worst"):

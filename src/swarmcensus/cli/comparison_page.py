@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 from rich.table import Table
 
+from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.results.comparing import Comparison
@@ -20,6 +21,7 @@ from swarmcensus.results.comparison_cells import (
     rows_of,
 )
 from swarmcensus.results.summaries import is_idle
+from swarmcensus.results.verdicts import tests_of
 
 
 def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
@@ -34,7 +36,7 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
     names = list(found.field.worlds[0])
     left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
     for name in names:
-        said = ("-" if is_idle(one[name]) else str(one[name]) for one in (found.field.worlds[w] for w in world))
+        said = ("-" if is_idle(one[name]) else grouped(one[name]) for one in (found.field.worlds[w] for w in world))
         left[name] = [text if new else "" for text, new in zip(said, first, strict=True)]
     left["contender"] = [found.contenders[c] for c in contender]
     if not names:
@@ -49,7 +51,9 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
     for line in _legend(found, cells):
         out.print(line, style="dim")
     if worlds < len(found.field.worlds):
-        out.print(f"{worlds:,} of {len(found.field.worlds):,} worlds; all of them: {again} --limit 0", soft_wrap=True)
+        out.print(
+            f"{worlds:,} of {counted(len(found.field.worlds), 'world')}; all of them: {again} --limit 0", soft_wrap=True
+        )
     if with_pairs:
         out.print()
         out.print(_pairs(found, worlds))
@@ -126,9 +130,9 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         f"{head(one)}: {one.meaning}" + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
         for one in found.measures
     ]
-    tests = sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
+    tests = tests_of(found)
     same = [
-        f"{name} {value}" for name, value in found.field.common.items()
+        f"{name} {grouped(value)}" for name, value in found.field.common.items()
         if not (is_idle(value) or (name == "link_success" and value == 1.0))
     ]  # fmt: skip
     costs = [name for name in COSTS.values() if name in cells]
@@ -137,6 +141,6 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         "; ".join(said),
         f"values: the median over {many} trials of each one's median robot (of shares and what is sent: means){few}",
         *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
-        f"{marks_of(found)}; {tests:,} test{'s' * (tests != 1)}, corrected by Holm's method",
+        f"{marks_of(found)}; {counted(tests, 'test')}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]

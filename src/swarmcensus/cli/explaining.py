@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.cli.voice import answer
 
 if TYPE_CHECKING:
@@ -78,7 +79,7 @@ def show(found: "Explanation", path: str) -> None:
     from swarmcensus.basics.terminal import UNFOLDED, console
 
     out = console()
-    out.print(f"{path}, setting {found.setting}: {found.what}; {found.trials:,} trials")
+    out.print(f"{path}, setting {found.setting}: {found.what}; {counted(found.trials, 'trial')}")
     for most in range(MOST_CHECKPOINTS, 0, -1):  # fewer checkpoints where a terminal is narrow
         rows = _table(found, most)
         if rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.version import __version__
 
 LIBRARIES = (
@@ -36,7 +37,7 @@ class Health:
         """What each thing is, and what of it there is."""
         yield "swarmcensus", self.told["swarmcensus"]
         yield "Python", f"{self.told['python']}, {self.told['executable']}"
-        yield "system", f"{self.told['system']}, {self.told['cores']} cores"
+        yield "system", f"{self.told['system']}, {counted(self.told['cores'], 'core')}"
         yield from self.told["libraries"].items()
         cache = self.told["cache"]
         state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"

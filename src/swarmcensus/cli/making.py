@@ -5,6 +5,7 @@ import sys
 import time
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.cli.voice import answer, reporting, say, wrote
 
@@ -30,7 +31,8 @@ def reproduce(options: argparse.Namespace) -> int:
     elif done.claims:
         report.show(done.claims)
         if options.trials is not None and options.trials < FEWEST:
-            say(f"{options.trials} trials decide next to nothing: with fewer than {FEWEST}, intervals do not hold")
+            few = f"{counted(options.trials, 'trial')} decide{'s' * (options.trials == 1)} next to nothing"
+            say(f"{few}: with fewer than {FEWEST}, intervals do not hold")
     wrote(done.page)
     return 0
 
@@ -65,7 +67,7 @@ def run(options: argparse.Namespace) -> int:
                 say=say,
             )
     except Interrupted as stopped:
-        say(f"kept {stopped.done:,} of {stopped.total:,} trials in {out}: run again to go on")
+        say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: run again to go on")
         raise
     if options.json:
         answer("summary", told_of(data, data))
@@ -73,9 +75,9 @@ def run(options: argparse.Namespace) -> int:
         settings(data, out)
     warn_of_start(data)
     warn_of_edges(data)
-    trials = f"up to {study.trials}" if study.until else str(study.trials)
+    trials = "up to " * bool(study.until) + counted(study.trials, "trial")
     part = f"share {data.attrs['share']} of " if "share" in data.attrs else ""
-    wrote(f"{out}: {part}{data.sizes['setting']:,} settings of {trials} trials, {time.monotonic() - begun:.1f} s")
+    wrote(f"{out}: {part}{counted(data.sizes['setting'], 'setting')} of {trials}, {time.monotonic() - begun:.1f} s")
     return failures(data)
 
 

@@ -3,6 +3,7 @@
 import math
 
 from swarmcensus.basics import terminal
+from swarmcensus.basics.counting import counted
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.plans import Plan, Row
 
@@ -133,10 +134,10 @@ def _meaning(found: Plan, theory: bool) -> str:
     who = "share of robots that are honest and work" if mission.known.lying else "share of robots"
     lines = [
         f"right: {who} at that time, at the worst f of the range; "
-        f"[ ]: 95 % intervals over {trials:,} trials, seed {mission.seed}"
+        f"[ ]: 95 % intervals over {counted(trials, 'trial')}, seed {mission.seed}"
     ]
     if fewer < trials:
-        lines.append(f"not reached: so surely that {fewer:,} trials told")
+        lines.append(f"not reached: so surely that {counted(fewer, 'trial')} told")
     if theory:
         known = mission.known
         left_out = ["nobody lied"] * (known.lying > 0) + ["no message were lost"] * (known.link_success < 1)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.voice import LOG, wrote
 
@@ -41,7 +42,7 @@ def plot(options: argparse.Namespace) -> int:
     with _failures(options.kind), _telling(given, data):
         drawn = draw(data, **given)
     if "out" in given:
-        wrote(f"{out}: {drawn:,} frames" if isinstance(drawn, int) else out)
+        wrote(f"{out}: {counted(drawn, 'frame')}" if isinstance(drawn, int) else out)
     else:
         save_figure(_as_figure(drawn, options.kind), out)
     return 0

@@ -5,6 +5,7 @@ import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.cli.voice import answer, reporting, wrote
@@ -61,7 +62,7 @@ def merge(options: argparse.Namespace) -> int:
         raise InputError(f"--out {options.out}: results are written as .nc")
     data = merging.write(options.out, options.results, fresh=options.fresh)
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
-    wrote(f"{options.out}: {data.sizes['setting']:,} settings, {done:,} of {total:,} trials")
+    wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")
     return 0
 
 
@@ -87,7 +88,9 @@ def verify(options: argparse.Namespace) -> int:
         return _code(found)
     for difference in (*found.labels, *found.differences):
         print(difference)
-    what = f"{found.checked:,} of {found.stored:,} trials run again" + ("" if options.all else f" (--seed {seed})")
+    what = f"{found.checked:,} of {counted(found.stored, 'trial')} run again" + (
+        "" if options.all else f" (--seed {seed})"
+    )
     same = "the numbers are the same to the last bit" if found.labels or found.notes else "the same to the last bit"
     same = same if found.checked else "none of them is of a study that can be run"
     differ = f"{len(found.differences):,} differ" if found.differences else same
@@ -118,5 +121,5 @@ def export(options: argparse.Namespace) -> int:
     data = remeasure(opened(options.results), delta=options.delta)
     say_partial(data, options.results)
     rows = store.export(where(data, options.where), out, kind)
-    wrote(f"{out}: {rows:,} rows")
+    wrote(f"{out}: {counted(rows, 'row')}")
     return 0

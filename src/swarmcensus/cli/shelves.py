@@ -81,6 +81,9 @@ def checks(path: Any, found: list[Check]) -> bool:
     """What the conformance suite found; whether the brain passed."""
     out = console()
     for one in found:
+        if not one.used:
+            out.print(f"-     {one.name}: not used", style="dim")
+            continue
         out.print(Text("pass", "green") if one.fault is None else Text("FAIL", "red bold"), f" {one.name}")
         if one.fault is not None:
             out.print(f"      {one.fault}", soft_wrap=True)

@@ -11,6 +11,7 @@ import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
+from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
@@ -35,10 +36,10 @@ DIGITS = {"K": 1}  # of an interval's width
 def head(data: xr.Dataset, path: Path) -> str:
     """What a results file is of, and how many of its trials are done."""
     made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
-    trials = f"{int(done(data).sum()):,} of {data.attrs['trials_total']:,} trials done"
+    trials = f"{int(done(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
     failed = len(failed_trials(data))
     return (
-        f"{path}: {data.attrs['title']} ({made}): {data.sizes['setting']:,} settings, {trials}"
+        f"{path}: {data.attrs['title']} ({made}): {counted(data.sizes['setting'], 'setting')}, {trials}"
         + f", {failed:,} failed" * (failed > 0)
     )
 
@@ -81,7 +82,7 @@ def settings(
         out.print(line, style="dim")
     if len(frame) < data.sizes["setting"]:
         out.print(
-            f"{len(frame):,} of {data.sizes['setting']:,} settings; all of them: "
+            f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; all of them: "
             f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
             soft_wrap=True,  # to be copied
         )
@@ -92,8 +93,8 @@ NOTHING = "-"  # what a setting is where a coordinate says nothing
 
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
-    columns = {str(k): c.values.astype(str) for k, c in data.coords.items() if c.dims == ("setting",)}
-    del columns["setting"]
+    whats = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
+    columns = {name: np.array([grouped(value) for value in values]) for name, values in whats.items()}
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
     if (data["link_success"] == 1.0).all():
@@ -177,14 +178,14 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
 def _legend(data: xr.Dataset, frame: Any) -> list[str]:
     looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
-    when = f"after {unit} {looked.pop()}" if len(looked) == 1 else "at the last checkpoint"
+    when = f"after {unit} {looked.pop():,}" if len(looked) == 1 else "at the last checkpoint"
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
         f"K: {unit} of convergence, error: |x - f| at K, final error: after the last {unit} "
         f"(medians over robots and trials){floor}",
         f"right: robots in the correct bin {when}; "
-        + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST} trials"),
+        + ("[95 %]: over trials" if known else f"no intervals: fewer than {FEWEST:,} trials"),
         *(
             [f"coverage: robots whose interval holds f, interval width: their mean (median over trials), both {when}"]
             if "coverage" in frame
@@ -237,7 +238,7 @@ def failures(data: xr.Dataset) -> int:
         trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
         print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
     if len(by_setting) > MOST_ROWS:
-        print(f"and trials of {len(by_setting) - MOST_ROWS:,} more settings", file=sys.stderr)
+        print(f"and trials of {counted(len(by_setting) - MOST_ROWS, 'more setting')}", file=sys.stderr)
     return 2 if by_setting else 0
 
 
@@ -256,4 +257,4 @@ def rounds(trace: xr.Dataset, json: bool = False) -> None:
     whose = "the robots'" if honest.all() else f"the {honest.sum():,} honest robots'"
     console().print(f"{trace.attrs['title']}: {whose} estimates")
     heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
-    console().print(table(heads, [(str(k), *(f"{value:.4f}" for value in values)) for k, *values in ends]))
+    console().print(table(heads, [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]))

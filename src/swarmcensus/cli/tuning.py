@@ -4,6 +4,7 @@ import argparse
 import time
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.cli.voice import answer, reporting, say, wrote
 
 
@@ -42,5 +43,5 @@ def tune(options: argparse.Namespace) -> int:
         answer("tuning", found.told)
     else:
         print(found)
-    wrote(f"{out}: {len(found.evaluations):,} evaluations, {time.monotonic() - begun:.1f} s")
+    wrote(f"{out}: {counted(len(found.evaluations), 'evaluation')}, {time.monotonic() - begun:.1f} s")
     return 0

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Brain, Vector, numbers, slots
 from swarmcensus.conformance import chances
 from swarmcensus.conformance.lives import (
     CLOSE,
     SEED,
     Fault,
+    NotUsed,
     at,
     call,
     copy_of,
@@ -42,10 +44,12 @@ def any_order(brain: Brain) -> None:
         call(brain, where, "observe", other, blacks, 13.0)
         heard.append(call(brain, where, "broadcast", other))
     heard = [fixed(message) for message in heard if is_message(brain, message)]
+    pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
+    if not heard and not any(pools):  # it is always silent
+        raise NotUsed
     for where, me in short_lives(brain):
         _in_orders(brain, where, me, heard)
     random = np.random.default_rng(SEED)
-    pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
     for k, (where, me) in enumerate(long_lives(brain)):
         pool = pools[k // len(SIZES) % 2]
         _in_orders(brain, where, me, some(random, pool, SIZES[k % len(SIZES)]))
@@ -84,7 +88,7 @@ def sums_add(brain: Brain) -> None:
         if any(numbers({name: brain.memory[name]})):
             raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
-        return
+        raise NotUsed
     pools = [
         [(message, _added(brain, where, message)) for where, message in messages(brain, extreme)]
         for extreme in (False, True)
@@ -127,7 +131,7 @@ def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, 
         expected = sum(parts)
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
         if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
-            what = f"of {len(heard)} messages in a row " if len(heard) > 1 else ""
+            what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
             raise Fault(
                 f"{at(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
                 f"{expected!r} in a blank one that believes in b = 0.8, w = 0.7: by SUMS it adds to "

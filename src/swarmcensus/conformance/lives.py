@@ -36,6 +36,10 @@ class Fault(Exception):
     """What is wrong with a brain, in words."""
 
 
+class NotUsed(Exception):
+    """A brain has no part that a check could ask about."""
+
+
 def in_a_line(error: BaseException) -> str:
     """The kind of an error, and the first line of what it says."""
     return ": ".join([type(error).__name__, *str(error).strip().splitlines()[:1]])

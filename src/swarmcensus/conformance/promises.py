@@ -9,6 +9,7 @@ from swarmcensus.brains.syntax import INTERVAL
 from swarmcensus.conformance.hearing import any_order, sums_add
 from swarmcensus.conformance.lives import (
     Fault,
+    NotUsed,
     at,
     call,
     copy_of,
@@ -46,7 +47,9 @@ def _finite(brain: Brain) -> None:
 
 def _decides(brain: Brain) -> None:
     """An option or none, and whether it is done, of whatever mind."""
-    for where, me in lives(brain) if brain.decides or brain.ends or brain.jams else ():
+    if not (brain.decides or brain.ends or brain.jams):
+        raise NotUsed
+    for where, me in lives(brain):
         if brain.decides:
             choice = call(brain, where, "decide", me)
             if not isinstance(choice, int | float) or choice not in range(-1, brain.options):
@@ -61,7 +64,9 @@ def _decides(brain: Brain) -> None:
 
 
 def _bounds(brain: Brain) -> None:
-    for where, me in lives(brain) if brain.has_interval else ():
+    if not brain.has_interval:
+        raise NotUsed
+    for where, me in lives(brain):
         said = call(brain, where, "interval", me)
         if not is_interval(said):
             raise Fault(f"{at(brain, 'interval')} gives {said!r}: {INTERVAL} ({where})")
@@ -75,7 +80,9 @@ def is_interval(said: object) -> bool:
 
 
 def _steers(brain: Brain) -> None:
-    for where, me in lives(brain) if brain.steers else ():
+    if not brain.steers:
+        raise NotUsed
+    for where, me in lives(brain):
         wish = call(brain, where, "steer", me)
         if not is_wish(wish):
             what = "neither two finite numbers, a speed and a turn, nor None"
@@ -137,7 +144,7 @@ PROMISES: dict[str, Callable[[Brain], None]] = {
     "steers by a speed and a turn, or not at all": _steers,
     "decides for an option, or not yet": _decides,
     "tells an interval within [0, 1], the low end first": _bounds,
-    "broadcast, estimate and steer only read": _reads_only,
+    "functions that tell something only read": _reads_only,
     "the same history gives the same mind": _same_again,
     "readings at once mean the same as one by one": looks_add_up,
     "messages mean the same in any order": any_order,

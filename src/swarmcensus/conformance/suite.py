@@ -32,10 +32,11 @@ Test = Callable[[brains.Brain], None]
 
 @dataclass(frozen=True)
 class Check:
-    """One check: what it asks for, and what is wrong (None where nothing is)."""
+    """One check: what it asks for, what is wrong (None where nothing is), and whether the brain has such a part."""
 
     name: str
     fault: str | None
+    used: bool = True
 
 
 def checks() -> dict[str, Test]:
@@ -95,7 +96,7 @@ def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> li
     patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY)
     done = _child("report", path, patience, wearing)
     told = [json.loads(line) for line in done.stdout.splitlines()]
-    results = [Check(*one) for one in told if len(one) == 2]
+    results = [Check(*one) for one in told if len(one) > 1]
     if done.returncode or len(told[-1]) == 1:
         begun = told[-1][0] if told else KEEPS
         results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
@@ -120,27 +121,34 @@ def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iter
         if name == AGREES and COMPILES in known:
             continue
         with np.errstate(all="ignore"):
-            fault = fault_of(test, brain)
-        yield Check(name, "the same as above" if fault and gist(fault) in known.values() else fault)
+            fault, used = _tried(test, brain)
+        yield Check(name, "the same as above" if fault and gist(fault) in known.values() else fault, used)
         if fault:
             known[name] = gist(fault)
 
 
 def fault_of(test: Test, brain: brains.Brain) -> str | None:
     """What a check finds wrong."""
-    from swarmcensus.conformance.lives import Fault, in_a_line
+    return _tried(test, brain)[0]
+
+
+def _tried(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
+    """What a check finds wrong, and whether the brain has what it is about."""
+    from swarmcensus.conformance.lives import Fault, NotUsed, in_a_line
 
     try:
         test(brain)
+    except NotUsed:
+        return None, False
     except Fault as fault:
-        return str(fault)
+        return str(fault), True
     except Exception as error:
-        return in_a_line(error)
-    return None
+        return in_a_line(error), True
+    return None, True
 
 
 def report(path: str, patience: float, wearing: str = "") -> None:
-    """The child: before each check print its name, after it the name and the fault, as lines of JSON."""
+    """The child: before each check print its name, after it all of its `Check`, as lines of JSON."""
 
     def timed(name: str, test: Test) -> Test:
         def run(brain: brains.Brain) -> None:
@@ -155,7 +163,7 @@ def report(path: str, patience: float, wearing: str = "") -> None:
         return run
 
     for found in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
-        print(json.dumps([found.name, found.fault]), flush=True)
+        print(json.dumps([found.name, found.fault, found.used]), flush=True)
 
 
 def call_by_call(path: str, patience: float, wearing: str = "") -> None:

@@ -157,7 +157,7 @@ class Arena:
         """Return the place of a tick in the trace. Raises InputError if it is not there."""
         (found,) = np.nonzero(self.ticks == tick)
         if not found.size:
-            raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]} to {self.ticks[-1]}")
+            raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
         return int(found[0])
 
     def paint(self, tick: int) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.checking import finished
@@ -41,8 +42,8 @@ def lacking(parts: Sequence[xr.Dataset]) -> str:
     for part in parts:
         total += part.sizes["setting"] * part.sizes["trial"]
     if "half_width" in parts[0]:  # a rule ends the trials: nobody knows when
-        return f"{done:,} trials so far"
-    return f"{done:,} of {total:,} trials" if done < total else ""
+        return f"{counted(done, 'trial')} so far"
+    return f"{done:,} of {counted(total, 'trial')}" if done < total else ""
 
 
 def truth_of(trace: xr.Dataset) -> float:

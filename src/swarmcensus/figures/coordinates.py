@@ -55,6 +55,24 @@ TITLES = {  # how an axis or a key names them, where that is not their name
 }
 
 
+PLURALS = {  # what several values of a coordinate are called
+    "accuracy": "accuracies",
+    "adversary": "adversaries",
+    "assumed_accuracy": "assumed accuracies",
+    "brain": "brains",
+    "density": "densities",
+    "fill_ratio": "fill ratios",
+    "floor": "floors",
+    "liars": "numbers of liars",
+    "members": "mixtures of robots",
+    "message_delay": "message delays",
+    "robots": "numbers of robots",
+    "rounds": "numbers of rounds",
+    "side": "sides of the arena",
+    "topology": "topologies",
+}
+
+
 def caption_of(world: Mapping[str, Any]) -> str:
     """What a caption says of a world of a comparison, by the coordinates in which it differs from others."""
     said = {
@@ -130,6 +148,23 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
         if len(distinct - {None} if name in restating else distinct) > 1:
             varying[name] = values
     return varying if twice or len({*apart_from}) < 2 else _not_told_by(results, {*apart_from}, varying)
+
+
+def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
+    """What settings have several values of that are drawn as one, for a figure to say; nothing where none do.
+
+    `parts` are its panels and `axes` the coordinates that tell apart what stands in one, as "7 accuracies".
+    """
+    found: dict[str, int] = {}
+    for part in parts:
+        at = list(zip(*(texts_of(part, name).tolist() for name in axes), strict=True))
+        for name, values in varies(part, axes).items():
+            together: dict[tuple[str, ...], set[Any]] = {}
+            for place, value in zip(at, values, strict=True):
+                together.setdefault(place, set()).add(value)
+            found[name] = max(found.get(name, 1), *map(len, together.values()))
+    told = [f"{count:,} {PLURALS.get(name, f'values of {name}')}" for name, count in found.items() if count > 1]
+    return " and ".join(filter(None, [", ".join(told[:-1]), *told[-1:]]))
 
 
 def _not_told_by(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:

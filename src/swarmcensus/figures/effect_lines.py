@@ -16,6 +16,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullFormatter, NullLocator
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
@@ -55,7 +56,9 @@ def draw_effects(
 ) -> Drawn:
     """Draw the effects of a comparison, a panel for each measure; see `compare`. Raises InputError."""
     if len(rows) > MOST_ROWS:
-        raise InputError(f"{len(rows)} rows are more than the {MOST_ROWS} that have room: name other coordinates by")
+        raise InputError(
+            f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room: name other coordinates by"
+        )
     others = [k for k in range(len(found.contenders)) if k != mark]
     names = [found.contenders[k] for k in others]
     looks = list(looks_of(names, "o", "brain").values())
@@ -104,8 +107,8 @@ def draw_effects(
 
 def _named(world: dict[str, Any], count: int, worlds: int) -> str:
     if not world:
-        return f"all {worlds} worlds" if worlds > 1 else ""
-    return caption_of(world) + (f" ({count} worlds)" if count > 1 else "")
+        return f"all {counted(worlds, 'world')}" if worlds > 1 else ""
+    return caption_of(world) + (f" ({counted(count, 'world')})" if count > 1 else "")
 
 
 def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[int]) -> dict[str, Artist]:

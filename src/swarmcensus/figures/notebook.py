@@ -8,6 +8,8 @@ import html
 import io
 from typing import Any
 
+from swarmcensus.basics.counting import counted
+
 MOST_SETTINGS = 20
 
 
@@ -55,7 +57,7 @@ def _summary(data: Any) -> str:
         ends = zip(frame[name], frame[f"{name}_low"], frame[f"{name}_high"], strict=True)
         told[name.replace("_", " ")] = [_with_interval(*three) for three in ends]
     title = html.escape(str(data.attrs.get("title", "")))
-    trials = f"{int(done(data).sum()):,} trials of {count:,} setting{'s' * (count > 1)}"
+    trials = f"{counted(int(done(data).sum()), 'trial')} of {counted(count, 'setting')}"
     more = f", the first {MOST_SETTINGS} here: sc.summary has all" if count > MOST_SETTINGS else ""
     note = "medians over robots and trials, of shares means, with 95 % intervals over trials"
     table = told.to_html(index=False, border=0, na_rep="", float_format=lambda value: f"{value:g}")

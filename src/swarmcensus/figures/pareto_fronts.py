@@ -67,7 +67,7 @@ def draw_pareto(
         raise InputError(f"cost {cost!r}: {told}")
     if len(found.field.worlds) > MOST_PANELS:
         raise InputError(
-            f"a figure holds 1 to {MOST_PANELS} worlds, not {len(found.field.worlds)}: select some settings"
+            f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(found.field.worlds)}: select some settings"
         )
     measure, contest = found.measures[0], found.contests[0]
     times = 100.0 if measure.share else 1.0

@@ -16,10 +16,22 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.rankings import groups
 from swarmcensus.figures.lettering import wrapped
-from swarmcensus.figures.sheets import SMALL, TITLE, Drawn, Own, caption_panels, drawn_on, own_axes, say_lacking
+from swarmcensus.figures.sheets import (
+    CAPTION,
+    SMALL,
+    TITLE,
+    Drawn,
+    Own,
+    caption_panels,
+    drawn_on,
+    own_axes,
+    say_lacking,
+)
+from swarmcensus.results.comparison_cells import equals
 from swarmcensus.results.contests import Contest
 from swarmcensus.results.standings import Standings
 
@@ -46,23 +58,25 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, resul
         raise InputError("ranks: there is no world in which all contenders have finished the same trials")
     if len(found.contenders) > MOST:
         raise InputError(
-            f"ranks: a line has room for {MOST} contenders, not {len(found.contenders)}: select some settings"
+            f"ranks: a line has room for {MOST:,} contenders, not {len(found.contenders)}: select some settings"
         )
     joined = [_joined(found, found.contests[k]) for k in drawn]
     names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
     tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
-    high = [OVER + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2) for bars in joined]
+    captions = [_caption(found, k, bars) for k, bars in zip(drawn, joined, strict=True)]
+    over = [OVER + LINE * (len(wrapped(caption, 72 * (WIDE - 0.4), CAPTION)) - 1) for caption in captions]
+    high = [
+        above + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2)
+        for above, bars in zip(over, joined, strict=True)
+    ]
     lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
     room = 0.22 * len(lines) + 0.1 * bool(lines)
-    panels = _panels(high, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
-    captions = [
-        f"{one.label}: average rank over {_over(found.contests[k])}" for k in drawn for one in [found.measures[k]]
-    ]
+    panels = _panels(high, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
     if ax is not None and title:
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3, WIDE - 0.3)
-    for k, bars, panel, inches in zip(drawn, joined, panels, high, strict=True):
-        _draw(panel, names, found.contests[k].average_ranks, bars, inches - OVER, tall)
+    for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
+        _draw(panel, names, found.contests[k].average_ranks, bars, inches - above, tall)
     say_lacking(panels[-1:], results)
     return drawn_on(panels, ax)
 
@@ -72,12 +86,21 @@ def _joined(found: Standings, contest: Contest) -> list[list[int]]:
     return groups(order, found.apart_overall(contest))
 
 
+def _caption(found: Standings, k: int, bars: list[list[int]]) -> str:
+    """What a panel shows; and why, where contenders differ overall and one bar joins all of them."""
+    contest = found.contests[k]
+    told = f"{found.measures[k].label}: average rank over {_over(contest)}"
+    if contest.differ and bars and len(bars[0]) == len(found.contenders):
+        told += f"; they differ (Friedman's test: p {equals(contest.friedman_corrected)}), but no two are told apart"
+    return told
+
+
 def _over(contest: Contest) -> str:
     worlds, trials = int(contest.met.sum()), len(contest.ranks)
-    return f"{trials} trials" + (f" in {worlds:,} worlds" if worlds > 1 else "")
+    return f"{counted(trials, 'trial')}" + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
 
 
-def _panels(high: list[float], room: float, title: list[str]) -> list[Axes]:
+def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
     total = sum(high) + room + FOOT
     figure = Figure(figsize=(WIDE, total))
     FigureCanvasAgg(figure)
@@ -87,8 +110,8 @@ def _panels(high: list[float], room: float, title: list[str]) -> list[Axes]:
                         parse_math=False)  # fmt: skip
     tops = total - room - np.cumsum([0.0, *high[:-1]])
     return [
-        figure.add_axes((0.2 / WIDE, (top - inches) / total, 1 - 0.4 / WIDE, (inches - OVER) / total))
-        for top, inches in zip(tops.tolist(), high, strict=True)
+        figure.add_axes((0.2 / WIDE, (top - inches) / total, 1 - 0.4 / WIDE, (inches - above) / total))
+        for top, inches, above in zip(tops.tolist(), high, over, strict=True)
     ]
 
 

@@ -116,7 +116,7 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | 
 def check_tick(tick: int, known: tuple[int, int]) -> None:
     """Raise InputError for a tick that a trial with those from known[0] to known[1] lacks."""
     if not known[0] <= tick <= known[1]:
-        raise InputError(f"tick {tick}: this trial has ticks {known[0]} to {known[1]}")
+        raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}")
 
 
 def check_robot(robot: int, robots: int) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import string
 from collections.abc import Sequence
 from typing import Any, Literal
@@ -16,8 +17,11 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullForm
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import lacking
+from swarmcensus.figures.coordinates import pooled
 from swarmcensus.figures.lettering import SPACING, wrapped
 from swarmcensus.figures.panels import MOST_PANELS
+
+LOG = logging.getLogger(__name__)
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one a panel; None: a new figure
@@ -213,6 +217,22 @@ def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
             1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
             ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
         )  # fmt: skip
+
+
+def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
+    """Say at the foot of the sheet, and in the log, what settings differ in that are drawn as one.
+
+    `parts` are its panels, and `by` the coordinates that tell apart what stands in one.
+    """
+    if told := pooled(parts, by):
+        figure = axes[0].figure.canvas.figure
+        before = sum(text.get_gid() == "pooled" for text in figure.texts)  # of a caller who has several axes
+        figure.text(
+            6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()),
+            f"pooled over {told}", ha="left", va="bottom", fontsize=SMALL, color="#a03000", gid="pooled",
+            parse_math=False,
+        )  # fmt: skip
+        LOG.info("settings that are drawn as one are pooled over %s", told)
 
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.leaderboard.losses import FEW, Losses
 from swarmcensus.leaderboard.scores import COLUMNS, Score, Scores
@@ -15,11 +16,12 @@ TITLE = "# Leaderboard"
 def page(scores: Scores, losses: Sequence[Losses], command: str, seed: int, trials: int, figure: str) -> str:
     """The whole page; `figure` is the picture's file, beside it."""
     marked = {one.name for one in losses}
-    worlds, many = len(scores.worlds), f"{trials} trial{'s' * (trials != 1)}"
+    worlds, many = len(scores.worlds), counted(trials, "trial")
     parts = [
         TITLE,
-        f"{len(scores.contenders)} contenders in the same {worlds} worlds, {many} each, by `{command}` (seed {seed}, "
-        f"swarmcensus {__version__}). All meet the same tiles, readings, neighbours, losses and liars, trial by trial. "
+        f"{len(scores.contenders):,} contenders in the same {worlds:,} worlds, {many} each, by `{command}` "
+        f"(seed {seed}, swarmcensus {__version__}). All meet the same tiles, readings, neighbours, losses and liars, "
+        "trial by trial. "
         "*Rank* is the average over all worlds and trials, 1 the best; below a kind of world stands the mean over its "
         "worlds. The best of a column is **bold**, the bound `oracle` aside: it hears all honest robots and knows all "
         "sensors, as no robot could, and has no place. `alone` talks to nobody and is ranked: one could use it.",

@@ -11,6 +11,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics import statistics
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.statistics import Floats
 from swarmcensus.results.values import robots_in
 
@@ -165,7 +166,7 @@ def outcome(claim: Claim, evidence: Evidence) -> Outcome:
     explanation = ""
     with contextlib.suppress(Missing):  # a reason may need more data than the verdict does
         explanation = claim.explanation(evidence, details) if NO in said else ""
-    undecided = f"{UNDECIDED} by {evidence.trials} trial{'s' * (evidence.trials != 1)}"
+    undecided = f"{UNDECIDED} by {counted(evidence.trials, 'trial')}"
     verdict = FAILS if NO in said else undecided if OPEN in said else HOLDS
 
     def room(detail: Detail) -> float:

@@ -6,6 +6,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.bins import right_bin
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.statistics import Floats
 from swarmcensus.paper import measures, moving_measures
 from swarmcensus.paper.evidence import BELOW_ONE, NO, YES, Detail, Evidence
@@ -119,7 +120,8 @@ def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
         for d, (accuracy, f) in zip(later, map(_swarm, later), strict=True)
         if evidence.judge("", _error_ratio(evidence, accuracy, f), BELOW_ONE).verdict == YES
     ]
-    said.append(f"The error of their estimates falls beyond doubt in {len(closer)} of these {len(later)} settings.")
+    those = counted(len(later), "setting")
+    said.append(f"The error of their estimates falls beyond doubt in {len(closer)} of these {those}.")
     return " ".join(said)
 
 
@@ -192,7 +194,7 @@ def _where(found: Sequence[Detail]) -> str:
     if not found:
         return "in none"
     by = _span([f"{100 * abs(d.value - 1):.1f}" for d in sorted(found, key=lambda d: abs(d.value - 1))])
-    return f"in {len(found)} setting{'s' * (len(found) > 1)}, by {by} % ({'; '.join(d.setting for d in found)})"
+    return f"in {counted(len(found), 'setting')}, by {by} % ({'; '.join(d.setting for d in found)})"
 
 
 def _span(ordered: Sequence[object]) -> str:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
@@ -89,7 +90,7 @@ def _short_of(mission: Mission, rows: list[Row]) -> str:
     among = f" among {100 * mission.known.lying:g} % of liars ({best.lie})" if best.lie else ""
     longer = "" if mission.free.minutes or best.lie else ": free.minutes allows more"
     return (
-        f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {best.robots:,} robots with "
+        f"in {best.minutes:.3g} min only {value:.1f} % [{low:.1f}, {high:.1f}] of {counted(best.robots, 'robot')} with "
         f"{best.brain} are {mission.goal} at f = {best.fill_ratio:g}{among}, not "
         f"{100 * mission.wanted.confidence:g} %{longer}"
     )

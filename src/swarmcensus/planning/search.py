@@ -5,6 +5,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.planning.sites import capacity, check_network, fewest
@@ -116,7 +117,7 @@ class Search:
             study = study_of(mission, robots, brains, cases, times, most, mission.seed)
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.trials else "confirming"
-        stage = f"{what}: {robots:,} robots, up to {minutes:.3g} min"
+        stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"
         ended = before = self.so_far
 
         def show(told: Progress) -> None:
@@ -135,6 +136,6 @@ class Search:
         self.so_far = ended
         for one in found:
             lie = f" among {one.case.lie.told}" if one.case.lie else ""
-            right = f"{100 * one.at(-1).value:.1f} % of {robots:,} robots are right after {minutes:.3g} min"
+            right = f"{100 * one.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
             LOG.debug("%s, f = %g%s: %s, in %s trials", one.brain, one.case.fill_ratio, lie, right, study.trials)
         return found

@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.worlds import arena
 
 MOST_ROBOTS = 1_000_000
@@ -68,7 +69,7 @@ def _check_area(world: Any) -> None:
         most = capacity(world)
         if robots is not None and robots[1] > most:
             raise ValueError(
-                f"free.robots = {robots[1]}: a square of {world.side:g} m holds {most:,} robots at the most"
+                f"free.robots = {robots[1]}: a square of {world.side:g} m holds {counted(most, 'robot')} at the most"
             )
         if most < 1:
             raise ValueError(f"a square of {world.side:g} m cannot hold a robot")
@@ -78,7 +79,7 @@ def _check_area(world: Any) -> None:
             raise ValueError(f"free.density = {density:g}: bodies have room to move up to {most_dense:.4g}")
         if robots is not None and robots[0] < fewest(world):
             raise ValueError(
-                f"free.robots = {robots[0]}: at a density of {density:g} fewer than {fewest(world)} robots have no "
+                f"free.robots = {robots[0]}: at a density of {density:g} fewer than {fewest(world):,} robots have no "
                 "room to move"
             )
     across = world.sized(robots[1] if robots else 1000).side / world.body.tile
@@ -105,7 +106,7 @@ def check_networks(world: Any) -> None:
     if sizes is None and topology.edges is not None:
         robots = 1 + max((max(pair) for pair in topology.edges), default=0)
         raise NoNetwork(
-            f"free.topology: the edges of {topology.name!r} have {robots} robots: say free.robots = {robots}"
+            f"free.topology: the edges of {topology.name!r} have {counted(robots, 'robot')}: say free.robots = {robots}"
         )
     for robots in dict.fromkeys(sizes or ()):
         check_network(world, robots)
@@ -123,7 +124,7 @@ def check_network(world: Any, robots: int) -> None:
         links = topology.links(robots, world.seed, 0, 1, lossless=False, sums=False)
     except ValueError as error:
         raise NoNetwork(
-            f"free.topology: no network of {robots} robots can be made, because {error}: say as free.robots how many "
+            f"free.topology: no network of {robots:,} robots can be made, because {error}: say as free.robots how many "
             "robots it can have"
         ) from None
     if not links.receivers.size and topology.named:
@@ -134,6 +135,6 @@ def check_network(world: Any, robots: int) -> None:
     if not nx.is_strongly_connected(graph):
         parts = nx.number_strongly_connected_components(graph)
         raise NoNetwork(
-            f"the goal cannot be reached, because free.topology {topology.name!r} of {robots} robots is not connected: "
-            f"it has {parts} parts, and no news of one ever reaches another"
+            f"the goal cannot be reached, because free.topology {topology.name!r} of {robots:,} robots is not "
+            f"connected: it has {parts} parts, and no news of one ever reaches another"
         )

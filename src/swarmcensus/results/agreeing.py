@@ -89,7 +89,7 @@ def _held(data: xr.Dataset, number: int, origin: Origin) -> Held:
     expected = exact(*origin, data["trial"].values[ran])
     root = float(expected.squared.mean()) ** 0.5 if not expected.why else np.nan
     ratio = _ratio(squares, expected.squared) if root > 0.0 else NONE
-    few = f"fewer than {FEWEST} trials" if len(squares) < FEWEST else ""
+    few = f"fewer than {FEWEST:,} trials" if len(squares) < FEWEST else ""
     why = expected.why or ("readings are certain: no error is expected" if root == 0.0 else few)
     return Held(
         setting=number,

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.bootstrap import centres
 from swarmcensus.basics.corrections import fewest_trials
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
@@ -150,11 +151,11 @@ def _cautions(
     cautions = []
     failed = len(failed_trials(data))
     if failed:
-        cautions.append(f"{failed} trial{'s' * (failed > 1)} failed, and no trial that failed is compared")
+        cautions.append(f"{counted(failed, 'trial')} failed, and no trial that failed is compared")
     counts = found[0].trials[field.place != NONE]
     if counts.min() < counts.max():
         cautions.append(
-            f"contenders have {counts.min()} to {counts.max()} trials: those are compared that both of a pair have, "
+            f"contenders have {counts.min()} to {counts.max():,} trials: those are compared that both of a pair have, "
             "and over all worlds those that all have in all of them"
         )
     for one, numbers in zip(some, compared, strict=True):
@@ -168,7 +169,7 @@ def _cautions(
     least, most = fewest_trials(tests, ALPHA), max(int((~np.isnan(n)).sum(axis=2).max()) for n in compared)
     if most < least:
         cautions.append(
-            f"{most} trial{'s' * (most > 1)} cannot tell anything apart among {tests:,} tests: run {least} or more, "
+            f"{counted(most, 'trial')} cannot tell anything apart among {counted(tests, 'test')}: run {least} or more, "
             "or compare fewer measures or worlds"
         )
     pairs = [(field.contenders[one], field.contenders[other]) for one, other in pairs_of(len(field.contenders))]

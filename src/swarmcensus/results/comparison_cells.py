@@ -100,6 +100,11 @@ def p_value(p: float) -> str:
     return f"< {LEAST_P}" if p < LEAST_P else f"{p:.3f}"
 
 
+def equals(p: float) -> str:
+    """The same behind "p" in a sentence: "= 0.034", or "< 0.001"."""
+    return text if (text := p_value(p)).startswith("<") else f"= {text}"
+
+
 def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
     """A row for each measure, world and pair: all that `PAIR_HEADS` says, as text."""
     rows: list[tuple[str, ...]] = []

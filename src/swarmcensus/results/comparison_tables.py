@@ -66,7 +66,7 @@ def ranks(found: Standings) -> Any:
     `average_rank` is over the trials and worlds that all have met. `best` counts the worlds in which a contender is
     first and told apart from all others, `level` those in which it is first or not told apart from the first otherwise,
     and `behind` the rest; of contenders held against one of them `better`, `level` and `worse` count worlds.
-    `friedman` and `friedman_p` are of the measure, and not corrected.
+    `friedman` and `friedman_p` are of the measure, and `friedman_p_corrected` is corrected for all measures.
     """
     import pandas as pd
 
@@ -77,7 +77,8 @@ def ranks(found: Standings) -> Any:
         counts = {name: (standing == name).sum(axis=0) for name in ways}
         columns = {"measure": one.name, "contender": found.contenders, "average_rank": contest.average_ranks}
         statistic, p = contest.friedman
-        some.append(pd.DataFrame(columns | counts | {"friedman": statistic, "friedman_p": p}))
+        overall = {"friedman": statistic, "friedman_p": p, "friedman_p_corrected": contest.friedman_corrected}
+        some.append(pd.DataFrame(columns | counts | overall))
     return pd.concat(some, ignore_index=True)
 
 

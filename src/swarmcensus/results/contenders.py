@@ -13,6 +13,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
@@ -93,7 +94,7 @@ def field_of(
     others = len({*called.values()}) - len(contenders)
     if others:
         cautions.append(
-            f"where leaves out {others} contender{'s' * (others > 1)}: the correction is for those that are left, and "
+            f"where leaves out {counted(others, 'contender')}: the correction is for those that are left, and "
             "holds if they were chosen before anybody looked at results"
         )
     kept = np.flatnonzero(met)
@@ -138,8 +139,8 @@ def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[
     for name, count in zip(contenders, lacking.tolist(), strict=True):
         if count:
             where = "in no world that another one met" if count == met.sum() else (
-                f"not in {count} of {met.sum()} worlds: it is compared in the others, and overall all are compared in "
-                "those worlds alone that all have met"
+                f"not in {count} of {met.sum():,} worlds: it is compared in the others, and overall all are compared "
+                "in those worlds alone that all have met"
             )  # fmt: skip
             cautions.append(f"{name} is {where}")
     return cautions

@@ -1,6 +1,6 @@
 """The statistics of a comparison: every pair of contenders in every world, trial by trial, corrected for being many."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple
 
@@ -38,7 +38,8 @@ class Contest:
     A pair's `difference` is its first contender less its second. `ranks` (trial, contender) are summed over the worlds
     that all contenders have met, and centred: of `duels` (pair,), the tests over all these worlds, each trial has one
     number, the share of worlds in which the first is ahead, less that in which it is behind. `corrected` and
-    `duels_corrected` are the p-values after Holm's correction for all tests of all measures of a comparison.
+    `duels_corrected` are the p-values after Holm's correction for all tests of all measures of a comparison;
+    `friedman_corrected` is Friedman's, corrected for the measures alone.
     """
 
     low: bool  # is better
@@ -55,6 +56,12 @@ class Contest:
     friedman: tuple[float, float]  # Q and p
     corrected: Floats
     duels_corrected: Floats
+    friedman_corrected: float = np.nan
+
+    @property
+    def differ(self) -> bool:
+        """Whether Friedman's test finds that contenders differ over all worlds, whoever they are."""
+        return self.friedman_corrected <= ALPHA
 
     @property
     def apart(self) -> NDArray[np.bool_]:
@@ -97,8 +104,9 @@ def pairs_of(contenders: int) -> list[tuple[int, int]]:
 def contests(measures: list[Asked], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
     """The contest of each measure; without intervals, and Friedman's test, which take the most time, these are NaN.
 
-    With `against` only pairs with that contender are tested. All tests of all measures are one family: if no contender
-    differs from another, anything is told apart in at most 5 % of comparisons.
+    With `against` only pairs with that contender are tested. All tests of pairs, of all measures, are one family: if no
+    contender differs from another, anything is told apart in at most 5 % of comparisons. Friedman's tests, one a
+    measure, are a family of their own: they ask whether contenders differ at all, and tell no two apart.
     """
     found = [_contest(one, with_intervals, against) for one in measures]
     tested = [part.ravel() for one in found for part in (one.corrected, one.duels_corrected)]
@@ -108,7 +116,8 @@ def contests(measures: list[Asked], with_intervals: bool = True, against: int | 
         for part in (one.corrected, one.duels_corrected):
             part[...] = corrected[at : at + part.size].reshape(part.shape)
             at += part.size
-    return found
+    overall = holm(np.array([one.friedman[1] for one in found]))
+    return [replace(one, friedman_corrected=float(p)) for one, p in zip(found, overall, strict=True)]
 
 
 def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest:

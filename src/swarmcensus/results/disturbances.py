@@ -6,6 +6,8 @@ from typing import Any
 
 import xarray as xr
 
+from swarmcensus.basics.counting import counted
+
 
 def disturbances(data: xr.Dataset) -> list[str]:
     """A line for each fault of its studies, and one for the adversaries of its settings; none where all was well."""
@@ -18,7 +20,7 @@ def disturbances(data: xr.Dataset) -> list[str]:
 def _told(fault: dict[str, Any]) -> str:
     """Such as "faults: 3 robots stop sensing and talking, from 50 on"."""
     some, stop, at = fault["robots"], fault["stop"], fault["at"]
-    who = f"{100 * some:g} % of robots stop" if isinstance(some, float) else f"{some:,} robots stop"
+    who = f"{100 * some:g} % of robots stop" if isinstance(some, float) else f"{counted(some, 'robot')} stop"
     who = "1 robot stops" if some == 1 and isinstance(some, int) else who
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import checking
 from swarmcensus.results.store import load
@@ -35,7 +36,7 @@ def opened(path: str | Path) -> xr.Dataset:
             return load(path)
         raise
     done = int(Values.of(data).done().sum())  # as `show` and `status` count; local estimates may be still to come
-    has = f"this is what its run has so far, {done:,} of {data.attrs['trials_total']:,} trials"
+    has = f"this is what its run has so far, {done:,} of {counted(data.attrs['trials_total'], 'trial')}"
     LOG.info("%s is not written yet: %s", path, has)
     return data
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus import brains, theory
+from swarmcensus.basics.counting import counted
 from swarmcensus.results.expecting import ALONE, MIXED, mixing_of, reasons
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -59,7 +60,7 @@ def exact(study: Study, found: Setting, trials: NDArray[np.intp]) -> Exact:
     if pooled and looks <= MOST_POOLED:
         return Exact(_listed(found, b, w, found.robots, prior=True))
     if 1 < len(graphs) < trials.size:
-        return _none(f"graphs of {found.robots:,} robots are too large to decompose one a trial")
+        return _none(f"graphs of {counted(found.robots, 'robot')} are too large to decompose one a trial")
     return _mixed(found, graphs, b, w)
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, before_3, failures, finished, is_old
@@ -165,7 +166,7 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         wrong = np.flatnonzero(~same_bits(mine, due))
         if wrong.size:
             k = wrong[0]
-            more = f" ({wrong.size} settings differ)" if wrong.size > 1 else ""
+            more = f" ({counted(wrong.size, 'setting')} differ)" if wrong.size > 1 else ""
             yield (
                 f"setting {numbers[known[k]]}: {name} is {_plain(mine[k])!r} in the file and {_plain(due[k])!r} by its "
                 f"study{more}"
@@ -253,12 +254,12 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
     """How much there should be, if all had been run."""
     lacking = want.sizes["setting"] - data.sizes["setting"]
     if lacking > 0:
-        yield f"{lacking} of the {want.sizes['setting']} settings of its study are not in the file"
+        yield f"{lacking} of the {counted(want.sizes['setting'], 'setting')} of its study are not in the file"
     trials = data.variables["trial"].values
     most = max(study.trials for study in studies)
     ruled = any(study.until for study in studies)
     if not np.array_equal(trials, np.arange(trials.size)) or trials.size > most or (trials.size < most and not ruled):
-        yield f"trial should number the {most} trials of each setting"
+        yield f"trial should number the {counted(most, 'trial')} of each setting"
     stored, total = int(data.attrs["trials_done"]) + len(failures(data)), int(data.attrs["trials_total"])
     planned = sum(most_trials(studies, want))
     if is_old(data) and "merged" in data.attrs:

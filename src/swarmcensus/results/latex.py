@@ -30,7 +30,7 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     cells = columns(found, worlds)
     heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
     lines = [
-        f"% {len(found.field.worlds)} worlds, {len(found.contenders)} contenders: {' '.join(found.title.split())}",
+        f"% {len(found.field.worlds):,} worlds, {len(found.contenders):,} contenders: {' '.join(found.title.split())}",
         f"% {' '.join(marks_of(found).split())}",
         rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
 from swarmcensus.basics.options import option
@@ -88,7 +89,10 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
         raise InputError(f"{error}: it is in the way, {hint}") from None
     lost = len(_trials(old) - _trials(data))
     if lost:
-        raise InputError(f"{out} is there, with {lost:,} trials that are not in what is merged: {hint}")
+        raise InputError(
+            f"{out} is there, with {counted(lost, 'trial')} that {'is' if lost == 1 else 'are'} not in what "
+            f"is merged: {hint}"
+        )
 
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:

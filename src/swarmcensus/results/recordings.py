@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.worlds.edge_lists import is_header, read_edges
@@ -34,7 +35,9 @@ def read_observations(path: str | Path) -> np.ndarray:
                     wrong = row[cells.index(None)]
                     raise InputError(f"{path}, line {number}: {wrong!r}: should be 0 (white), 1 (black) or empty")
                 if rows and len(cells) != len(rows[0]):
-                    raise InputError(f"{path}, line {number}: {len(cells)} values where there were {len(rows[0])}")
+                    raise InputError(
+                        f"{path}, line {number}: {counted(len(cells), 'value')} where there were {len(rows[0])}"
+                    )
                 rows.append([float(c) for c in cells if c is not None])
     except (OSError, UnicodeDecodeError, csv.Error) as error:
         raise InputError(f"{path}: cannot be read as CSV: {error}") from error

@@ -27,6 +27,7 @@ from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
 from swarmcensus.basics.options import option
 from swarmcensus.results.presence import folder_of as folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
+from swarmcensus.studies.tables import UNNAMED
 
 FORMAT = "swarmcensus shard 1"
 SKETCH = "study.nc"  # the dataset without a trial: see `early`
@@ -54,6 +55,8 @@ class Identity:
         """Raise InputError, saying how they differ, where `other` is of something else."""
         mine = asdict(self)
         differ = [k for k, v in mine.items() if other.get(k, "") != v]
+        if other.get("study") == UNNAMED and "study" in differ:  # it was begun before it had its file's name
+            differ.remove("study")
         if differ:
             said = "; ".join(f"{k} is {other.get(k)!r} there and {mine[k]!r} here" for k in differ)
             raise InputError(f"{where} is of another run: {said}. {hint}")

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.rankings import groups
-from swarmcensus.results.comparison_cells import amount, p_value
+from swarmcensus.results.comparison_cells import amount, equals
 from swarmcensus.results.contests import Contest, pairs_of
 from swarmcensus.results.standings import Standings
 
@@ -60,7 +61,7 @@ def _by_world(found: Standings, contest: Contest) -> str:
             how = "behind in all"
         parts.append(f"{found.contenders[k]} is {how}")
     more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
-    return f"of {worlds:,} worlds, " * (worlds > 1) + "; ".join(parts) + more
+    return f"of {counted(worlds, 'world')}, " * (worlds > 1) + "; ".join(parts) + more
 
 
 def _overall(found: Standings, contest: Contest) -> str:
@@ -72,14 +73,27 @@ def _overall(found: Standings, contest: Contest) -> str:
     ranked = ", ".join(f"{found.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
     more = ", ..." if len(order) > MOST_NAMED else ""
     level = groups(order, apart)
+    test = f"Friedman's test: p {equals(contest.friedman_corrected)}"
     if not level:
-        told = "all are told apart"
+        told = f"all are told apart ({test})"
+    elif len(level[0]) == len(order) and contest.differ:
+        told = (
+            f"they differ ({test}), but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
+            f"corrected for {counted(tests_of(found), 'test')}"
+        )
     elif len(level[0]) == len(order):
-        told = "none is told apart from another"
+        told = f"none is told apart from another ({test})"
     else:
         several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
-        told = f"not told apart: {'; '.join(several)}"
-    return f"average ranks {ranked}{more}; {told} (Friedman's test: p {_equals(contest.friedman[1])})"
+        told = f"not told apart: {'; '.join(several)} ({test})"
+    if not np.isnan(contest.friedman_corrected) and not contest.differ and apart.any():
+        told += ", though by this test they need not differ"
+    return f"average ranks {ranked}{more}; {told}"
+
+
+def tests_of(found: Standings) -> int:
+    """How many tests of pairs there are, for all of which each is corrected."""
+    return sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
 
 
 def _against(found: Standings, standing: NDArray[np.str_]) -> str:
@@ -101,7 +115,7 @@ def _against(found: Standings, standing: NDArray[np.str_]) -> str:
         return f"nobody else has numbers of it where {mark} has"
     alone = [name for k, name in enumerate(found.contenders) if name != mark and not (standing[:, k] != "").any()]
     parts += [f"{', '.join(alone)} {'is' if len(alone) == 1 else 'are'} in no world with it"] * bool(alone)
-    worlds = f"of {len(standing):,} worlds, " * (len(standing) > 1)
+    worlds = f"of {counted(len(standing), 'world')}, " * (len(standing) > 1)
     return f"{worlds}against {mark}: {'; '.join(parts)}"
 
 
@@ -115,7 +129,7 @@ def _against_overall(found: Standings, contest: Contest) -> str:
         if one == found.against:
             who, ahead, better, worse = other, -ahead, worse, better
         how = "not told apart" if not contest.duels_apart[k] else "better" if ahead > 0 else "worse"
-        p = _equals(contest.duels_corrected[k])
+        p = equals(contest.duels_corrected[k])
         parts.append(f"{found.contenders[who]} is {how} ({often(better, worse)}, p {p})")
     return "; ".join(parts)
 
@@ -123,10 +137,6 @@ def _against_overall(found: Standings, contest: Contest) -> str:
 def often(better: float, worse: float) -> str:
     """In what shares of trials one is better and worse; in the others they are equal."""
     return f"better in {better:.0%}, worse in {worse:.0%} of trials"
-
-
-def _equals(p: float) -> str:
-    return text if (text := p_value(p)).startswith("<") else f"= {text}"
 
 
 def _span(values: NDArray[np.float64]) -> str:

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
@@ -184,7 +185,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
         elif queue is None:
             cluster = where
         else:
-            show(f"submitting {queue.jobs} jobs of {queue.cores} workers to {queue.system}")
+            show(f"submitting {counted(queue.jobs, 'job')} of {counted(queue.cores, 'worker')} to {queue.system}")
             stack.enter_context(ended_politely())
             try:
                 cluster = stack.enter_context(queue.start())

@@ -85,7 +85,7 @@ def threads(jobs: int | None) -> int:
     jobs = cores if jobs is None else jobs
     if not 1 <= jobs <= most:
         raise InputError(
-            f"jobs = {jobs}: should be 1 to {most} threads; more than this machine has cores ({cores}) gain nothing"
+            f"jobs = {jobs}: should be 1 to {most:,} threads; more than this machine has cores ({cores}) gain nothing"
         )
     return jobs
 

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.runs.working import Progress
 
 LOG = logging.getLogger(__name__)
@@ -106,7 +107,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
             return
         count = "{:,} of {:,}".format(*progress.steps) if progress.steps[1] > 1 else ""
         pace = ", ".join(filter(None, (progress.note, count) if progress.note else _pace(progress, elapsed)))
-        trials = f"{progress.done:,} of {progress.total:,} trials" if progress.total else ""
+        trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
         bar = f'<progress max="{max(progress.work_total, 1e-9)}" value="{progress.work_done}"></progress> '
         put(": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))])), bar)
 
@@ -114,7 +115,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
         yield show
     finally:
         if handle is not None and last is not None:
-            put(f"{label}: {last.done:,} of {last.total:,} trials in {clock(time.monotonic() - begun)}")
+            put(f"{label}: {last.done:,} of {counted(last.total, 'trial')} in {clock(time.monotonic() - begun)}")
 
 
 def _lines(label: str) -> Callable[[Progress], None]:
@@ -130,7 +131,7 @@ def _lines(label: str) -> Callable[[Progress], None]:
         if this != before or (not progress.note and now - last >= LINE_SECONDS):
             last, before = now, this
             pace = note or ", ".join(filter(None, _pace(progress, now - begun))) or "starting"
-            trials = f"{progress.done:,} of {progress.total:,} trials, " if progress.total else ""
+            trials = f"{progress.done:,} of {counted(progress.total, 'trial')}, " if progress.total else ""
             stage = f"{progress.stage}: " if progress.stage else ""
             print(f"{label}: {stage}{trials}{pace}", file=sys.stderr, flush=True)
 

@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import first_meant
 from swarmcensus.basics.options import option
@@ -115,7 +116,7 @@ class Jobs:
             raise RuntimeError(refused[0])
         if refused:
             warnings.warn(
-                f"{len(refused)} of {queue.jobs} jobs were refused, and are tried again every "
+                f"{len(refused)} of {counted(queue.jobs, 'job')} were refused, and are tried again every "
                 f"{GRACE_SECONDS:.0f} seconds: {refused[0]}",
                 stacklevel=2,
             )
@@ -165,7 +166,10 @@ class Jobs:
         self._ended += len(ended)
         if self._ended >= self.queue.jobs and not self._began:
             where = f"the folder {self.queue.logs}" if self.queue.logs else "what they printed"
-            raise InputError(f"{self._ended} jobs ended or were cancelled before a worker came: {where} may say why")
+            raise InputError(
+                f"{counted(self._ended, 'job')} ended or {'was' if self._ended == 1 else 'were'} cancelled "
+                f"before a worker came: {where} may say why"
+            )
         for name in ended:
             self._replace(name)
         states = [found[job.job_id] for job in jobs.values() if job.job_id in found]

@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
 from swarmcensus.basics.options import option
@@ -88,9 +89,12 @@ class Holding:
                 values.put(place, one.first, self._of_shard(one.columns, shard.about["checkpoints"], place, path))
         done = int(values.done().sum())
         if done:
-            total = "" if self.study.until else f" of {self.study.trials * len(self.settings):,}"
-            where = f"; {done - before:,} of them in {shards} shards of a run that was cut off" if shards else ""
-            self.say(f"{self.out}: found {done:,}{total} trials{where}")
+            known = f"{done:,} of " * (not self.study.until)
+            total = done if self.study.until else self.study.trials * len(self.settings)
+            where = (
+                f"; {done - before:,} of them in {counted(shards, 'shard')} of a run that was cut off" if shards else ""
+            )
+            self.say(f"{self.out}: found {known}{counted(total, 'trial')}{where}")
 
     def announce(self, found: int, total: int, work: float) -> None:
         """Say for `status` what is going to be run."""
@@ -124,7 +128,8 @@ class Holding:
     def _check_trials(self, trials: int) -> None:
         if trials > self.study.trials:
             raise InputError(
-                f"{self.out} holds {trials} trials a setting, this study asks for {self.study.trials}. {hint()}"
+                f"{self.out} holds {counted(trials, 'trial')} a setting, this study asks for "
+                f"{self.study.trials:,}. {hint()}"
             )
 
     def _take_file(self, values: Values, old: xr.Dataset) -> None:

@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.results import store
 from swarmcensus.results.values import Values
@@ -67,7 +68,7 @@ def run(
         )
     settings = study.settings()
     marks = [setting.fingerprint(study.seed) for setting in settings]
-    where = f"on {cluster}" if cluster else f"in {jobs} thread{'s' * (jobs > 1)}"
+    where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
     state = State(
@@ -165,7 +166,7 @@ def _tell(state: State, data: xr.Dataset) -> None:
         raise InputError(first)
     numbers = {f.setting for f in state.failures}
     warnings.warn(
-        f"{len(state.failures)} trials of {len(numbers)} setting{'s' * (len(numbers) > 1)} failed; the others are "
+        f"{counted(len(state.failures), 'trial')} of {counted(len(numbers), 'setting')} failed; the others are "
         "kept. The first: "
         f"setting {state.failures[0].setting}: {first}",
         stacklevel=3,

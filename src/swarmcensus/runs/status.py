@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import shards
 from swarmcensus.results.checking import failures, finished
@@ -48,8 +49,8 @@ class Status:
     def lines(self) -> list[str]:
         """The same in words."""
         part = f" ({100 * self.done / self.total:.1f} %)" if self.total and not self.rule else ""
-        of = "" if self.rule else f" of {self.total:,}"
-        out = [f"{self.study}: {self.settings:,} settings; {self.done:,}{of} trials done{part}"]
+        trials = counted(self.done, "trial") if self.rule else f"{self.done:,} of {counted(self.total, 'trial')}"
+        out = [f"{self.study}: {counted(self.settings, 'setting')}; {trials} done{part}"]
         out += [f"trials are added until: {self.rule}"] if self.rule else []
         out += [self.share] if self.share else []
         if self.running:
@@ -61,7 +62,7 @@ class Status:
             out.append(f"not running: {self.goes_on}")
         out += [f"{path} is damaged: what it held will be run again" for path in self.damaged]
         if self.failed:
-            out.append(f"{self.failed} trials failed: see the attribute `failed`")
+            out.append(f"{counted(self.failed, 'trial')} failed: see the attribute `failed`")
         return out
 
 
@@ -85,7 +86,7 @@ def status(out: str | Path) -> Status:
         goes_on = f"swarmcensus run of {which}, with --out {out}, goes on from here"
     elif "share" in data.attrs and goes_on:
         tried, wanted = _of_share(data)
-        share = f"share {data.attrs['share']}: {tried:,} of its {wanted:,} trials done"
+        share = f"share {data.attrs['share']}: {tried:,} of its {counted(wanted, 'trial')} done"
         if tried == wanted:
             goes_on = "this share is done, swarmcensus merge puts it together with the others"
     return Status(

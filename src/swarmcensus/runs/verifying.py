@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.metrics import Metric
@@ -129,14 +130,15 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
         failed = len(checking.failures(data))
-        yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+        failures = f", {failed:,} failed" if failed else ""
+        yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
     told = {name for study in studies for setting in study.settings() for name in setting.coordinates}
     for name in sorted({*IN_TIME} & told - {*map(str, data.variables)}):
         yield f"{name} is not in the file: the first files of its format did not have it"
     if "messages_sent" in data:
         uncounted = int((checking.finished(data) & is_missing(data.variables["messages_sent"].values[:, :, 0])).sum())
         if uncounted:
-            yield f"messages of {uncounted:,} trials are not in the file: an earlier format did not count them"
+            yield f"messages of {counted(uncounted, 'trial')} are not in the file: an earlier format did not count them"
     own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - own):
         yield f"the attribute {name} is not of a run"
@@ -164,7 +166,7 @@ def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
             number = data.variables["setting"].values[k]
             found, lacking = _stages(study, values, k, failed[k])
             if ended and lacking:
-                yield f"setting {number}: of its {lacking} trials some are missing, and none is said to be"
+                yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
             if "half_width" not in data or data.variables["half_width"].dims != ("setting",) or study.until is None:
                 continue
             said = data.variables["half_width"].values[k].item()

@@ -117,7 +117,7 @@ def _accuracies(accuracy: Any, robots: int) -> tuple[np.ndarray, np.ndarray]:
             values = np.array(np.broadcast_to(values, (robots,)))
         except (TypeError, ValueError):
             raise InputError(
-                f"accuracy of shape {np.shape(side)}: should be a number or one for each of {robots} robots"
+                f"accuracy of shape {np.shape(side)}: should be a number or one for each of {robots:,} robots"
             ) from None
         if not ((values >= 0.0) & (values <= 1.0)).all():
             raise InputError(f"accuracy {values[~((values >= 0.0) & (values <= 1.0))][0]:g}: should lie in [0, 1]")

@@ -53,7 +53,7 @@ def set_out(
     numbers, half = body.numbers, side / 2.0
     state = np.zeros((STATE, robots))
     if not module.place(state, numbers, half, key, trial):
-        raise InputError(f"{robots} robots find no room in a square of {side:.2f} m")
+        raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m")
     if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
     state[PACE] = body.speed * body.tick if paces is None else paces

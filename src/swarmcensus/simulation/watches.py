@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.bins import right_bin, right_bins
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, line_of, uncoloured
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
@@ -78,8 +79,8 @@ class Watch:
                 # their mathematical functions may differ in the last bit, and differences of like numbers by more
                 if not np.isclose(fast[name][i], due, rtol=1e-6, atol=1e-9, equal_nan=True):
                     raise self._wrong(
-                        f"after {len(rows)} rounds {name} is {fast[name][i]} in machine code and {due} in Python: are "
-                        "there whole numbers that grow beyond 64 bits?"
+                        f"after {counted(len(rows), 'round')} {name} is {fast[name][i]} in machine code and {due} in "
+                        "Python: are there whole numbers that grow beyond 64 bits?"
                     )
 
     def _line(self, rows: np.ndarray, truths: np.ndarray) -> str:

@@ -4,6 +4,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.metrics.metric import PREFIXES, RESERVED, SUFFIXES
 from swarmcensus.studies import members
@@ -121,11 +122,13 @@ def _check_late(grids: Sequence[Grid]) -> None:
         body, last = grid.world.body, max(grid.schedule.ticks)
         if grid.moves and "message_delay" in body.model_fields_set and body.message_delay >= last:
             raise ValueError(
-                f"world.body.message_delay = {body.message_delay}: no message is heard within {last} ticks"
+                f"world.body.message_delay = {body.message_delay}: no message is heard within {counted(last, 'tick')}"
             )
         longest, last = max(grid.world.message_delay), max(grid.schedule.rounds)
         if grid.stands and longest >= last:
-            raise ValueError(f"{grid.key('message_delay')} = {longest}: no message is heard within {last} rounds")
+            raise ValueError(
+                f"{grid.key('message_delay')} = {longest}: no message is heard within {counted(last, 'round')}"
+            )
 
 
 MEANING = {
@@ -140,7 +143,9 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
         if known is not None and until.checkpoint not in known:
             raise ValueError(f"trials.until = {until.until!r}: {until.checkpoint} is no checkpoint")
         if until.checkpoint > (shortest := min(length for grid in grids for length in grid.lengths)):
-            which = "the last round" if shortest == last else f"the last round of settings of {shortest} rounds"
+            which = (
+                "the last round" if shortest == last else f"the last round of settings of {counted(shortest, 'round')}"
+            )
             raise ValueError(f"trials.until = {until.until!r}: that comes after {which}")
     late = [c for c in known or () if c > last]
     if late:
@@ -154,7 +159,7 @@ def _check_measure(tables: Tables, grids: Sequence[Grid]) -> None:
             raise ValueError("measure.local = true follows robots on fixed networks, not robots that move")
         steps = max(max(g.schedule.rounds) * max(g.schedule.observations_per_round) for g in grids)
         if steps > LARGEST:
-            raise ValueError(f"measure.local = true follows {steps} observations: {LARGEST} at the most")
+            raise ValueError(f"measure.local = true follows {counted(steps, 'observation')}: {LARGEST:,} at the most")
 
 
 def last_round(grids: Sequence[Grid]) -> int:
@@ -181,7 +186,7 @@ def _check_moving(grid: Grid) -> None:
                 limit = f"the smallest that can has {_rounded(side, ROUND_UP)} m"
             else:
                 limit = f"the largest that can is {_rounded(arena.largest_density(robots, world.body), ROUND_DOWN)}"
-            raise ValueError(f"{grid.key(key)} = {value}: the arena cannot hold {robots} robots; {limit}")
+            raise ValueError(f"{grid.key(key)} = {value}: the arena cannot hold {counted(robots, 'robot')}; {limit}")
         across = arena.side(robots, density, world.body) / world.body.tile
         if across > MOST_TILES:
             raise ValueError(
@@ -213,7 +218,7 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
     sizes = [robots for grid in grids for robots in grid.swarm.robots]
     for n, fault in enumerate(tables.faults):
         if isinstance(fault.robots, int) and fault.robots > min(sizes):
-            raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {min(sizes)} robots")
+            raise ValueError(f"faults[{n}].robots = {fault.robots}: there are {counted(min(sizes), 'robot')}")
         if "moving" in fault.stop and not any(grid.moves for grid in grids):
             raise ValueError(f'faults[{n}].stop = "moving": these robots never move: topology "moving" is not here')
         if fault.until is not None and fault.until <= fault.at:
@@ -222,7 +227,8 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
             raise ValueError(f"faults[{n}].at = {fault.at} comes after the last round, {last_round(grids)}")
         if all_used and fault.robots > 0 and not any(fault.count(robots) for robots in sizes):
             raise ValueError(
-                f"faults[{n}].robots = {fault.robots}: that is less than one of {max(sizes)} robots: none would fail"
+                f"faults[{n}].robots = {fault.robots}: that is less than one of "
+                f"{counted(max(sizes), 'robot')}: none would fail"
             )
 
 

@@ -4,6 +4,7 @@ import html
 from collections.abc import Iterator
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.studies.grids import Grid
 from swarmcensus.studies.toml_text import to_toml_value
 
@@ -19,8 +20,8 @@ def size_of(study: Any) -> str:
     settings = sum(grid.count for grid in study.grids)
     if study.case and settings <= COUNTED:
         settings = len(study.settings())
-    trials = f"at most {study.trials:,}" if study.until else f"{study.trials:,}"
-    return f"{settings:,} setting{'s' * (settings != 1)} of {trials} trial{'s' * (study.trials != 1)}"
+    trials = "at most " * bool(study.until) + counted(study.trials, "trial")
+    return f"{counted(settings, 'setting')} of {trials}"
 
 
 def grid(study: Any) -> str:

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.forms import ROBOTS, Several
 from swarmcensus.brains import Adversary, Brain, worn
 from swarmcensus.engine.addresses import address
@@ -109,7 +110,9 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             raise ValueError(f"members[{n}].robots = {one.robots[0]}: that is nobody, and the table would mean nothing")
         for some in one.robots:
             if some and not Member(some, share=isinstance(some, float)).count(max(sizes)):
-                raise ValueError(f"members[{n}].robots = {some}: that is less than one of {max(sizes)} robots")
+                raise ValueError(
+                    f"members[{n}].robots = {some}: that is less than one of {counted(max(sizes), 'robot')}"
+                )
         if one.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
         hearing = [brain for brain in brains if not brain.is_oracle]  # an oracle hears no member
@@ -133,10 +136,12 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             counts = [Member(one, share=isinstance(one, float)).count(robots) for one in chosen]
             if sum(counts) > robots:
                 told = " and ".join(f"members[{n}].robots = {one:g}" for n, one in enumerate(chosen))
-                raise ValueError(f"{told}: that is {sum(counts)} of {robots} robots")
+                raise ValueError(f"{told}: that is {sum(counts)} of {counted(robots, 'robot')}")
             honest = robots - sum(c for c, one in zip(counts, members, strict=True) if not one.honest)
             if honest < 1:
-                raise ValueError(f"members: of {robots} robots none is honest, and metrics count the honest ones")
+                raise ValueError(
+                    f"members: of {counted(robots, 'robot')} none is honest, and metrics count the honest ones"
+                )
 
 
 def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Brain]) -> None:

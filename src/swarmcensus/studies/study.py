@@ -10,6 +10,7 @@ from typing import Any, Self
 from pydantic import ValidationError
 
 from swarmcensus import brains, metrics
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Adversary, Brain, adversary
@@ -19,7 +20,7 @@ from swarmcensus.studies.grids import grids_of
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Tables, explain
-from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
+from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml, to_toml_value
 from swarmcensus.worlds import patterns, spreading, wiring
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.pictures import Picture
@@ -53,7 +54,7 @@ class Study:
             check(checked, self.grids, all_used=not context.get("kept"))
             count = sum(grid.count for grid in self.grids)
             if count > MOST_SETTINGS:
-                raise ValueError(f"its lists span {count:,} settings; {MOST_SETTINGS:,} is the most")
+                raise ValueError(f"its lists span {counted(count, 'setting')}; {MOST_SETTINGS:,} is the most")
             settings = all_settings(self.grids, self.faults)
         except ValueError as error:
             raise InputError(f"{where}: {error}") from None
@@ -61,7 +62,7 @@ class Study:
         values = len(settings) * self.trials * max(max(grid.swarm.robots) for grid in self.grids) * kept
         if values > MOST_VALUES:
             raise InputError(
-                f"{where}: {len(settings)} settings of {self.trials} trials make {values:,} values to keep; "
+                f"{where}: {len(settings):,} settings of {self.trials:,} trials make {values:,} values to keep; "
                 f"{MOST_VALUES:,} is the most: fewer trials, settings{', checkpoints' * (kept > 1)} or robots"
             )
         for accuracy in dict.fromkeys(a for grid in self.grids for a in grid.swarm.accuracy):
@@ -82,9 +83,15 @@ class Study:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a study file. Brain and metric files, edge lists and images are looked for beside it."""
-        where = f"study file {path}"
-        return cls.parse(text_of_file(path, where), where=where, context={"base": Path(path).parent})
+        """Read a study file. Brain and metric files, edge lists and images are looked for beside it.
+
+        One that gives no `name` has that of its file, which is then the first line of its text.
+        """
+        where, name = f"study file {path}", Path(path).stem
+        text = text_of_file(path, where)
+        if "name" not in read_toml(text, where) and name.isprintable():
+            text = f"name = {to_toml_value(name)}\n{text}"
+        return cls.parse(text, where=where, context={"base": Path(path).parent})
 
     @classmethod
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:

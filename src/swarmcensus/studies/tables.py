@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from swarmcensus.basics.errors import worded
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
 from swarmcensus.studies.fields import (
@@ -33,6 +34,8 @@ from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.worlds.bodies import Body, Number
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
+
+UNNAMED = "study"  # what a study is called that has no name and comes from no file
 
 
 class _Table(BaseModel):
@@ -129,8 +132,8 @@ class Measure(_Table):
 class Tables(_Table):
     """The study file as a whole."""
 
-    name: Name = "study"
-    """The title of the results and of figures."""
+    name: Name = UNNAMED
+    """The title of the results and of figures; without one, the name of the study file."""
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     """The same seed gives the same numbers."""
     trials: Trials
@@ -204,7 +207,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
-    message = first["msg"].removeprefix("Value error, ").replace("Input should", "should")
+    message = worded(first["msg"])
     message = message.replace("should be a valid boolean", "should be true or false")
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)

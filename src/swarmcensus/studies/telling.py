@@ -4,23 +4,24 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Value
 from swarmcensus.worlds.patterns import Floor
 
 
 def line(of: Any) -> str:
     """A setting in a line, for messages."""
-    where = f"{of.topology}, N = {of.robots}"
+    where = f"{of.topology}, N = {of.robots:,}"
     assumed = "" if of.assumed_accuracy is None else f", assumed accuracy {of.assumed_accuracy}"
     lossy = "" if of.link_success == 1.0 else f", link success {of.link_success}"
     mixed = "".join(f", of them {member}" for member in of.members)
-    late = "" if not of.delay else f", messages {of.delay} round{'s' * (of.delay > 1)} late"
+    late = "" if not of.delay else f", messages {counted(of.delay, 'round')} late"
     told = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(of))
     what = f"accuracy {of.accuracy}{assumed}, f = {of.change or of.fill_ratio}{lossy}{late}{told}{mixed}"
     if of.body is not None:
         floor = f", floor {of.floor}" if of.floor not in (None, Floor()) else ""
-        return f"{where}, {_room(of)}, {what}{floor}, {of.rounds} ticks"
-    return f"{where}, {what}, C = {of.rounds}, R = {of.observations_per_round}"
+        return f"{where}, {_room(of)}, {what}{floor}, {counted(of.rounds, 'tick')}"
+    return f"{where}, {what}, C = {of.rounds:,}, R = {of.observations_per_round:,}"
 
 
 def _parameters(of: Any) -> list[tuple[str, Value]]:

@@ -18,6 +18,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import BLIND, Floats, count, fitting, numbers, one_share, positive, sensors, shares
 
@@ -105,10 +106,12 @@ def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Trut
     weights = _visited(visits)
     _among("truth", truth, get_args(Truth))
     if weights.size > MOST_TILES:
-        raise InputError(f"visits: {weights.size:,} tiles: should be {MOST_TILES:,} at the most")
+        raise InputError(f"visits: {counted(weights.size, 'tile')}: should be {MOST_TILES:,} at the most")
     between = numbers("covariance", covariance)
     if between.shape != (weights.size, weights.size):
-        raise InputError(f"covariance has the shape {between.shape}: should be {weights.size} by {weights.size} tiles")
+        raise InputError(
+            f"covariance has the shape {between.shape}: should be {weights.size} by {counted(weights.size, 'tile')}"
+        )
     if truth == "floor":
         weights = weights - 1.0 / weights.size
     return max(float(weights @ between @ weights), 0.0)

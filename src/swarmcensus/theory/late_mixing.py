@@ -24,6 +24,7 @@ from collections import deque
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.theory.checks import Floats
 from swarmcensus.theory.matrices import product_with
@@ -44,7 +45,9 @@ def late_moments(matrix: Floats, delay: int, at: list[int], squared: Floats, sum
     """
     robots = len(matrix)
     if not fits(robots, delay):
-        raise InputError(f"{robots:,} robots with messages {delay} rounds late: more than can be held at a time")
+        raise InputError(
+            f"{counted(robots, 'robot')} with messages {counted(delay, 'round')} late: more than can be held at a time"
+        )
     own = np.diag(matrix)[:, np.newaxis]
     others = matrix - np.diagflat(own)
     squares, sums = np.zeros((2, len(at), robots))

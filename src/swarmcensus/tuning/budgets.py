@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
 from swarmcensus.basics.times import UNITS, parse_time
@@ -29,7 +30,7 @@ def budget_of(given: int | str) -> Budget:
     """Read 200, "200" or "10 min". Raises InputError."""
     text = str(given).strip()
     if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST:
-        return Budget(int(text), None, f"{int(text)} evaluations")
+        return Budget(int(text), None, f"{counted(int(text), 'evaluation')}")
     try:
         time = parse_time(text)
         if not 0 < time.number < MOST:

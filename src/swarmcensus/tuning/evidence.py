@@ -7,10 +7,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.brains import Brain
 from swarmcensus.results.comparing import Comparison, compared
-from swarmcensus.results.comparison_cells import p_value
+from swarmcensus.results.comparison_cells import equals
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.results.verdicts import often
 from swarmcensus.studies.settings import Setting
@@ -63,7 +64,7 @@ class Evidence:
         for row in self.comparison.duels.to_dict("records"):
             better, worse = self.comparison.contests[0].shares(0)
             said = often(better, worse) if self._first else often(worse, better)
-            over = f" over all {len(pairs)} worlds: {said}, p {_equals(row['p_holm'])}"
+            over = f" over all {counted(len(pairs), 'world')}: {said}, p {equals(row['p_holm'])}"
         one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.label}: {self.tuned} {told} {self.before}{over}{one}"]
         if over:
@@ -86,8 +87,8 @@ class Evidence:
         superiority = row["superiority"] if self._first else 1 - row["superiority"]
         apart = "" if row["told_apart"] else ", not told apart"
         return (
-            f"{measure.statistic} of differences {text}{unit}, better in {superiority:.0%} of {row['trials']} trials, "
-            f"p {_equals(row['p_holm'])}{apart}"
+            f"{measure.statistic} of differences {text}{unit}, better in {superiority:.0%} of {row['trials']:,} "
+            f"trials, p {equals(row['p_holm'])}{apart}"
         )
 
 
@@ -121,9 +122,5 @@ def _names(
 def _where(found: Comparison, row: dict[str, Any]) -> str:
     """A world's coordinates that differ among worlds, in brackets."""
     world = found.field.worlds[row["world"]]
-    told = ", ".join(f"{name} {value}" for name, value in world.items() if not is_idle(value))
+    told = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
     return f" ({told})" if told else ""
-
-
-def _equals(p: float) -> str:
-    return text if (text := p_value(p)).startswith("<") else f"= {text}"

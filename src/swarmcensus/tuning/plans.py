@@ -88,7 +88,7 @@ def plan_of(
 ) -> Plan:
     """Hold what is asked for against the study. Raises InputError, naming what is not there and what is."""
     if not 1 <= trials <= MOST_TRIALS:
-        raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS} trials in each world")
+        raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS:,} trials in each world")
     before = chosen(study, brain)
     ranges = ranges_of(parameters, before)
     mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)

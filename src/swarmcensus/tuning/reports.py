@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.tuning.evidence import BETTER, Evidence
@@ -38,8 +39,9 @@ def report(
     said = [
         *evidence.sentences,
         *notes,
-        f"evaluated in {_several(worlds, 'world')} with seed {seed}, the study's own, and {plan.study.trials} trials "
-        "in each, none of which the search has seen; p-values are corrected by Holm's method for this metric alone, so "
+        f"evaluated in {counted(worlds, 'world')} with seed {seed}, the study's own, and "
+        f"{counted(plan.study.trials, 'trial')} in each, none of which the search has seen; "
+        "p-values are corrected by Holm's method for this metric alone, so "
         "that swarmcensus compare, which asks for more measures, may tell less apart",
     ]
     names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
@@ -47,7 +49,8 @@ def report(
     told = [
         f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",
         f"by {plan.metric}: {plan.measures[0].meaning}{ties}",
-        f"with CMA-ES (cma {library().__version__}), {plan.trials} trials in each world: {course_of(plan, ended)}",
+        f"with CMA-ES (cma {library().__version__}), {counted(plan.trials, 'trial')} in each world: "
+        f"{course_of(plan, ended)}",
         f"training seeds {seed_for(seed, 'training')} (the brain as it was) and those that follow from {seed}, one a "
         f"generation; the search's own {seed_for(seed, 'search')}",
         f"the brain's source has SHA-256 {tuned.sha256}",
@@ -59,7 +62,7 @@ def report(
 def course_of(plan: Plan, ended: Ended) -> str:
     """How a search went and why it ended, such as "57 evaluations in 4 generations, as many as the budget allows"."""
     why = "until all candidates of one had the same values" if ended.narrowed else "as many as the budget allows"
-    text = f"{len(ended.evaluations)} evaluations in {_several(ended.generations, 'generation')}, {why}"
+    text = f"{counted(len(ended.evaluations), 'evaluation')} in {counted(ended.generations, 'generation')}, {why}"
     return f"{text} ({plan.budget.text}){_drawn(ended)}"
 
 
@@ -67,20 +70,16 @@ def why_unchanged(plan: Plan, ended: Ended) -> str:
     """Why a search ended at the values there were."""
     if not ended.flat:
         return "the search ended at the values there were"
-    spent = f"{len(ended.evaluations)} evaluations, as many as the budget allows{_drawn(ended)}"
+    spent = f"{counted(len(ended.evaluations), 'evaluation')}, as many as the budget allows{_drawn(ended)}"
     return f"no candidate differed from another in {plan.metric}, and the budget is spent ({spent})"
 
 
 def _drawn(ended: Ended) -> str:
     if not ended.drawn:
         return ""
-    were = "generation was" if ended.drawn == 1 else "generations were"
-    return f"; {ended.drawn} {were} drawn from the whole of the ranges, as no candidate had differed before"
+    drawn = f"{counted(ended.drawn, 'generation')} {'was' if ended.drawn == 1 else 'were'} drawn"
+    return f"; {drawn} from the whole of the ranges, as no candidate had differed before"
 
 
 def _told(plan: Plan, values: tuple[float, ...]) -> str:
     return ", ".join(f"{one.place} = {value:.6g}" for one, value in zip(plan.ranges, values, strict=True))
-
-
-def _several(count: int, what: str) -> str:
-    return f"{count:,} {what}{'s' * (count != 1)}"

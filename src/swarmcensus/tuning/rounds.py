@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
 from swarmcensus.runs.working import Progress
@@ -118,7 +119,7 @@ def search_of(plan: Plan) -> Search:
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
         raise InputError(
             f"{option('budget', plan.budget.evaluations)}: the brain as it is and one generation take "
-            f"{1 + search.size} evaluations"
+            f"{counted(1 + search.size, 'evaluation')}"
         )
     return search
 

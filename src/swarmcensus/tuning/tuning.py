@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
 from swarmcensus.basics.options import option
@@ -97,7 +98,7 @@ def tune(
         Training(study, plan.worlds, plan.measures, trials, jobs) as training,
     ):
         if log.evaluations and say:
-            say(f"{log.path}: found {len(log.evaluations):,} evaluations")
+            say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
         ended = search_on(plan, search, log, training, show)
         values, idle = without_idle(plan, ended.values, training, show)
         tuned = plan.brain_of(values)

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.watching.offers import Offer, wanted
@@ -42,7 +43,9 @@ def export(
     shows = [Show(setting, found.seed, found.trial, found.study.measure) for setting in found.settings]
     rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
-        raise InputError(f"{robots} robots for {rounds} rounds are too many for one file: fewer, or rounds=...")
+        raise InputError(
+            f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: fewer, or rounds=..."
+        )
     frames, minds, names, step = [], [], [], _step(shows[0])
     for side, show in enumerate(shows):
         blocks, fields = [], []

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
@@ -203,7 +204,8 @@ def _check(setting: Setting, study: Study) -> None:
     try:
         if setting.robots > MOST_ROBOTS or setting.rounds > MOST_ROUNDS:
             raise ValueError(
-                f"{setting.robots} robots for {setting.rounds}: up to {MOST_ROBOTS} for {MOST_ROUNDS} can be watched"
+                f"{setting.robots:,} robots for {setting.rounds:,}: up to {MOST_ROBOTS:,} for {MOST_ROUNDS:,} "
+                "can be watched"
             )
         setting.topology.check(setting.robots)
         if setting.body is not None:
@@ -212,11 +214,11 @@ def _check(setting: Setting, study: Study) -> None:
             if not 0.0 < setting.density <= most:
                 raise ValueError(f"density = {setting.density:g}: should be above 0 and at most {most:.4g} here")
             if setting.arena_side > MOST_TILES * setting.body.tile:
-                raise ValueError(f"density = {setting.density:g}: the arena is more than {MOST_TILES} tiles wide")
+                raise ValueError(f"density = {setting.density:g}: the arena is more than {MOST_TILES:,} tiles wide")
             (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
         elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
             raise ValueError(
-                f"{setting.robots} robots that all hear each other: {MOST_PAIRS**0.5:.0f} is the most here"
+                f"{counted(setting.robots, 'robot')} that all hear each other: {MOST_PAIRS**0.5:,.0f} is the most here"
             )
         for member in setting.members:
             given: dict[str, Any] = dict.fromkeys(Members.model_fields)
@@ -264,7 +266,7 @@ def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int
     if text == "":
         return usual
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
-        raise InputError(f"{key} = {text[:40]}: should be a whole number from {least} to {most}")
+        raise InputError(f"{key} = {text[:40]}: should be a whole number from {least:,} to {most:,}")
     return int(text)
 
 

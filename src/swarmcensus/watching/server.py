@@ -3,6 +3,7 @@
 import contextlib
 import json
 import secrets
+import signal
 import socket
 import threading
 import time
@@ -13,8 +14,9 @@ from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.offers import Offer
-from swarmcensus.watching.sessions import MOST_TEXT, Session
+from swarmcensus.watching.sessions import MOST_TEXT, Answer, Session
 
 PAGE = Path(__file__).with_name("page")
 KINDS = {
@@ -24,6 +26,8 @@ KINDS = {
     ".txt": "text/plain; charset=utf-8",
 }
 MOST_PAGES = 64
+MOST_WAITING = 64  # wishes of a page that are not answered yet
+NOTICE = 0.3  # seconds until a page that waits hears what is compiled
 AT_ONCE = 2  # pages that are computed for at a time
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 POLICY = (
@@ -117,21 +121,47 @@ def app_of(served: Served) -> Any:
         await page.accept()
         pages.add(id(page))
         session = Session(served.offer)
+        into, wishes = anyio.create_memory_object_stream[str | bytes](MOST_WAITING)
         try:
-            while True:
-                said = await page.receive()
-                if said["type"] == "websocket.disconnect":
-                    break
-                words: str | bytes = said["text"] if said.get("text") is not None else said["bytes"]
-                for answer in await anyio.to_thread.run_sync(session.answer, words, limiter=limiter):
-                    if isinstance(answer, bytes):
-                        await page.send_bytes(answer)
-                    else:
-                        await page.send_text(json.dumps(answer, allow_nan=False))
-        except (WebSocketDisconnect, RuntimeError):  # it went while it was answered
+            async with anyio.create_task_group() as talking:
+                talking.start_soon(listen, page, into, talking.cancel_scope)
+                async for words in wishes:
+                    for answer in await answered(page, session, words):
+                        await say(page, answer)
+        except* (WebSocketDisconnect, RuntimeError):  # it went while it was answered
             pass
         finally:
             pages.discard(id(page))
+            into.close()
+            wishes.close()
+
+    async def listen(page: WebSocket, into: Any, talking: Any) -> None:
+        """Hear what a page says while it is answered: as long as a message waits, its signs of life are not read."""
+        while (said := await page.receive())["type"] != "websocket.disconnect":
+            await into.send(said["text"] if said.get("text") is not None else said["bytes"])
+        talking.cancel()  # what it asked for last need not be computed
+
+    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Answer]:
+        """What a session answers; until then the page is told what is compiled."""
+        async with anyio.create_task_group() as meanwhile:
+            meanwhile.start_soon(notice, page)
+            answers = await anyio.to_thread.run_sync(session.answer, words, limiter=limiter)
+            meanwhile.cancel_scope.cancel()
+        return answers
+
+    async def notice(page: WebSocket) -> None:
+        told = ""
+        while True:
+            await anyio.sleep(NOTICE)
+            if (now := COMPILATIONS.now) != told and now:
+                await say(page, {"compiling": now})
+                told = now
+
+    async def say(page: WebSocket, answer: Answer) -> None:
+        if isinstance(answer, bytes):
+            await page.send_bytes(answer)
+        else:
+            await page.send_text(json.dumps(answer, allow_nan=False))
 
     async def nothing(request: Request, _: Exception) -> Response:
         return reply(404, "There is nothing here.\n")
@@ -191,9 +221,13 @@ def warm(served: Served, asked: Mapping[str, str]) -> None:
 
 
 def serve(served: Served) -> None:
-    """Serve until it is interrupted."""
+    """Serve until it is interrupted; where Ctrl-C is ignored, as a shell's background has it, until it is ended."""
+    server = server_of(served)
+    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # which uvicorn does not ask about
+        end = server.handle_exit
+        server.handle_exit = lambda number, frame: None if number == signal.SIGINT else end(number, frame)
     with served.socket:
-        server_of(served).run([served.socket])
+        server.run([served.socket])
 
 
 @contextlib.contextmanager

@@ -12,6 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
 from swarmcensus.studies.toml_text import to_toml_value
+from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.offers import KEYS, Offer, Wanted, names_of, wanted
 from swarmcensus.watching.robots import robot_of
 from swarmcensus.watching.scenes import scene_of
@@ -53,7 +54,11 @@ class Session:
             raise InputError("ask: should be names and texts")
         found = wanted(self.offer, ask)
         measure = found.study.measure
-        self.shows = tuple(Show(setting, found.seed, found.trial, measure) for setting in found.settings)
+        shows = []
+        for setting in found.settings:
+            with COMPILATIONS.of(setting):
+                shows.append(Show(setting, found.seed, found.trial, measure))
+        self.shows = tuple(shows)
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, found)}]
 
     def _frames(self, asked: Mapping[str, Any]) -> list[Answer]:
@@ -81,13 +86,17 @@ class Session:
 
     def _reached(self, show: Show, tick: int, began: float) -> bool:
         """Go on towards a round for as long as a page bears to wait; whether it is there."""
-        while not show.ready(tick):
-            if time.monotonic() - began > PATIENCE:
-                return False
+        with COMPILATIONS.of(show.setting):
+            while not show.ready(tick):
+                if time.monotonic() - began > PATIENCE:
+                    return False
         return True
 
     def _given(self, asked: Mapping[str, Any], ticks: list[int]) -> list[Answer]:
-        frames: list[Answer] = [show.frames(ticks, side) for side, show in enumerate(self.shows)]
+        frames: list[Answer] = []
+        for side, show in enumerate(self.shows):
+            with COMPILATIONS.of(show.setting):
+                frames.append(show.frames(ticks, side))
         return [*frames, {"frames": len(ticks)}]
 
     def _robot(self, asked: Mapping[str, Any]) -> list[Answer]:
@@ -95,9 +104,10 @@ class Session:
         side = _whole(asked, "side", 0, len(self.shows) - 1)
         show = self.shows[side]
         robot = _whole(asked, "robot", 0, show.setting.robots - 1)
-        if not show.ready(tick):
-            return [{"going": True, "to": tick}]
-        return [{"told": robot_of(show, tick, robot), "side": side}]
+        with COMPILATIONS.of(show.setting):
+            if not show.ready(tick):
+                return [{"going": True, "to": tick}]
+            return [{"told": robot_of(show, tick, robot), "side": side}]
 
     def _last(self) -> int:
         if not self.shows:
@@ -147,7 +157,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
 
 def _read(said: str | bytes) -> dict[str, Any]:
     if isinstance(said, bytes) or len(said) > MOST_TEXT:
-        raise InputError(f"a page says JSON of at most {MOST_TEXT} letters")
+        raise InputError(f"a page says JSON of at most {MOST_TEXT:,} letters")
     try:
         asked = json.loads(said)
     except (ValueError, RecursionError):
@@ -167,5 +177,5 @@ def _read(said: str | bytes) -> dict[str, Any]:
 def _whole(asked: Mapping[str, Any], key: str, least: int, most: int) -> int:
     value = asked.get(key, least)
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
-        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least} to {most}")
+        raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least:,} to {most:,}")
     return value

@@ -54,7 +54,7 @@ class Change:
     def told(self, key: str) -> str:
         """When it is `at` or `until`, as the file says it: a time beside its ticks."""
         ticks, given = getattr(self, key), getattr(self.given or self, key)
-        return f'"{given}" ({ticks} ticks)' if isinstance(given, Time) else str(ticks)
+        return f'"{given}" ({ticks:,} ticks)' if isinstance(given, Time) else str(ticks)
 
     @property
     def end(self) -> int:
@@ -136,7 +136,7 @@ def _round(key: str, value: object) -> int | Time:
             raise ValueError(f"{key}: {error}") from None
     if isinstance(value, bool) or not isinstance(value, int) or not LEAST <= value <= MOST:
         raise ValueError(
-            f"{key} should be a whole number from {LEAST} to {MOST}, for in round 1 the fill ratio is as before, or of "
-            'robots that move a time such as "5 min"'
+            f"{key} should be a whole number from {LEAST} to {MOST:,}, for in round 1 the fill ratio is as before, or "
+            'of robots that move a time such as "5 min"'
         )
     return value

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.hints import did_you_mean
 
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
@@ -31,7 +32,9 @@ def check(name: str, arguments: str, robots: int) -> None:
         except ValueError:
             continue  # too small for the other arguments
         if nodes > (4 * n + 16 if given is None else robots):
-            raise ValueError(f"networkx.{name} gives {nodes} robots for n = {n} already: give an n for {robots} robots")
+            raise ValueError(
+                f"networkx.{name} gives {nodes:,} robots for n = {n} already: give an n for {robots:,} robots"
+            )
     edges_of(name, arguments, robots, 0)
 
 
@@ -47,7 +50,7 @@ def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndar
     """A graph's edges (edge, 2), and whether they are directed. Raises ValueError where there is no such graph."""
     graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
     if graph.number_of_nodes() != robots:
-        raise ValueError(f"networkx.{name} gives {graph.number_of_nodes()} robots instead of {robots}")
+        raise ValueError(f"networkx.{name} gives {counted(graph.number_of_nodes(), 'robot')} instead of {robots}")
     edges = [(a, b) for a, b in numbered(graph) if a != b]  # nobody hears oneself
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 

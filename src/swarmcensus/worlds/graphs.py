@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.modes import LISTED
 from swarmcensus.worlds import generators
@@ -65,7 +66,7 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
     if robots is None:
         raise ValueError(f"topology {topology.name!r} has no size of its own: say how many robots")
     if not 1 <= robots <= most:
-        raise ValueError(f"{robots} robots: should be 1 to {most:,}, {why}")
+        raise ValueError(f"{counted(robots, 'robot')}: should be 1 to {most:,}, {why}")
     if topology.moves or topology.varies:
         raise ValueError(f"topology {topology.name!r} differs from trial to trial: give the edges of one of its graphs")
     topology.check(robots)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.worlds.chance import Chance
@@ -84,7 +85,9 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: o
         return ask(given)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
-        raise InputError(f"topology {name!r} of {robots} robots{own}: {told(error, DOOR.path(name))}") from error
+        raise InputError(
+            f"topology {name!r} of {counted(robots, 'robot')}{own}: {told(error, DOOR.path(name))}"
+        ) from error
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:

@@ -37,7 +37,7 @@ def compare(
     if by is None and len(found.field.worlds) > MOST_ROWS:
         names = ", ".join(dict.fromkeys(name for world in found.field.worlds for name in world))
         raise InputError(
-            f"{len(found.field.worlds)} worlds are more than the {MOST_ROWS} rows that have room: pool them with by, "
+            f"{len(found.field.worlds):,} worlds are more than the {MOST_ROWS} rows that have room: pool them with by, "
             f"or select some; they differ in {names}"
         )
     mark = found.against or 0

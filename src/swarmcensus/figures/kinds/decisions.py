@@ -14,6 +14,7 @@ from matplotlib.path import Path
 from matplotlib.ticker import FixedLocator
 from numpy.typing import NDArray
 
+from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
@@ -30,6 +31,7 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_pooled,
     sheet,
     show_range,
 )
@@ -110,6 +112,7 @@ def decisions_grid(
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries | theory_entries(expected))
     say_lacking(axes, [panel.results for panel in drawn])
+    say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
 
 
@@ -163,7 +166,7 @@ def _draw_shares(
     axes.set_xticks(np.arange(columns), [f"{checkpoints[c]:,}" for c in kept])
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))
-    note = f"; {columns} of {known.size} checkpoints" if columns < known.size else ""
+    note = f"; {columns} of {counted(known.size, 'checkpoint')}" if columns < known.size else ""
     name_axes(axes, f"{unit}{note}", "robots in the right bin (%)")
 
 

@@ -32,6 +32,7 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_pooled,
     sheet,
 )
 from swarmcensus.results.measures import with_measure
@@ -130,6 +131,7 @@ def lines(
     _say_marks(entries, every, statistic)
     add_key(axes, heading, entries)
     say_lacking(axes, [results])
+    say_pooled(axes, [part.results for part in parts], [x, *([color] if color else [])])
     return drawn_on(axes, ax)
 
 

@@ -32,6 +32,7 @@ from swarmcensus.figures.sheets import (
     name_axes,
     say_empty,
     say_lacking,
+    say_pooled,
     sheet,
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
@@ -149,6 +150,7 @@ def scatter_grid(
         entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
     say_lacking(axes, [panel.results for panel in drawn])
+    say_pooled(axes, [panel.results for panel in drawn], [color])
     return drawn_on(axes, ax)
 
 

@@ -131,8 +131,11 @@ async function start() {
   state.side = wish.side;
   paint(wish.colour);
   try {
-    await state.source.open();
     state.source.closed = (error) => complain(error);
+    state.source.found = () => {
+      if ($("error").textContent === GONE) complain(null);
+    };
+    await state.source.open();
     requestAnimationFrame(tickOn);
     await begin(wish.ask, wish.tick, wish.robot);
   } catch (error) {

@@ -68,22 +68,22 @@ function tellRobot(host, told, scene) {
     rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
     rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
   }
-  if (told.looks !== undefined) rows.push(["its sensor says", `${told.blacks} of ${told.looks} black`]);
+  if (told.looks !== undefined) rows.push(["its sensor says", `${shown(told.blacks)} of ${shown(told.looks)} black`]);
   if (belief) {
     rows.push(["sensor's b, w", `${shown(belief.b)}, ${shown(belief.w)}`]);
     rows.push(["believed b, w", `${shown(belief.believed_b)}, ${shown(belief.believed_w)}`]);
   }
-  const at = told.recorded !== undefined && told.recorded !== told.tick ? `, as of ${scene.unit} ${told.recorded}` : "";
+  const at = told.recorded !== undefined && told.recorded !== told.tick ? `, as of ${scene.unit} ${shown(told.recorded)}` : "";
   const parts = [
-    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : " that lies"}, ${scene.unit} ${told.tick}`),
+    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : " that lies"}, ${scene.unit} ${shown(told.tick)}`),
     tableOf("Belief and sensor", rows),
     tableOf(`Memory${at}`, Object.entries(told.fields)),
   ];
   if (told.heard) {
-    const when = told.heard_at === told.tick ? `this ${scene.unit}` : `${scene.unit} ${told.heard_at}`;
+    const when = told.heard_at === told.tick ? `this ${scene.unit}` : `${scene.unit} ${shown(told.heard_at)}`;
     const caption = told.heard.length ? `Heard in ${when}${told.adds ? ", as it adds up" : ""}` : "Heard nothing lately";
     parts.push(tableOf(caption, told.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
-    if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${told.heard.length - 40} more`));
+    if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${shown(told.heard.length - 40)} more`));
   }
   host.replaceChildren(...parts);
 }

@@ -72,6 +72,7 @@ function tickOn(now) {
   state.last = now;
   const late = state.drawn !== state.tick && !state.halted && (state.preparing || state.scenes.length > 0);
   $("waiting").hidden = !(late && now - state.shownAt > 700);
+  if (late) tellWhy();
   if (!late) state.shownAt = now;
   if (!state.scenes.length || state.preparing) return;
   const by = strides();
@@ -95,6 +96,13 @@ function tickOn(now) {
     state.settled = here;
     settle(state.run, state.tick).catch(() => {});
   }
+}
+
+function tellWhy() {
+  const { lost, compiling } = state.source;
+  const working = compiling ? `Compiling ${compiling}, once on this machine: this takes up to a minute …` : "On its way …";
+  const why = lost ? "The connection is lost. Trying again …" : working;
+  if ($("waiting").textContent !== why) $("waiting").textContent = why; // which is read aloud
 }
 
 function show(frames, now) {

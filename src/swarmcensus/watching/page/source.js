@@ -1,32 +1,55 @@
 "use strict";
 // Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
 
-const GONE = "The server is gone, or refuses this page. Begin swarmcensus watch again, and open the address that it prints.";
+const GONE = "The server is gone, or refuses this page. If it comes back, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds from try to try: whoever has tried so often complains, and tries on
 
 class Live {
   constructor() {
     this.token = new URLSearchParams(location.search).get("token") || "";
     this.number = 0;
     this.waiting = new Map();
+    this.begun = null; // what the server shows this page
+    this.tries = 0;
+    this.lost = false;
+    this.compiling = "";
     this.parts = [];
     this.closed = () => {};
+    this.found = () => {};
   }
 
   open() {
-    return new Promise((resolve, reject) => {
-      const scheme = location.protocol === "https:" ? "wss" : "ws";
-      this.socket = new WebSocket(`${scheme}://${location.host}/live?token=${encodeURIComponent(this.token)}`);
-      this.socket.binaryType = "arraybuffer";
-      this.socket.onopen = () => resolve();
-      this.socket.onclose = () => {
-        const gone = new Error(GONE);
-        for (const { reject: refuse } of this.waiting.values()) refuse(gone);
-        this.waiting.clear();
-        reject(gone);
-        this.closed(gone);
-      };
-      this.socket.onmessage = ({ data }) => this.take(data);
+    return new Promise((resolve) => {
+      this.opened = resolve;
+      this.connect();
     });
+  }
+
+  connect() {
+    const scheme = location.protocol === "https:" ? "wss" : "ws";
+    this.socket = new WebSocket(`${scheme}://${location.host}/live?token=${encodeURIComponent(this.token)}`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.onopen = () => {
+      this.tries = 0;
+      this.lost = false;
+      this.socket.onmessage = ({ data }) => this.take(data);
+      if (this.begun) this.send(0, { do: "begin", ask: this.begun }); // the server knows nothing of before
+      for (const [id, { words }] of this.waiting) this.send(id, words);
+      this.opened();
+      this.found();
+    };
+    this.socket.onclose = () => {
+      this.lost = true;
+      this.compiling = "";
+      this.parts = [];
+      if (this.tries === WAITS.length) this.closed(new Error(GONE));
+      setTimeout(() => this.connect(), WAITS[Math.min(this.tries, WAITS.length - 1)]);
+      this.tries += 1;
+    };
+  }
+
+  send(id, words) {
+    this.socket.send(JSON.stringify({ id, ...words }));
   }
 
   take(data) {
@@ -35,6 +58,11 @@ class Live {
       return;
     }
     const answer = JSON.parse(data);
+    if (answer.compiling) {
+      this.compiling = answer.compiling;
+      return;
+    }
+    this.compiling = "";
     const asked = this.waiting.get(answer.id);
     const parts = this.parts;
     this.parts = [];
@@ -44,20 +72,20 @@ class Live {
     else asked.resolve({ ...answer, parts });
   }
 
+  // what is asked while there is no connection is asked once there is one
   ask(does, more) {
     return new Promise((resolve, reject) => {
       const id = ++this.number;
-      if (this.socket.readyState !== WebSocket.OPEN) {
-        reject(new Error(GONE));
-        return;
-      }
-      this.waiting.set(id, { resolve, reject });
-      this.socket.send(JSON.stringify({ id, do: does, ...more }));
+      const words = { do: does, ...more };
+      this.waiting.set(id, { resolve, reject, words });
+      if (this.socket.readyState === WebSocket.OPEN) this.send(id, words);
     });
   }
 
-  begin(ask) {
-    return this.ask("begin", { ask });
+  async begin(ask) {
+    const answer = await this.ask("begin", { ask });
+    this.begun = ask;
+    return answer;
   }
 
   // the frames of each side, or none yet where the way there is long

@@ -100,9 +100,9 @@ function buildPage() {
   $("stages").replaceChildren();
   document.querySelector("main").classList.toggle("pair", scenes.length > 1);
   state.stages = scenes.map((scene, side) => {
-    const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${scene.robots} robots with ${scene.brain}` });
-    const liars = scene.dishonest.length ? `, ${scene.dishonest.length} of ${scene.robots} lie (crossed out)` : "";
-    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${scene.memory} bytes of memory, ${scene.message} a message${liars}`), host));
+    const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} robots with ${scene.brain}` });
+    const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
+    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} a message${liars}`), host));
     if (side === focused) host.focus({ preventScroll: true });
     return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again, moved: unfollow });
   });
