@@ -22,7 +22,7 @@ from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.seeds import seed_for
+from swarmcensus.basics.seeds import seed_for
 from tests.tunable import SOURCE, study_of
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from swarmcensus.runs.working import Progress
 from swarmcensus.tuning.plans import Plan
-from swarmcensus.tuning.seeds import seed_for
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.tuning.trying import Floats, Training
 
 Values = tuple[float, ...]

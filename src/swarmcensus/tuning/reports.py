@@ -10,7 +10,7 @@ from swarmcensus.tuning.fragments import fragment
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.rounds import Ended
 from swarmcensus.tuning.searching import library
-from swarmcensus.tuning.seeds import seed_for
+from swarmcensus.basics.seeds import seed_for
 
 
 def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:

@@ -15,7 +15,7 @@ from swarmcensus.tuning.logs import Evaluation, Log, hint
 from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.seeds import seed_for
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.tuning.trying import Training
 
 LOG = logging.getLogger(__name__)
