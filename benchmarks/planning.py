@@ -14,7 +14,6 @@ from rich.console import Console
 from rich.table import Table
 
 import swarmcensus as sc
-from swarmcensus.brains import adversary, load
 from swarmcensus.planning.mission import mission_of
 from swarmcensus.planning.trying import Case, curves, study_of
 
@@ -67,14 +66,14 @@ MISSIONS = {
         on("moving", side=2, robots=5, failing=0.2, near=0.1, confidence=0.9),
     ],
     "smallest swarm": [
-        on("full", robots=None, minutes=0.4),
-        on("full", robots=None, minutes=0.15, confidence=0.9),
-        on("full", robots=None, minutes=0.5, accuracy=SKEWED, f=[0.1, 0.9]),
-        on("full", robots=None, minutes=0.2, accuracy=0.8, confidence=0.975),
-        on("ring", robots=None, minutes=0.5, near=0.08),
-        on("ring", robots=None, minutes=0.9, confidence=0.8),
-        on("moving", robots=[2, 60], minutes=0.3, side=2, accuracy=0.8, near=0.08),
-        on("moving", robots=[2, 60], minutes=0.5, side=2, accuracy=SKEWED, confidence=0.9),
+        on("full", robots=None, minutes=0.2),
+        on("full", robots=None, minutes=0.1, confidence=0.9),
+        on("full", robots=None, minutes=0.2, accuracy=SKEWED, f=[0.1, 0.9]),
+        on("full", robots=None, minutes=0.1, accuracy=0.8, confidence=0.975),
+        on("ring", robots=None, minutes=0.3, confidence=0.9),
+        on("ring", robots=None, minutes=0.2, confidence=0.8),
+        on("moving", robots=[2, 80], minutes=0.2, side=2, accuracy=0.8, near=0.08),
+        on("moving", robots=[2, 80], minutes=0.3, side=2, accuracy=SKEWED, confidence=0.9),
     ],
     "liars": [
         on("full", "steadfast", lying=0.1, lie="opposite"),
@@ -84,7 +83,7 @@ MISSIONS = {
         on("ring", "steadfast", lying=0.1, lie="opposite", accuracy=0.8, near=0.08),
         on("scale-free", "steadfast", lying=0.1, lie="shouter", robots=16, near=0.08),
         on("moving", "steadfast", lying=0.1, lie="opposite", robots=8, side=2, near=0.1),
-        on("full", "steadfast", lying=0.1, lie="opposite", robots=[4, 60], minutes=0.8, near=0.08, confidence=0.9),
+        on("full", "steadfast", lying=0.1, lie="opposite", robots=[4, 90], minutes=0.2, near=0.08, confidence=0.9),
     ],
 }  # fmt: skip
 
@@ -119,6 +118,8 @@ def again(mission, row, trials, jobs):
         shares(robots, [row.minutes])[0].value if robots else None
         for robots in (row.robots_low - 1, row.robots_high, row.robots - 1)
     )
+    if mission.free.robots and row.robots_low == mission.free.robots[0]:
+        below = 0.0  # no smaller one was allowed
     return Again(tuple(at), below or 0.0, above, fewer)
 
 
@@ -146,12 +147,11 @@ def main():
     parser.add_argument("--trials", type=int, default=200)
     parser.add_argument("--jobs", type=int, default=1)
     options = parser.parse_args()
-    console = Console(width=150)
-    table = Table(box=None, header_style="")
-    for name in ("mission", "promised", "answer", "plan: right %", "again", "holds", "time or size holds", "one fewer"):
+    console = Console(width=170)
+    table, sums = (Table(box=None, header_style="", pad_edge=False) for _ in range(2))
+    for name in ("mission", "promised", "answer", "plan: right %", "again", "in it", "answer in its", "one fewer"):
         table.add_column(name, justify="left" if name == "mission" else "right", no_wrap=True)
-    sums = Table(box=None, header_style="")
-    for name in ("", "plans", "again - promised", "standard error", "share held", "time or size held"):
+    for name in ("", "plans", "again - promised", "standard error", "again - plan", "in it", "answer in its"):
         sums.add_column(name, justify="right" if name else "left")
     found = {}
     for kind, missions in MISSIONS.items():
@@ -162,7 +162,9 @@ def main():
             new, promised = again(mission, row, AGAIN, options.jobs), mission.wanted.confidence
             holds = row.share.low <= new.at[0] <= row.share.high
             within = new.below <= promised and (new.above is None or new.above >= promised)
-            found.setdefault(kind, []).append((new.at[0] - promised, holds, within))
+            fewer = np.nan if new.fewer is None else new.fewer
+            figures = (new.at[0] - promised, new.at[0] - row.share.value, fewer - promised, holds, within)
+            found.setdefault(kind, []).append(figures)
             answer = f"{row.minutes:.3g} min" if row.robots_low is None else f"{row.robots} robots"
             table.add_row(
                 told(tables), f"{100 * promised:g}", answer, percent(row.share), percent(new.at),
@@ -173,13 +175,17 @@ def main():
     console.print()
     found["all"] = [one for kind in found.values() for one in kind]
     for kind, each in found.items():
-        differences, holds, within = np.array(each).T
-        error = differences.std(ddof=1) / np.sqrt(len(each))
+        short, told_short, fewer, holds, within = np.array(each, float).T
+        error = short.std(ddof=1) / np.sqrt(len(each))
         sums.add_row(
-            kind, f"{len(each)}", f"{100 * differences.mean():+.2f}", f"{100 * error:.2f}",
+            kind, f"{len(each)}", f"{100 * short.mean():+.2f}", f"{100 * error:.2f}", f"{100 * told_short.mean():+.2f}",
             f"{holds.sum():.0f}", f"{within.sum():.0f}",
         )  # fmt: skip
     console.print(sums)
+    console.print(
+        f"smallest swarms with one robot fewer: again - promised {100 * np.nanmean(fewer):+.2f}\n"
+        "in it: again is in the interval of right %; answer in its: so is the time, or size, that new trials would find"
+    )
 
 
 if __name__ == "__main__":
