@@ -122,8 +122,8 @@ def back_and_forth(rng, rounds, trials):
 def test_times_are_on_the_promise_on_average_and_their_intervals_hold(draw, true):
     """The first time with enough in 60 trials would be 1.1 and 1.7 points short.
 
-    The mean over 400 plans has a standard error of 0.13 points; times that are looked at are 5 % apart. Of 400 intervals
-    of 95 %, 369 or more hold in all but one case of a hundred.
+    The mean over 400 plans has a standard error of 0.13 points; times that are looked at are 5 % apart. Of 400
+    intervals of 95 %, 369 or more hold in all but one case of a hundred.
     """
     rng, rounds = np.random.default_rng(407), np.unique(np.geomspace(60, 250, 30).round().astype(int))
     assert true(100) == pytest.approx(0.95, abs=1e-4)

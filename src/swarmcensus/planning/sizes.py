@@ -114,13 +114,11 @@ def _fresh(search: Search, brain: Brain, row: Row) -> Row:
     return replace(row, share=share, answer="reached" if share.high >= mission.wanted.confidence else "not reached")
 
 
-def _row(
-    search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False
-) -> Row:
+def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Row:
     """What all trials say at the worst cases, or few trials at all that may be it; those that surely are not drop out.
 
-    Few trials have an interval of a level at which they decide. Where the answer chooses a size, it goes by the share to
-    expect in other trials.
+    Few trials have an interval of a level at which they decide. Where the answer chooses a size, it goes by the share
+    to expect in other trials.
     """
     mission, before = search.mission, search.worst.get(brain.told, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (confirmed(before), mission.trials)

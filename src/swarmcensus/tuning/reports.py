@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.tuning.evidence import BETTER, Evidence
@@ -10,7 +11,6 @@ from swarmcensus.tuning.fragments import fragment
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.rounds import Ended
 from swarmcensus.tuning.searching import library
-from swarmcensus.basics.seeds import seed_for
 
 
 def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:
