@@ -128,8 +128,9 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     left = [one.case for one in every if one.at(0).low <= curve.at(0).high]
     search.worst[brain.told] = left + [case for case in before if case not in cases]
     share = curve.at(0, SURE if few else LEVEL)
-    right = curve.expected(0) if chosen else share.value
-    answer: Answer = "reached" if right >= mission.wanted.confidence else "not reached"
+    if chosen:
+        share = share._replace(value=curve.expected(0))
+    answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
     return replace(of_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
 
 
