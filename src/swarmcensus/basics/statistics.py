@@ -108,9 +108,9 @@ def interval_of(
 def expected_share(by_trial: Floats) -> float:
     """The share to expect in trials to come, from its means by trial (trial,), where it had a part in choosing them.
 
-    It is (x + 1/2) / (n + 1) for x right of n independent tries, the posterior mean with Jeffreys's prior; where all
-    are right, 1. A time at which this is p keeps a share of p on average, however it was found on these trials: docs/
-    planning.md says why. Raises ValueError for fewer than 3 trials.
+    It is (x + 1/2) / (n + 1) where x of n independent tries are right, the mean with Jeffreys's prior, and 1 where all
+    are. A time at which this reaches p has a share of p on average: docs/planning.md says why. It is of 6 trials or
+    more.
     """
     share = float(by_trial.mean())
     if share == 1.0:
