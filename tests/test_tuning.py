@@ -12,6 +12,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.simulation import trials as simulated
@@ -22,7 +23,6 @@ from swarmcensus.tuning.objectives import COMPANIONS, loss, scales_of
 from swarmcensus.tuning.plans import plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.seeds import seed_for
 from tests.tunable import SOURCE, study_of
 
 

@@ -105,6 +105,20 @@ def interval_of(
     return value, *(_share_ends(by_trial, level) if share else _mean_ends(by_trial, level))
 
 
+def expected_share(by_trial: Floats) -> float:
+    """The share to expect in trials to come, from its means by trial (trial,), where it had a part in choosing them.
+
+    It is (x + 1/2) / (n + 1) where x of n independent tries are right, the mean with Jeffreys's prior, and 1 where all
+    are. A time at which this reaches p has a share of p on average: docs/planning.md says why. It is of 6 trials or
+    more.
+    """
+    share = float(by_trial.mean())
+    if share == 1.0:
+        return 1.0
+    tries = tries_of(by_trial, LEVEL)
+    return (tries * share + 0.5) / (tries + 1.0)
+
+
 def _normal(level: float) -> float:
     """How many standard errors to both sides hold the middle `level` of a normal distribution."""
     return NormalDist().inv_cdf((1 + level) / 2)
@@ -153,7 +167,7 @@ def _wilson(share: float, tries: float, z2: float, side: int) -> float:
     return min(1.0, max(0.0, middle + side * half))
 
 
-def _tries(by_trial: Floats, level: float) -> float:
+def tries_of(by_trial: Floats, level: float) -> float:
     """How many independent tries tell as much of a share as its means by trial (trial,), no fewer than the trials.
 
     Robots that err together count as one try, those that err alone as one each: tries = trials / design effect,
@@ -174,7 +188,7 @@ def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:
     """Wilson's interval of the mean of a share (trial,), with both ends moved outwards for tries being whole and for
     the skewness of their number (Cai, 2005): nearly the exact one of Clopper and Pearson, near 0 and 1 too.
     """
-    share, tries, z2 = float(by_trial.mean()), _tries(by_trial, level), _normal(level) ** 2
+    share, tries, z2 = float(by_trial.mean()), tries_of(by_trial, level), _normal(level) ** 2
     lean = (z2 - 1) / 6 * (2 * share - 1)
     fewer = max(0.0, share - max(0.0, 0.5 - lean) / tries)
     more = min(1.0, share + max(0.0, 0.5 + lean) / tries)
@@ -187,7 +201,7 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
 
     def clearly_less(share: NDArray[np.bool_]) -> bool:
         by_trial = share.mean(axis=1)
-        tries = _tries(by_trial, level)
+        tries = tries_of(by_trial, level)
         return bool(by_trial.mean() + (0.5 + z * math.sqrt(tries) / 2) / tries < 0.5)
 
     half = ordered.size // 2

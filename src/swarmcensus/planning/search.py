@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from swarmcensus.basics.counting import counted
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.planning.sites import capacity, check_network, fewest
@@ -104,17 +105,27 @@ class Search:
         )
 
     def run(
-        self, robots: int, brains: Sequence[Brain], cases: Sequence[Case], times: Sequence[int], trials: int
+        self,
+        robots: int,
+        brains: Sequence[Brain],
+        cases: Sequence[Case],
+        times: Sequence[int],
+        trials: int,
+        fresh: bool = False,
     ) -> list[Curve]:
-        """Run so many trials, or fewer where they would take too long. Raises TooLong where that is next to none."""
+        """Run so many trials, or fewer where they would take too long; fresh ones have no part in what was chosen.
+
+        Raises TooLong where that is next to none.
+        """
         self.check_network(robots)
         mission = self.mission
-        study = study_of(mission, robots, brains, cases, times, trials, mission.seed)
+        seed = seed_for(mission.seed, "fresh trials", command="plan") if fresh else mission.seed
+        study = study_of(mission, robots, brains, cases, times, trials, seed)
         most = affordable(study, MOST_SECONDS)
         if most < FEWEST_TRIALS:
             raise TooLong
         if most < trials:
-            study = study_of(mission, robots, brains, cases, times, most, mission.seed)
+            study = study_of(mission, robots, brains, cases, times, most, seed)
         minutes = times[-1] * mission.round_minutes
         what = "first look" if trials < mission.trials else "confirming"
         stage = f"{what}: {counted(robots, 'robot')}, up to {minutes:.3g} min"

@@ -56,26 +56,28 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
             middle = (size + too_few) // 2
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
         while True:  # what few trials decided is held to all
-            rows[size] = _row(search, brain, size, minutes)
-            if rows[size].answer == "reached" or size == high:
+            found = _row(search, brain, size, minutes, chosen=True)
+            if found.answer == "reached":
+                found = _fresh(search, brain, found)
+            if found.answer == "reached":
                 break
+            if size == high:
+                return found
             size = min(high, max(size + 1, int(size * (1.0 + NEAR))))
     except TooLong:
         return _of_theory(search, brain, size, minutes)
-    if rows[size].answer != "reached":
-        return rows[size]
-    few, many = _ends(search, brain, minutes, size)
-    return replace(rows[size], robots_low=few, robots_high=many)
+    few, many = _ends(search, brain, found)
+    return replace(found, robots_low=few, robots_high=many)
 
 
-def _ends(search: Search, brain: Brain, minutes: float, size: int) -> tuple[int, int | None]:
+def _ends(search: Search, brain: Brain, found: Row) -> tuple[int, int | None]:
     """The interval of a size: from above the first smaller one that is surely too few to the first surely enough."""
-    wanted, (low, high) = search.mission.wanted.confidence, search.sizes
+    wanted, size, (low, high) = search.mission.wanted.confidence, found.robots, search.sizes
 
     def share(robots: int) -> Share:
-        found = _row(search, brain, robots, minutes).share
-        assert found is not None
-        return found
+        row = found if robots == size else _row(search, brain, robots, found.minutes)
+        assert row.share is not None
+        return row.share
 
     smaller = sorted({max(low, min(size - 1, int(size / ratio))) for ratio in RATIOS} - {size}, reverse=True)
     larger = sorted({size} | {min(high, max(size + 1, round(size * ratio))) for ratio in RATIOS})
@@ -93,18 +95,30 @@ def _theory_size(search: Search, minutes: float) -> int:
 
 
 def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
-    """The same as `enough`, from few trials where these decide."""
+    """Whether a size is enough, from few trials where these decide."""
     row = _row(search, brain, robots, minutes, few=True)
     assert row.share is not None
     if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
         return row
-    return _row(search, brain, robots, minutes)
+    return _row(search, brain, robots, minutes, chosen=True)
 
 
-def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False) -> Row:
+def _fresh(search: Search, brain: Brain, row: Row) -> Row:
+    """The row with the share in trials that had no part in choosing its size: reached, unless they surely say no.
+
+    Trials in which a size looked good enough by chance are among those that choose it, so that their share is too high.
+    """
+    mission, [case, *_] = search.mission, search.worst[brain.told]
+    [curve] = search.run(row.robots, [brain], [case], [mission.rounds(row.minutes)], mission.trials, fresh=True)
+    share = curve.at(0)
+    return replace(row, share=share, answer="reached" if share.high >= mission.wanted.confidence else "not reached")
+
+
+def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Row:
     """What all trials say at the worst cases, or few trials at all that may be it; those that surely are not drop out.
 
-    Few trials have an interval of a level at which they decide.
+    Few trials have an interval of a level at which they decide. Where the answer chooses a size, it goes by the share
+    to expect in other trials.
     """
     mission, before = search.mission, search.worst.get(brain.told, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (confirmed(before), mission.trials)
@@ -114,6 +128,8 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     left = [one.case for one in every if one.at(0).low <= curve.at(0).high]
     search.worst[brain.told] = left + [case for case in before if case not in cases]
     share = curve.at(0, SURE if few else LEVEL)
+    if chosen:
+        share = share._replace(value=curve.expected(0))
     answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
     return replace(of_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
 

@@ -122,7 +122,8 @@ def _row(mission: Mission, curve: Curve, found: Reached | None, robots: int, the
     minute = mission.round_minutes
     row = of_case(row_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
     if found is None:
-        return replace(row, answer="not reached", share=curve.at(-1))
+        share = curve.at(-1)
+        return replace(row, answer="not reached", share=share._replace(value=min(share.value, curve.expected(-1))))
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
     return replace(
         row,

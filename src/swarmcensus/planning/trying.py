@@ -10,7 +10,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import interval_of
+from swarmcensus.basics.statistics import expected_share, interval_of
 from swarmcensus.brains import Adversary, Brain
 from swarmcensus.engine.modes import NEVER, SENSING
 from swarmcensus.planning.mission import Mission
@@ -55,6 +55,10 @@ class Curve:
     def at(self, k: int, level: float = LEVEL) -> Share:
         """The share at the k-th time, and its interval of this level."""
         return Share(*interval_of(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+
+    def expected(self, k: int) -> float:
+        """The share to expect in other trials at the k-th time, if these trials had a part in choosing it."""
+        return expected_share(self.shares[k])
 
 
 def study_of(

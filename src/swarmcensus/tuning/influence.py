@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.runs.working import Progress
 from swarmcensus.tuning.plans import Plan
-from swarmcensus.tuning.seeds import seed_for
 from swarmcensus.tuning.trying import Floats, Training
 
 Values = tuple[float, ...]

@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from swarmcensus.basics.counting import counted
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.tuning.evidence import BETTER, Evidence
@@ -11,7 +12,6 @@ from swarmcensus.tuning.fragments import fragment
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.rounds import Ended
 from swarmcensus.tuning.searching import library
-from swarmcensus.tuning.seeds import seed_for
 
 
 def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:

@@ -11,12 +11,12 @@ from numpy.typing import NDArray
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
+from swarmcensus.basics.seeds import seed_for
 from swarmcensus.runs.working import Progress
 from swarmcensus.tuning.logs import Evaluation, Log, hint
 from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.seeds import seed_for
 from swarmcensus.tuning.trying import Training
 
 LOG = logging.getLogger(__name__)
