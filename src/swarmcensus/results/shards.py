@@ -96,7 +96,7 @@ def read(path: Path) -> Shard | None:
         return None
 
 
-def checksum(data: bytes) -> str:
+def checksum(data: bytes | memoryview) -> str:
     """The hash that a shard is named by."""
     return hashlib.blake2b(data, digest_size=16).hexdigest()
 
@@ -247,7 +247,7 @@ class Parts:
             path.unlink(missing_ok=True)
 
 
-def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> bytes:
+def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> memoryview:
     items = np.array([(fingerprints[p.setting], p.first, *p.shape, p.local) for p in pieces], ITEM)
     flat: dict[str, list[NDArray[Any]]] = {}
     for piece in pieces:
@@ -257,8 +257,9 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
     about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
     out = io.BytesIO()
-    np.savez(out, about=text, items=items, **{_stored(k): np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
-    return out.getvalue()
+    columns = {_stored(k): v[0] if len(v) == 1 else np.concatenate(v) for k, v in flat.items()}  # large ones lie alone
+    np.savez(out, about=text, items=items, **columns)  # type: ignore[arg-type]
+    return out.getbuffer()
 
 
 def _stored(name: str) -> str:

@@ -156,7 +156,10 @@ def save(data: xr.Dataset, path: str | Path) -> None:
         data = data.drop_attrs(deep=False).assign_attrs(checking.selected(data))
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
-    encoding = {n: packed | {k: v for k, v in data[n].encoding.items() if k == "_FillValue"} for n in integers}
+    fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
+    # as an attribute, for xarray would look for what is missing in a copy of what it encodes
+    data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
+    encoding = dict.fromkeys(integers, packed)
     with whole(path) as beside:
         data.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
 

@@ -1,0 +1,55 @@
+"""Where a study's arrays lie while it runs: in memory, or, where they are large, in files that have no name."""
+
+import math
+import mmap
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from swarmcensus.basics.errors import InputError
+
+MISSING = -1  # for whole numbers; NaN for the others
+LARGE_BYTES = 32_000_000  # of an array from which on it lies in a file
+BLOCK = 2_000_000  # numbers that are written at once
+FRESH_BYTES = 64_000_000  # that stay in memory after they were put there
+
+
+class Room:
+    """Makes arrays of missing values: large ones in files of a folder, if one is given.
+
+    The system then keeps of them in memory what there is room for. The files go with the process, however it ends.
+    """
+
+    def __init__(self, folder: Path | None = None) -> None:
+        """Know the folder."""
+        self.folder = folder
+        self._maps: list[mmap.mmap] = []
+        self._fresh = 0
+
+    def blank(self, shape: tuple[int, ...], kind: np.dtype) -> NDArray[Any]:
+        """An array in which all is missing. Raises InputError where the folder's disk is full."""
+        missing = MISSING if kind.kind == "i" else np.nan
+        size = math.prod(shape)
+        if self.folder is None or size * kind.itemsize < LARGE_BYTES:
+            return np.full(shape, missing, kind)
+        try:
+            with tempfile.TemporaryFile(dir=self.folder) as file:
+                for first in range(0, size, BLOCK):  # written, not mapped: where there is no room, one is told
+                    file.write(np.full(min(BLOCK, size - first), missing, kind))
+                file.flush()
+                pages = mmap.mmap(file.fileno(), 0)
+        except OSError as error:
+            raise InputError(f"cannot keep results in {self.folder}: {error.strerror or error}") from error
+        self._maps.append(pages)
+        return np.frombuffer(pages, kind).reshape(shape)
+
+    def wrote(self, size: int) -> None:
+        """So many bytes were put into arrays: now and then those in files are let go of, which alters nothing."""
+        self._fresh += size
+        if self._maps and self._fresh > FRESH_BYTES and hasattr(mmap, "MADV_DONTNEED"):
+            for pages in self._maps:
+                pages.madvise(mmap.MADV_DONTNEED)
+            self._fresh = 0
