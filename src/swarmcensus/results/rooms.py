@@ -1,5 +1,7 @@
 """Where a study's arrays lie while it runs: in memory, or, where they are large, in files that have no name."""
 
+import contextlib
+import ctypes
 import math
 import mmap
 import tempfile
@@ -12,9 +14,9 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 
 MISSING = -1  # for whole numbers; NaN for the others
-LARGE_BYTES = 32_000_000  # of an array from which on it lies in a file
+LARGE_BYTES = 16_000_000  # of an array from which on it lies in a file
 BLOCK = 2_000_000  # numbers that are written at once
-FRESH_BYTES = 64_000_000  # that stay in memory after they were put there
+FRESH_BYTES = 16_000_000  # that are put into arrays before memory is looked after
 
 
 class Room:
@@ -47,9 +49,13 @@ class Room:
         return np.frombuffer(pages, kind).reshape(shape)
 
     def wrote(self, size: int) -> None:
-        """So many bytes were put into arrays: now and then those in files are let go of, which alters nothing."""
+        """So many bytes were put into arrays: now and then memory that is not needed goes back to the system."""
         self._fresh += size
-        if self._maps and self._fresh > FRESH_BYTES and hasattr(mmap, "MADV_DONTNEED"):
+        if self._fresh < FRESH_BYTES:
+            return
+        self._fresh = 0
+        if hasattr(mmap, "MADV_DONTNEED"):  # what was put there is in the file
             for pages in self._maps:
                 pages.madvise(mmap.MADV_DONTNEED)
-            self._fresh = 0
+        with contextlib.suppress(OSError, AttributeError, TypeError):  # other C libraries have none of its name
+            ctypes.CDLL(None).malloc_trim(0)  # glibc keeps arrays of some megabytes that were freed, thread by thread

@@ -75,7 +75,7 @@ class Batch:
     watched: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int) -> int:
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int = 1) -> int:
     """How many indices of estimates to keep at a time, where so many threads run trials.
 
     All of them where they are few; else so many that they and the snapshots between them together take the
@@ -172,6 +172,7 @@ def _live(
         for watch in watches if begin < segments else ():
             sound &= math.isfinite(seen.sum())
             watch.see(seen, begin * segment + 1)
+    del made, outbox, rows, room, arguments  # before there is more: of a large swarm they are nearly all of its memory
     try:
         found = results_of(watches)
     except InputError as error:
