@@ -54,7 +54,6 @@ def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:
 
     values = Values.of(blank)
     numbers = {str(mark): k for k, mark in enumerate(blank["fingerprint"].values)}
-    values.grow(1)  # of which there is nothing yet
     checkpoints = blank["checkpoint"].values.tolist()
     for shard in filter(None, map(shards.read, paths)):
         for one in shard.found:

@@ -13,14 +13,13 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 
-MISSING = -1  # for whole numbers; NaN for the others
 LARGE_BYTES = 16_000_000  # of an array from which on it lies in a file
 BLOCK = 2_000_000  # numbers that are written at once
 FRESH_BYTES = 16_000_000  # that are put into arrays before memory is looked after
 
 
 class Room:
-    """Makes arrays of missing values: large ones in files of a folder, if one is given.
+    """Makes arrays of missing numbers: large ones in files of a folder, if one is given.
 
     The system then keeps of them in memory what there is room for. The files go with the process, however it ends.
     """
@@ -31,11 +30,10 @@ class Room:
         self._maps: list[mmap.mmap] = []
         self._fresh = 0
 
-    def blank(self, shape: tuple[int, ...], kind: np.dtype) -> NDArray[Any]:
-        """An array in which all is missing. Raises InputError where the folder's disk is full."""
-        missing = MISSING if kind.kind == "i" else np.nan
+    def full(self, shape: tuple[int, ...], missing: float, kind: Any) -> NDArray[Any]:
+        """An array in which all numbers are `missing`. Raises InputError where the folder's disk is full."""
         size = math.prod(shape)
-        if self.folder is None or size * kind.itemsize < LARGE_BYTES:
+        if self.folder is None or size * np.dtype(kind).itemsize < LARGE_BYTES:
             return np.full(shape, missing, kind)
         try:
             with tempfile.TemporaryFile(dir=self.folder) as file:
@@ -59,3 +57,11 @@ class Room:
                 pages.madvise(mmap.MADV_DONTNEED)
         with contextlib.suppress(OSError, AttributeError, TypeError):  # other C libraries have none of its name
             ctypes.CDLL(None).malloc_trim(0)  # glibc keeps arrays of some megabytes that were freed, thread by thread
+
+
+class Nowhere(Room):
+    """Makes arrays of missing numbers that take no memory, and that nothing can be put into."""
+
+    def full(self, shape: tuple[int, ...], missing: float, kind: Any) -> NDArray[Any]:
+        """An array in which all numbers are `missing`."""
+        return np.broadcast_to(np.array(missing, kind), shape)
