@@ -1,5 +1,6 @@
 """Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
 
+import contextlib
 import json
 import shutil
 from pathlib import Path
@@ -13,9 +14,12 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.results.values import EVERY, MESSAGES
+from swarmcensus.results import checking, labels
+from swarmcensus.results.values import ENDLESS, EVERY, MESSAGES
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
+from tests import second
+from tests.altering import alterations, of_the_whole
 
 DATA = Path(__file__).parent / "data"
 PLAIN = """
@@ -40,11 +44,35 @@ estimates = true
 """
 RULE = '{until = "convergence_error median +- 0.05", at_least = 6, at_most = 9}'
 
-# Attributes of a file that nothing can be held against: who made it, and when.
-EXEMPT = {
-    "python_version": "of the maker", "library_versions": "of the maker", "machine": "of the maker",
-    "processor": "of the maker", "started": "time", "finished": "time", "wall_seconds": "time", "cpu_seconds": "time",
-}  # fmt: skip
+EVERYTHING = """
+name = "everything"
+seed = 3
+trials = 2
+[swarm]
+brain = {file = "all.py", step = [0.08, 0.0]}
+robots = 4
+accuracy = [{start = 0.9, drift = -0.01}]
+[world]
+topology = "ring"
+fill_ratio = [0.3, {from = 0.7, to = 0.2, at = 5}]
+message_delay = 1
+[schedule]
+rounds = 8
+observations_per_round = 2
+[measure]
+checkpoints = [2, 8]
+estimates = true
+metrics = ["first-right", "swarm-right"]
+[[members]]
+robots = [0, 1]
+brain = "slow-liar"
+honest = false
+[[faults]]
+at = 3
+until = 6
+robots = 1
+stop = "talking"
+"""
 
 
 @pytest.fixture(scope="module")
@@ -58,10 +86,42 @@ def files(tmp_path_factory):
             text = text.replace("local = true\nestimates = true\n", "").replace('["ring", "full"]', '"ring"')
             text = text.replace("[0.3, 0.6]", "0.3").replace("[2, 3]", "3")
         sc.save(sc.run(sc.Study.parse(text), jobs=1), here / f"{name}.nc")
+    pictured = (
+        (DATA / "results.toml")
+        .read_text()
+        .replace('"ring", "office.csv", ', '"office.csv", ')
+        .replace("2\n\n[swarm]", "1\n\n[swarm]")
+    )
+    (here / "results.toml").write_text(pictured)
+    for name in ("office.csv", "leaf.png"):
+        shutil.copy(DATA / name, here)
+    sc.save(sc.run(sc.Study.load(here / "results.toml"), jobs=1), here / "pictures.nc")
     one, two = PLAIN.format(trials=2), PLAIN.format(trials=1).replace("[2, 8]", "[4]").replace("0.3, 0.6", "0.6, 0.9")
     parts = [sc.run(sc.Study.parse(text.replace("local = true\n", "")), jobs=1) for text in (one, two)]
     sc.save(sc.merge(parts), here / "merged.nc")
     return here
+
+
+@pytest.fixture(scope="module")
+def everything_at_once(tmp_path_factory):
+    here = tmp_path_factory.mktemp("everything")
+    (here / "all.py").write_text(second.ALL)
+    with contextlib.chdir(here):
+        sc.save(sc.run(sc.Study.parse(EVERYTHING), jobs=1), "everything.nc")
+    return here / "everything.nc"
+
+
+@pytest.fixture
+def everything(everything_at_once, monkeypatch):
+    """A file of a brain that uses all of the contract, among liars, with metrics, faults, delays and changes."""
+    monkeypatch.chdir(everything_at_once.parent)
+    return everything_at_once
+
+
+@pytest.fixture
+def liars(monkeypatch):
+    monkeypatch.chdir(DATA)
+    return DATA / "second-3.nc"
 
 
 @pytest.fixture
@@ -86,51 +146,79 @@ def noticed(results):
     return bool(found.differences or found.labels or found.notes)
 
 
-def others(values):
-    """Other arrays of the same shape and kind."""
-    flat = values.ravel()
-    kinds = {"O": ("other", ""), "U": ("other", ""), "i": (7, -1, 0), "u": (7, 0), "f": (0.125, np.nan, 1e300)}
-    for place in (0, flat.size - 1):
-        for value in kinds[values.dtype.kind]:
-            changed = flat.copy()
-            changed[place] = value
-            yield f"[{place}] = {value!r}", changed.reshape(values.shape)
-    for axis in range(values.ndim):
-        yield f"reversed along {axis}", np.flip(values, axis)
-    if values.dtype.kind == "f":
-        yield "the next numbers", np.nextafter(values, 2.0)
+def unheld(what):
+    """Whether `verify` says of what was changed that it is compared with nothing."""
+    name = what.removeprefix("attribute ").partition(":")[0]
+    only_written = name == "study" and what.endswith(" '")
+    if not what.startswith("attribute ") or name in ("study", "merged"):
+        return only_written
+    return any(phrase.startswith(f"{name}: ") for phrase in labels.unchecked(xr.Dataset(attrs={name: ""})))
 
 
-def changes(data, but=()):
-    """Every way in which something of a dataset is changed: what is changed, and the dataset with it."""
-    for name, variable in ((name, variable) for name, variable in data.variables.items() if name not in but):
-        for how, values in others(variable.values):
-            pairs = zip(values.ravel(), variable.values.ravel(), strict=True)
-            if not all(a == b or (a != a and b != b) for a, b in pairs):
-                yield f"{name} {how}", data.assign({name: (variable.dims, values, variable.attrs)})
-        yield f"{name} removed", data.drop_vars(name)
-        yield f"{name} twice", data.assign({f"{name}_too": variable})
-        for key, value in variable.attrs.items():
-            for other in (value + type(value)("1"), None):
-                changed = data.copy()
-                changed[name].attrs = {k: v for k, v in (variable.attrs | {key: other}).items() if v is not None}
-                yield f"{name}:{key} = {other}", changed
-    for key, value in data.attrs.items():
-        for other in (value + type(value)("1"), value * 0, None):
-            kept = {k: v for k, v in (data.attrs | {key: other}).items() if v is not None}
-            if key not in EXEMPT:
-                yield f"{key} = {other}", data.drop_attrs(deep=False).assign_attrs(kept)
-
-
-@pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged"])
-def test_whatever_is_changed_is_noticed(name, files, quick, untraced):
-    """Every variable, coordinate and attribute that is in the file, in several ways each."""
-    data = sc.load(files / f"{name}.nc")
+@pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged", "everything", "liars"])
+def test_whatever_is_changed_is_noticed(name, request, files, quick, untraced):
+    """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not."""
+    given = request.getfixturevalue(name) if name in ("everything", "liars") else files / f"{name}.nc"
+    data = sc.load(given)
     assert not noticed(data)
     # what is said of settings is of one kind everywhere, and each change costs some milliseconds
-    ways = dict(changes(data, () if name == "kinds" else set(sc.load(files / "kinds.nc").variables) - set(EVERY)))
-    assert len(ways) > 70
-    assert [what for what, changed in ways.items() if not noticed(changed)] == []
+    told = {*sc.load(files / "kinds.nc").variables} - {*EVERY} if name != "kinds" else set()
+    ways = [*alterations(data, {*data.variables} - told), *(of_the_whole(data) if name != "measures" else ())]
+    assert len(ways) > 100
+    missed = [what for what, changed in ways if not noticed(changed)]
+    assert [what for what in missed if not unheld(what)] == []
+
+
+@pytest.mark.parametrize("name", ["measures", "everything"])
+def test_what_is_missing_or_infinite_has_one_form(name, request, files):
+    """Other forms are refused wherever results are read, not only where trials are run again."""
+    data = sc.load(request.getfixturevalue(name) if name == "everything" else files / f"{name}.nc")
+    assert checking.wrong(data) is None
+    forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
+    ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
+    ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
+    assert len(ways) > 100
+    assert [what for what, changed in ways if checking.wrong(changed) is None] == []
+    with pytest.raises(InputError, match="damaged or changed"):
+        sc.merge([data, ways[0][1]])
+
+
+def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
+    """Every attribute that HDF5 holds and every number that no reader shows: noticed, or bookkeeping without effect."""
+    source = files / "pictures.nc"
+    data, without_effect = sc.load(source), set()
+    with h5py.File(source) as file:
+        every = [(name, key) for name in ("/", *file) for key in file[name].attrs if not key.endswith("_LIST")]
+        kept = list({(key, file[name].dtype if name != "/" else key): (name, key) for name, key in every}.values())
+        bare = [name for name, one in file.items() if bytes(one.attrs.get("NAME", b"")).startswith(b"This is a netCDF")]
+    assert len(bare) == 4
+    for name, key in [*kept, *((name, None) for name in bare)]:
+        for other in (7, None) if key else (7,):
+            shutil.copy(source, tmp_path / "x.nc")
+            with h5py.File(tmp_path / "x.nc", "r+") as file:
+                if key is None:
+                    file[name][...] = other
+                elif other is None:
+                    del file[name].attrs[key]
+                else:
+                    file[name].attrs[key] = np.bytes_(b"7") if key in ("CLASS", "NAME") else other
+            try:
+                changed = sc.load(tmp_path / "x.nc")
+            except InputError:
+                continue
+            assert key is not None, name
+            if changed.identical(data):
+                without_effect.add(key)
+            else:
+                assert noticed(changed) or unheld(f"attribute {key}: "), (name, key, other)
+    assert without_effect <= {
+        "_NCProperties",
+        "_Netcdf4Dimid",
+        "_Netcdf4Coordinates",
+        "_FillValue",
+        "coordinates",
+        "NAME",
+    }
 
 
 @pytest.mark.parametrize(
@@ -293,6 +381,19 @@ def test_half_a_trial_of_a_run_that_was_cut_off_is_not_merged(files):
     assert not (merged["convergence_round"].values[:, 1] >= 0).any()
     assert merged.attrs["trials_done"] == kept.sum()
     assert sc.verify(merged, 1.0).labels == []
+
+
+@pytest.mark.parametrize("how", ["a run", "some settings", "merged"])
+def test_a_round_trip_changes_no_type(how, files, tmp_path):
+    data = sc.run(sc.Study.load(DATA / "results.toml"), jobs=1) if how == "a run" else sc.load(files / "kinds.nc")
+    data = data.isel(setting=[0, 5]) if how == "some settings" else sc.merge([data]) if how == "merged" else data
+    sc.save(data, tmp_path / "x.nc")
+    again = sc.load(tmp_path / "x.nc")
+    assert {name: one.dtype for name, one in data.variables.items()} == {n: v.dtype for n, v in again.variables.items()}
+    assert {again[name].dtype.kind for name in ("brain", "topology", "accuracy", "floor", "fingerprint")} == {"O"}
+    kept = {key: type(value) for key, value in again.attrs.items()}
+    assert kept == {key: type(data.attrs[key]) for key in kept}
+    assert {type(value) for one in again.variables.values() for value in one.attrs.values()} <= {str, int}
 
 
 def test_minus_zero_is_not_the_same_to_the_last_bit(files):
@@ -474,7 +575,9 @@ class TestFormats:
                         "plot second-3.nc --where robots==4", "export second-3.nc", "compare second-3.nc",
                         "merge second-3.nc --out m.nc", "verify m.nc --all"):  # fmt: skip
             assert main(command.split()) == 0, command
-        assert capsys.readouterr().out.count("64 of 64 trials run again: the same to the last bit") == 2
+        said = capsys.readouterr().out
+        assert said.count("64 of 64 trials run again: the ") == said.count("same to the last bit") == 2
+        assert "adversary is not in the file: the first files of its format did not have it" in said
         assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
     def test_both_hold_the_same(self):

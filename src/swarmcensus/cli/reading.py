@@ -82,7 +82,8 @@ def verify(options: argparse.Namespace) -> int:
     if options.json:
         about = {"results": options.results, "trials_checked": found.checked, "trials_stored": found.stored}
         about |= {"seed": None if options.all else seed, "differences": found.differences}
-        answer("verification", about | {"labels": found.labels, "notes": found.notes})
+        said = {"labels": found.labels, "notes": found.notes, "unchecked": found.unchecked}
+        answer("verification", about | said)
         return _code(found)
     for difference in (*found.labels, *found.differences):
         print(difference)
@@ -92,6 +93,7 @@ def verify(options: argparse.Namespace) -> int:
     differ = f"{len(found.differences):,} differ" if found.differences else same
     labels = [f"{len(found.labels):,} of the file's labels are not its study's"] if found.labels else []
     print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))
+    print("not compared:", *found.unchecked, sep="\n  ")
     return _code(found)
 
 

@@ -16,19 +16,18 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import parse, variable_of
 from swarmcensus.results.values import (
-    DECISIONS,
-    ENDINGS,
     ENDLESS,
     EVERY,
-    INTERVALS,
+    LEADS,
     LOCAL,
     MESSAGES,
     MISSING,
+    NAN_BITS,
     PER_ROBOT,
     PER_TRIAL,
     SINCE_3,
-    SPARSE,
     VARIABLES,
+    is_missing,
     kinds_in,
     metrics_in,
     robots_in,
@@ -50,7 +49,13 @@ ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
 }  # fmt: skip
-APART = LOCAL | MESSAGES | DECISIONS | ENDINGS | INTERVALS  # measured in some of all trials
+OPTIONAL: dict[str, Any] = {
+    **dict.fromkeys(("python_version", "library_versions", "machine", "processor", "started", "finished"), str),
+    **dict.fromkeys(("wall_seconds", "cpu_seconds"), float | np.floating),
+}  # fmt: skip
+ONLY_WHERE = {  # what is there of a trial only where another variable says so, and how
+    "consensus_right": ("right_option", np.isfinite), "done_estimate": ("done_round", np.isfinite),
+}  # fmt: skip
 ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
 
 
@@ -109,9 +114,9 @@ def _metrics(data: xr.Dataset) -> str | None:
         if brains.digest(source) != sha256:
             return f"the source of the metric {name!r} is not the one that the hash beside it is of"
         dims = PER_TRIAL if parse(source, name, Path(name)).of_swarm else PER_ROBOT
-        if variable != variable_of(name) or variable not in data or data[variable].dims != dims:
+        if variable != variable_of(name) or variable not in data or data.variables[variable].dims != dims:
             return f"{variable} should be what the metric {name!r} says, ({', '.join(dims)})"
-        if data[variable].dtype != np.float64:
+        if data.variables[variable].dtype != np.float64:
             return f"{variable} should be float64 ({', '.join(dims)})"
     return None
 
@@ -119,18 +124,22 @@ def _metrics(data: xr.Dataset) -> str | None:
 def _shape(data: xr.Dataset) -> str | None:
     kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **_costs(data), **dict.fromkeys(TEXTS, "UO")}
     for name, (dims, kind, *_) in EVERY.items():
-        if name in data and (data[name].dims != dims or data[name].dtype != kind):
+        if name in data and (data.variables[name].dims != dims or data.variables[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
         if name not in data and is_old(data) and name not in IN_FORMAT_1:
             continue
         known = data.coords if name in (*NUMBERS, *TEXTS) else data
-        if name not in known or data[name].dims != ("setting",) or data[name].dtype.kind not in allowed:
+        if (
+            name not in known
+            or data.variables[name].dims != ("setting",)
+            or data.variables[name].dtype.kind not in allowed
+        ):
             return f"{name} should have one {'text' if allowed == 'UO' else 'number'} a setting"
-        if allowed == "UO" and not all(isinstance(value, str) for value in data[name].values.tolist()):
+        if allowed == "UO" and not all(isinstance(value, str) for value in data.variables[name].values.tolist()):
             return f"{name} should be text"
     for name in ("setting", "trial", "robot", "checkpoint"):
-        numbers = data[name].values if name in data.coords else np.zeros(0)
+        numbers = data.variables[name].values if name in data.coords else np.zeros(0)
         if numbers.dtype.kind not in "iu" or numbers.shape != (data.sizes[name],) or not numbers.size:
             return f"{name} should number what there is of it"
         if (np.diff(numbers) <= 0).any() or numbers[0] < 0 or numbers[-1] >= 2**31:
@@ -138,13 +147,14 @@ def _shape(data: xr.Dataset) -> str | None:
     size = robots_in(data)
     if not (size.values == np.clip(size.values, 1, data.sizes["robot"])).all():
         return f"{size.name} should be 1 to {data.sizes['robot']}"
-    if "honest" in data and (data["honest"].values > data["robots"].values).any():
+    if "honest" in data and (data.variables["honest"].values > data.variables["robots"].values).any():
         return "honest should be robots at the most"
-    if len(set(data["fingerprint"].values.tolist())) < data.sizes["setting"]:
+    if len(set(data.variables["fingerprint"].values.tolist())) < data.sizes["setting"]:
         return "two settings have one fingerprint"
     for key, array in data.data_vars.items():
         inside = "iu" if str(key).startswith("edges_") else "u" if str(key).startswith("floor_") else ""
-        if inside and (array.ndim != 2 or array.dtype.kind not in inside or "source" not in array.attrs):
+        source = array.attrs.get("source")
+        if inside and (array.ndim != 2 or array.dtype.kind not in inside or not isinstance(source, str)):
             return f"{key} should be whole numbers in rows, with their source"
     return None
 
@@ -158,15 +168,23 @@ def _attributes(data: xr.Dataset) -> str | None:
     for name, kind in ATTRIBUTES.items():
         if not isinstance(data.attrs.get(name), kind):
             return f"the attribute {name} is missing or of another kind"
+    for name, kind in OPTIONAL.items():
+        value = data.attrs.get(name, "")
+        if name in data.attrs and (not isinstance(value, kind) or (kind is not str and not 0.0 <= value < np.inf)):
+            return f"the attribute {name} is of another kind"
     share = data.attrs.get("share", "1/1")
-    if not isinstance(share, str) or not re.fullmatch(r"[1-9]\d{0,9}/[1-9]\d{0,9}", share):
+    parts = re.fullmatch(r"([1-9]\d{0,9})/([1-9]\d{0,9})", share) if isinstance(share, str) else None
+    if parts is None or int(parts[1]) > int(parts[2]):
         return "the attribute share should be such as 1/4"
     try:
         failed = failures(data)
-    except (ValueError, KeyError, TypeError, RecursionError):
+        kept = json.loads(data.attrs.get("failed", "[]"))
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return "the attribute failed is no list of failures"
+    if "failed" in data.attrs and (data.attrs["failed"] != json.dumps(kept) or not 0 < len(kept) == len(failed)):
+        return "the attribute failed is no list of failures, each once"
     done = finished(data)
-    rows, columns = ({n: k for k, n in enumerate(data[d].values.tolist())} for d in ("setting", "trial"))
+    rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
     for setting, trial in sorted(failed):
         if setting not in rows or trial not in columns:
             return f"the attribute failed names setting {setting}, trial {trial}, which has no place here"
@@ -180,7 +198,7 @@ def finished(data: xr.Dataset) -> NDArray[np.bool_]:
     names = ["convergence_round"]
     if "local_convergence_step" in data and "merged" not in data.attrs:
         names += ["local_convergence_step"]
-    return np.asarray(np.all([data[name].values[:, :, 0] != MISSING for name in names], axis=0))
+    return np.asarray(np.all([data.variables[name].values[:, :, 0] != MISSING for name in names], axis=0))
 
 
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:
@@ -190,33 +208,39 @@ def failures(data: xr.Dataset) -> set[tuple[int, int]]:
 
 def _missing(data: xr.Dataset) -> str | None:
     """Each finished trial has all its numbers and no others, and what is not there is told in the attributes."""
-    done = data["convergence_round"].variable[:, :, 0] != MISSING
+    done = data.variables["convergence_round"][:, :, 0] != MISSING
     exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < robots_in(data).variable
-    reached = xr.Variable("checkpoint", data["checkpoint"].values) <= data["rounds"].variable
+    reached = xr.Variable("checkpoint", data.variables["checkpoint"].values) <= data.variables["rounds"]
     merged = "merged" in data.attrs
     for name, (dims, *_) in kinds_in(data).items():
-        array = data[name].variable
-        # what never comes is infinite for a metric of a file; no other number is
-        there: Any = array != MISSING if array.dtype.kind == "i" else np.isfinite(array)
-        there = np.isfinite(array) | np.isinf(array) if name in ENDLESS or name not in EVERY else there
-        # of what is measured apart, or by some of merged studies: all or nothing of a trial
-        apart = name in APART or (merged and name not in VARIABLES)
-        due = _any(there, set(dims) - {"setting", "trial"}) if apart else done
-        due = due & done if name in APART and name not in LOCAL else due
+        array = data.variables[name]
+        there = _there(array)
+        lead = LEADS.get(name)
+        if lead in data:
+            due = _of_trial(_there(data.variables[lead]))
+            due = due if name in LOCAL else due & done
+        else:  # by some of merged studies some of what is asked for is measured: all or nothing of a trial
+            due = _of_trial(there) if merged and name not in VARIABLES else done
         if name == "true_fill_ratio":
-            due = due & xr.Variable("setting", data["topology"].values == MOVING)
+            due = due & xr.Variable("setting", data.variables["topology"].values == MOVING)
         if "robot" in dims:
             due = due & exists
         if "checkpoint" in dims:  # of merged results, at those of the one that ran the trial
             due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
-        if name in SPARSE:
+        if name == "right_option":
             due = due & there
-        differ = np.argwhere((there != due).transpose(*dims).values)
-        if differ.size:
-            at = dict(zip(dims, differ[0].tolist(), strict=True))
-            where = ", ".join(f"{d} {data[d].values[k]}" for d, k in at.items())
+        elif name in ONLY_WHERE and ONLY_WHERE[name][0] in data:
+            other, says = ONLY_WHERE[name]
+            due = due & says(data.variables[other])
+        places = _place(data, dims, there != due)
+        if places:
+            at, where = places
             lacks = "is missing, though the trial ran" if due.isel(at, missing_dims="ignore") else "should be missing"
             return f"{name} of {where} {lacks}"
+        places = _place(data, dims, _malformed(name, array))
+        if places:
+            at, where = places
+            return f"{name} of {where} is {array.values[tuple(at.values())].item()!r}, which no run writes there"
     # files of the first format counted trials whose local estimates were still to come
     count = int((done.values if is_old(data) else finished(data)).sum())
     if data.attrs["trials_done"] != count:
@@ -226,8 +250,38 @@ def _missing(data: xr.Dataset) -> str | None:
     return None
 
 
+def _there(array: xr.Variable) -> xr.Variable:
+    return xr.Variable(array.dims, ~is_missing(array.values))
+
+
+def _of_trial(there: xr.Variable) -> xr.Variable:
+    """Of which trials there is something."""
+    return _any(there, {str(dim) for dim in there.dims} - {"setting", "trial"})
+
+
 def _any(there: xr.Variable, dims: set[str]) -> xr.Variable:
     return there.any(dims) if dims else there
+
+
+def _malformed(name: str, array: xr.Variable) -> xr.Variable:
+    """Which numbers are missing or infinite in a form that no run writes: each has one."""
+    values = array.values
+    if values.dtype.kind == "i":
+        return xr.Variable(array.dims, values < MISSING)
+    endless = name in ENDLESS or name not in EVERY  # metrics of files say infinity too of what never comes
+    wrong = (np.isinf(values) & (values < 0 if endless else True)) | (
+        np.isnan(values) & (values.view(np.uint64) != NAN_BITS)
+    )
+    return xr.Variable(array.dims, wrong)
+
+
+def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple[dict[str, int], str] | None:
+    """The first place at which something is wrong: its indices, and what to call it."""
+    found = np.argwhere(wrong.transpose(*dims).values)
+    if not found.size:
+        return None
+    at = dict(zip(dims, found[0].tolist(), strict=True))
+    return at, ", ".join(f"{d} {data.variables[d].values[k]}" for d, k in at.items())
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
@@ -235,7 +289,7 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
     left = [
         one
         for one in json.loads(data.attrs.get("failed", "[]"))
-        if one["setting"] in data["setting"].values and one["trial"] in data["trial"].values
+        if one["setting"] in data.variables["setting"].values and one["trial"] in data.variables["trial"].values
     ]
     counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
     kept = {k: v for k, v in data.attrs.items() if k != "failed"} | counted

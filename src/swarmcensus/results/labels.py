@@ -16,11 +16,29 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.checking import IN_FORMAT_1, before_3, failures, finished, is_old
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
-from swarmcensus.results.values import IN_TIME, MISSING, Values, edited, metrics_in
+from swarmcensus.results.values import (
+    IN_TIME,
+    Values,
+    additions_in,
+    edited,
+    is_missing,
+    metrics_in,
+    same_bits,
+)
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
 MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # of the numbers
+SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attributes in JSON
+UNCHECKED = (  # attributes that nothing in a file can be held against, and why
+    (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
+    (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
+    (("study", "merged"), "what a study says is compared, but not its blanks and comments"),
+    (("share",), "trials of other parts may be there from before"),
+    (("failed",), "a trial that failed must fail again, but its message is not compared"),
+    (("additions",), "the files of other packages are compared, but not the packages' versions"),
+)
+BOOKKEEPING = "what netCDF and HDF5 note for themselves in a file, such as _Netcdf4Dimid: no reader shows it"
 
 
 def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
@@ -111,6 +129,12 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     return [*changed, *_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
 
 
+def unchecked(data: xr.Dataset) -> list[str]:
+    """What of a dataset is not compared with anything, and why, as phrases."""
+    said = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKED]
+    return [*(f"{', '.join(names)}: {why}" for names, why in said if names), BOOKKEEPING]
+
+
 def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     mine, due = ({str(name) for name in one.variables} for one in (data, want))
     for name in sorted(mine - due):
@@ -120,22 +144,25 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
             continue
         if not is_old(data) or name in IN_FORMAT_1 or name not in want.coords:
             yield f"{name} is not in the file"
+    for name in sorted(mine & due):
+        if (name in data.coords) != (name in want.coords):
+            yield f"{name} should be a {'coordinate' if name in want.coords else 'variable, and no coordinate'}"
 
 
 def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     """Each setting's number, and what is said of it, by its fingerprint."""
-    places = {mark: k for k, mark in enumerate(want["fingerprint"].values.tolist())}
-    numbers = data["setting"].values
-    place = np.array([places.get(mark, -1) for mark in data["fingerprint"].values.tolist()])
+    places = {mark: k for k, mark in enumerate(want.variables["fingerprint"].values.tolist())}
+    numbers = data.variables["setting"].values
+    place = np.array([places.get(mark, -1) for mark in data.variables["fingerprint"].values.tolist()])
     for number in numbers[place < 0][:1]:
         yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
     known = np.flatnonzero(place >= 0)
     coordinates = (k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")
     for name in ("setting", *coordinates, "memory_bytes", "message_bytes", "anonymous", "honest"):
-        if name not in data or data[name].dims != ("setting",):
+        if name not in data or data.variables[name].dims != ("setting",):
             continue
-        mine, due = data[name].values[known], want[name].values[place[known]]
-        wrong = np.flatnonzero(_differ(mine, due))
+        mine, due = data.variables[name].values[known], want.variables[name].values[place[known]]
+        wrong = np.flatnonzero(~same_bits(mine, due))
         if wrong.size:
             k = wrong[0]
             more = f" ({wrong.size} settings differ)" if wrong.size > 1 else ""
@@ -151,25 +178,39 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for name, due in want.variables.items():
         if name not in data.variables:
             continue
-        mine = data[name].variable
+        mine = data.variables[name]
         if mine.dims != due.dims:
             yield f"{name} has the dimensions {', '.join(map(str, mine.dims))}, not {', '.join(map(str, due.dims))}"
         elif name != "trial" and "trial" not in due.dims and "setting" not in due.dims and not _alike(mine, due):
             yield f"{name} is not what its study says"
+        elif mine.dtype != due.dtype and due.dtype.kind != "O":
+            yield f"{name} is {mine.dtype} in the file, and should be {due.dtype}"
         for key in sorted({*mine.attrs, *due.attrs} if ours else {"units"} & {*mine.attrs, *due.attrs}):
-            if str(mine.attrs.get(key)) != str(due.attrs.get(key)):
+            if not _same(mine.attrs.get(key), due.attrs.get(key)):
                 yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
     for key in sorted({*want.attrs} - {*MAKERS, "format", "additions"}):
         mine_said, due_said = data.attrs.get(key), want.attrs[key]
-        if key in ("brains", "adversaries", "metrics", "merged") and key in data.attrs:
+        if key in SOURCES and key in data.attrs and not ours:
             mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
-        if mine_said != due_said and not (is_old(data) and key == "title" and "merged" in data.attrs):
+        if not _same(mine_said, due_said) and not (is_old(data) and key == "title" and "merged" in data.attrs):
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
+    yield from _additions(data, want)
+
+
+def _additions(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
+    """What is said of other packages' files; of a file whose package is not installed here nothing is known."""
+    told, known = additions_in(data), json.loads(want.attrs.get("additions", "{}"))
+    named = {"brain": "brains", "adversary": "adversaries", "metric": "metrics"}
+    sources = {f"{what} {name}" for what, key in named.items() for name in json.loads(want.attrs.get(key, "{}"))}
+    for name in sorted({*told, *known} - (sources - {*known})):
+        mine, due = (one.get(name, {}).get("package", "no package") for one in (told, known))
+        if mine != due:
+            yield f"the attribute additions says that the {name} is of {mine}, and by its study it is of {due}"
 
 
 def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
     """Each trial that is there is asked for by a study; in merged results it has what one of them, or some, measure."""
-    checkpoints, trials, done = data["checkpoint"].values, data["trial"].values, finished(data)
+    checkpoints, trials, done = data.variables["checkpoint"].values, data.variables["trial"].values, finished(data)
     asked: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
     for study in studies:
         looked = np.isin(checkpoints, study.checkpoints)
@@ -178,10 +219,10 @@ def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterato
             watched = np.isin(list(metrics_in(data)), [metric.variable for metric in study.measure.metrics])
             needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local, *watched])
             asked.setdefault(mark, []).append((study.trials, needs))
-    for k, mark in enumerate(data["fingerprint"].values.tolist()):
+    for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
         if mark not in asked:
             continue
-        number, there = data["setting"].values[k], trials[done[k]]
+        number, there = data.variables["setting"].values[k], trials[done[k]]
         most = max(trials for trials, _ in asked[mark])
         if there.size and there[-1] >= most:
             yield f"setting {number}: trial {there[-1]} is in the file, and its study asks for {most}"
@@ -198,11 +239,13 @@ def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
     """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones,
     metrics of files."""
     nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
-    decisions = np.isfinite(data["correct"].values[k].T)
-    kept = np.isfinite(data["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
+    decisions = ~is_missing(data.variables["correct"].values[k].T)
+    kept = ~is_missing(data.variables["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
     name = "local_convergence_step"
-    local = data[name].values[k, :, :1] != MISSING if name in data else nothing[:, :1]
-    watched = [~np.isnan(data[name].values[k].reshape(nothing.shape[0], -1)[:, :1]) for name in metrics_in(data)]
+    local = ~is_missing(data.variables[name].values[k, :, :1]) if name in data else nothing[:, :1]
+    watched = [
+        ~is_missing(data.variables[name].values[k].reshape(nothing.shape[0], -1)[:, :1]) for name in metrics_in(data)
+    ]
     return np.hstack([decisions, kept, local, *watched])
 
 
@@ -211,7 +254,7 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
     lacking = want.sizes["setting"] - data.sizes["setting"]
     if lacking > 0:
         yield f"{lacking} of the {want.sizes['setting']} settings of its study are not in the file"
-    trials = data["trial"].values
+    trials = data.variables["trial"].values
     most = max(study.trials for study in studies)
     ruled = any(study.until for study in studies)
     if not np.array_equal(trials, np.arange(trials.size)) or trials.size > most or (trials.size < most and not ruled):
@@ -226,20 +269,22 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
 
 def most_trials(studies: Sequence[Study], want: xr.Dataset) -> list[int]:
     """How many trials, at the most, studies ask for of each setting of their outline."""
-    most = dict.fromkeys(want["fingerprint"].values.tolist(), 0)
+    most = dict.fromkeys(want.variables["fingerprint"].values.tolist(), 0)
     for study in studies:
         for mark in settings_of(study):
             most[mark] = max(most[mark], study.trials)
     return list(most.values())
 
 
-def _differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    return np.asarray(~((one == other) | ((one != one) & (other != other))))
-
-
 def _alike(one: xr.Variable, other: xr.Variable) -> bool:
     same = one.dtype.kind == other.dtype.kind and one.shape == other.shape
-    return same and not _differ(one.values, other.values).any()
+    return same and bool(same_bits(one.values, other.values).all())
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two attributes are the same, type and all; a file holds Python's numbers as NumPy's."""
+    one, other = _plain(one), _plain(other)
+    return type(one) is type(other) and bool(np.all(one == other))
 
 
 def _plain(value: Any) -> Any:

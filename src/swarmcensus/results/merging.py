@@ -17,7 +17,7 @@ from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.origins import studies_of
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.store import load, save
-from swarmcensus.results.values import EVERY, MESSAGES, MISSING, kinds_in, metrics_in, told
+from swarmcensus.results.values import EVERY, MESSAGES, blank, is_missing, kinds_in, metrics_in, same_bits, told
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -121,8 +121,8 @@ def _together(
     names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
     for name in (name for name in names_of_all if name in MESSAGES or any(name in data for data in datasets)):
         one = next(data[name] for data in (want, *datasets) if name in data)
-        blank = MISSING if one.dtype.kind == "i" else np.nan
-        arrays[name] = (one.dims, np.full([sizes[str(d)] for d in one.dims], blank, one.dtype), one.attrs, one.encoding)
+        room = np.full([sizes[str(d)] for d in one.dims], blank(one.dtype), one.dtype)
+        arrays[name] = (one.dims, room, one.attrs, one.encoding)
     merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
     origin = np.full((sizes["setting"], sizes["trial"]), -1)
@@ -165,9 +165,8 @@ def _put(
         array, new = merged[name].values, data[name].values
         old = array[where]
         half = np.expand_dims(~done, [k for k, d in enumerate(dims) if d not in ("setting", "trial")])
-        blank = half | (new == MISSING if new.dtype.kind == "i" else np.isnan(new))
-        unset = old == MISSING if old.dtype.kind == "i" else np.isnan(old)
-        differ = np.argwhere(~blank & ~unset & (old != new))
+        nothing = half | is_missing(new)
+        differ = np.argwhere(~nothing & ~is_missing(old) & ~same_bits(old, new))
         if differ.size:
             at = dict(zip(dims, differ[0].tolist(), strict=True))
             setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
@@ -177,6 +176,6 @@ def _put(
                 f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
                 f"{names[number]}, trial {trial}: {name} is {mine!r} and {other!r}"
             )
-        array[where] = np.where(blank, old, new)
+        array[where] = np.where(nothing, old, new)
     own = np.ix_(place, trials)
     origin[own] = np.where(done & (origin[own] < 0), number, origin[own])

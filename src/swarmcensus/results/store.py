@@ -23,6 +23,7 @@ from swarmcensus.studies.study import Study
 
 FORMAT = checking.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
+BARE = b"This is a netCDF dimension but not a netCDF variable"  # how netCDF marks what no reader shows
 
 
 def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
@@ -177,6 +178,11 @@ def load(path: str | Path) -> xr.Dataset:
             raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
         with xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False) as data:
             data = data.load()
+        for name in [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]:
+            data[name] = data[name].astype(object)  # the type of text in a dataset that was never in a file
+        every: list[Any] = [data, *data.variables.values()]
+        for one in every:
+            one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
     except InputError:
         raise
     except Exception as error:  # whatever a damaged HDF5 file provokes
@@ -202,6 +208,8 @@ def _not_here(root: h5py.Group) -> str | None:
             return f"{name} is a group"
         if one.is_virtual or one.external:
             return f"the numbers of {name} are not in the file"
+        if bytes(one.attrs.get("NAME", b"")).startswith(BARE) and np.any(one[()]):
+            return f"{name} is the length of something, and holds numbers"
     return None
 
 

@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.metrics import Metric, parse
-from swarmcensus.results.rooms import MISSING as MISSING
 from swarmcensus.results.rooms import Room
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -58,14 +57,34 @@ ESTIMATES: dict[str, Kind] = {
     ),
 }  # fmt: skip
 EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
-ENDLESS = {*DECISIONS, *ENDINGS} - {"done_estimate"}  # what never comes is infinite
+# a trial has all of such a group or nothing of it: the first variable of the group tells which
+LEADS = {name: next(iter(group)) for group in (MESSAGES, DECISIONS, ENDINGS, INTERVALS, LOCAL) for name in group}
+ENDLESS = ("decision_round", "decision_change", "consensus_round", "done_round")  # what never comes is infinite
 SHARES = ("correct", "coverage")  # of robots, of which the mean over trials tells
-SPARSE = ("done_estimate", "consensus_right", "right_option")  # not of each trial that is done
 SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
 IN_TIME = ("liars", "adversary")  # coordinates that files of this format may lack
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
+MISSING = -1  # for whole numbers; NaN for the others
+NAN_BITS = np.array(np.nan).view(np.uint64)  # there are many NaN, and what is missing is this one
 
 Columns = dict[str, NDArray[Any]]
+
+
+def blank(kind: Any) -> Any:
+    """What stands for a missing number in an array of this type."""
+    return MISSING if np.issubdtype(kind, np.integer) else np.nan
+
+
+def is_missing(array: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which numbers are missing, or padding (the same shape)."""
+    return np.asarray(array == MISSING if array.dtype.kind == "i" else np.isnan(array))
+
+
+def same_bits(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+    """Which values are the same to the last bit (the same shape): 0 is not -0, and two NaN may differ."""
+    if one.dtype.kind == other.dtype.kind == "f" and one.dtype.itemsize == other.dtype.itemsize == 8:
+        one, other = one.view(np.uint64), other.view(np.uint64)
+    return np.asarray(one == other)
 
 
 def _place(kind: Kind) -> tuple[int, bool]:
@@ -210,7 +229,7 @@ class Values:
         self.kinds = VARIABLES | MESSAGES | asked | kinds_of(study.measure.metrics)
         self.room = room or Room()
         self.arrays: Columns = {
-            name: self.room.blank(tuple(sizes[d] for d in dims), np.dtype(kind))
+            name: self.room.full(tuple(sizes[d] for d in dims), blank(kind), kind)
             for name, (dims, kind, *_) in self.kinds.items()
         }
 
@@ -235,7 +254,8 @@ class Values:
             return
         for name, array in self.arrays.items():
             axis = self.kinds[name][0].index("trial")
-            wider = self.room.blank((*array.shape[:axis], trials, *array.shape[axis + 1 :]), array.dtype)
+            shape = (*array.shape[:axis], trials, *array.shape[axis + 1 :])
+            wider = self.room.full(shape, blank(array.dtype), array.dtype)
             wider[tuple(map(slice, array.shape))] = array
             self.arrays[name] = wider
 
@@ -253,7 +273,7 @@ class Values:
         """Make missing again what Ctrl-C left of trials that were just being stored."""
         for name, array in self.arrays.items():
             by_trial = np.moveaxis(array, self.kinds[name][0].index("trial"), 1)
-            by_trial[~self.done(name in LOCAL)] = MISSING if array.dtype.kind == "i" else np.nan
+            by_trial[~self.done(name in LOCAL)] = blank(array.dtype)
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:
         """Which trials have run, (setting, trial)."""

@@ -13,11 +13,24 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
+from swarmcensus.metrics import Metric
 from swarmcensus.results import checking
-from swarmcensus.results.labels import settings_of, unlike
+from swarmcensus.results.labels import settings_of, unchecked, unlike
 from swarmcensus.results.origins import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
-from swarmcensus.results.values import MISSING, VARIABLES, Values, kinds_in
+from swarmcensus.results.values import (
+    ESTIMATES,
+    EVERY,
+    IN_TIME,
+    LOCAL,
+    MESSAGES,
+    MISSING,
+    Values,
+    blank,
+    is_missing,
+    kinds_in,
+    same_bits,
+)
 from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
@@ -50,7 +63,7 @@ class Verification:
     """What came of it: how many trials were run again, of how many, and the first difference of each that differs.
 
     `labels` are sentences on what else the results say otherwise than their study; `notes` on what is no fault, but
-    should be known.
+    should be known; `unchecked` are phrases on what was compared with nothing, and why.
     """
 
     checked: int
@@ -58,6 +71,7 @@ class Verification:
     differences: list[Difference]
     labels: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
+    unchecked: list[str] = field(default_factory=list)
 
 
 def verify(
@@ -81,11 +95,11 @@ def verify(
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
     labels = [*unlike(data, studies), *_ended(data, studies)]
-    tried = data["convergence_round"].values[:, :, 0] != MISSING
+    tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
     for setting, trial in checking.failures(data):  # these should fail again
-        tried |= np.outer(data["setting"].values == setting, data["trial"].values == trial)
+        tried |= np.outer(data.variables["setting"].values == setting, data.variables["trial"].values == trial)
     done = np.argwhere(tried)
     count = min(len(done), max(1, math.ceil(sample * len(done))))
     chosen = done[np.sort(np.random.default_rng(seed).permutation(len(done))[:count])]
@@ -93,7 +107,8 @@ def verify(
     wanted[chosen[:, 0], chosen[:, 1]] = True
     differences: list[Difference] = []
     left = np.asarray(wanted.any(axis=1))
-    for study in (_looking(data, study) for study in studies):
+    watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
+    for study in (_looking(data, study, watched) for study in studies):
         places, settings = _ours(data, study, left)
         if settings:
             metrics_may_run(study, brain)
@@ -101,7 +116,8 @@ def verify(
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
     wanted[left] = False  # of no setting of these studies, as the labels say
     differences.sort(key=lambda d: (d.setting, d.trial))
-    return Verification(int(wanted.sum()), len(done), differences, labels, list(_notes(data, studies)))
+    notes = list(_notes(data, studies))
+    return Verification(int(wanted.sum()), len(done), differences, labels, notes, unchecked(data))
 
 
 def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
@@ -114,6 +130,13 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     if done < total:
         failed = len(checking.failures(data))
         yield f"{total - done:,} of {total:,} trials are not in the file" + (f", {failed:,} failed" if failed else "")
+    told = {name for study in studies for setting in study.settings() for name in setting.coordinates}
+    for name in sorted({*IN_TIME} & told - {*map(str, data.variables)}):
+        yield f"{name} is not in the file: the first files of its format did not have it"
+    if "messages_sent" in data:
+        uncounted = int((checking.finished(data) & is_missing(data.variables["messages_sent"].values[:, :, 0])).sum())
+        if uncounted:
+            yield f"messages of {uncounted:,} trials are not in the file: an earlier format did not count them"
     own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - own):
         yield f"the attribute {name} is not of a run"
@@ -124,29 +147,29 @@ def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     if checking.is_old(data):
         return  # intervals were others then
     failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
-    rows, columns = ({n: k for k, n in enumerate(data[d].values.tolist())} for d in ("setting", "trial"))
+    rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
     for setting, trial in checking.failures(data):
         failed[rows[setting], columns[trial]] = True
     values = Values.of(data)
     ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
     for study in studies:
-        if not {*study.checkpoints} <= {*data["checkpoint"].values.tolist()}:
+        if not {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:
             continue  # which is told already
         if "merged" in data.attrs:
             values = Values.of(data.sel(checkpoint=study.checkpoints))
         ours = settings_of(study)
-        for k, mark in enumerate(data["fingerprint"].values.tolist()):
+        for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
             if mark not in ours:
                 continue
-            number = data["setting"].values[k]
+            number = data.variables["setting"].values[k]
             found, lacking = _stages(study, values, k, failed[k])
             if ended and lacking:
                 yield f"setting {number}: of its {lacking} trials some are missing, and none is said to be"
-            if "half_width" not in data or data["half_width"].dims != ("setting",) or study.until is None:
+            if "half_width" not in data or data.variables["half_width"].dims != ("setting",) or study.until is None:
                 continue
-            said = data["half_width"].values[k].item()
+            said = data.variables["half_width"].values[k].item()
             whole = ended and not failed[k].any()
-            if not any(said == one or (said != said and one != one) for one in (found[-1:] if whole else found)):
+            if not same_bits(np.array(said), np.array(found[-1:] if whole else found)).any():
                 yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
 
 
@@ -169,18 +192,20 @@ def _stages(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> 
     return found, 0
 
 
-def _looking(data: xr.Dataset, study: Study) -> Study:
-    """The same study, looking at a dataset's checkpoints: merged results have those of all their studies."""
+def _looking(data: xr.Dataset, study: Study, watched: list[Metric]) -> Study:
+    """The same study, measuring what a dataset holds: merged results have what all their studies measure."""
     longest = max(setting.rounds for setting in study.settings())
-    looked = [c for c in data["checkpoint"].values.tolist() if c <= longest] or [longest]
+    looked = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
+    own = {k: v for k, v in study.measure if v is not None}
+    all_of_it = {"checkpoints": looked, "estimates": "estimates" in data, "metrics": watched}
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # of the same study once more
-        return study.with_(measure={k: v for k, v in study.measure if v is not None} | {"checkpoints": looked})
+        return study.with_(measure=own | all_of_it)
 
 
 def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[Setting]]:
     """The places in a dataset of settings that are of a study, of those that are `left`, and these settings."""
-    marks = {mark: k for k, mark in enumerate(data["fingerprint"].values.tolist()) if left[k]}
+    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if left[k]}
     found = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
     for setting in found.values():
         must_be_read(setting)
@@ -196,29 +221,32 @@ def _compare(
     jobs: int | None,
     progress: Callable[[Progress], None] | None,
 ) -> list[Difference]:
-    local = "local_convergence_step" in data
-    trials = data["trial"].values
+    local, merged = "local_convergence_step" in data, "merged" in data.attrs
+    trials = data.variables["trial"].values
     columns = np.zeros((len(settings), int(trials.max()) + 1), np.bool_)
     columns[:, trials] = wanted
     again = recompute(study, settings, columns, local, jobs, progress)
-    known = [study.checkpoints.index(c) if c in study.checkpoints else -1 for c in data["checkpoint"].values.tolist()]
+    known = [
+        study.checkpoints.index(c) if c in study.checkpoints else -1
+        for c in data.variables["checkpoint"].values.tolist()
+    ]
     out: dict[tuple[int, int], Difference] = {}
     for name, (dims, *_) in kinds_in(data).items():
-        if name not in again.arrays:
-            continue
         others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
-        stored = data[name].values[places]
-        found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
-        same = (stored == found) & (np.signbit(stored) == np.signbit(found))
-        differ = ~(same | ((stored != stored) & (found != found)))
-        there = stored != MISSING if stored.dtype.kind == "i" else ~np.isnan(stored)
+        stored = data.variables[name].values[places]
+        if name in again.arrays:
+            found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
+        else:  # of brains that this one of merged studies has none of
+            found = np.full(stored.shape, blank(stored.dtype), stored.dtype)
+        differ, there = ~same_bits(stored, found), ~is_missing(stored)
         due = wanted
-        if name not in VARIABLES:  # not asked for by some of merged studies
+        # what some of merged studies do not ask for is there of no trial or all: `unlike` tells; so are messages
+        if name in MESSAGES or (merged and (name in LOCAL or name in ESTIMATES or name not in EVERY)):
             due = due & there.any(axis=others)
-        if "checkpoint" in dims:  # nor these checkpoints
+        if merged and "checkpoint" in dims:  # nor these checkpoints
             differ &= there
         for row, column in np.argwhere(differ.any(axis=others) & due).tolist():
-            number, trial = int(data["setting"].values[places[row]]), int(trials[column])
+            number, trial = int(data.variables["setting"].values[places[row]]), int(trials[column])
             one = {"setting": row, "trial": column}
             at = tuple(one.get(d, slice(None)) for d in dims)
             values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
@@ -235,7 +263,6 @@ def _fitted(
         array = array[:, known]
         array[:, np.array(known) < 0] = np.nan
     if "robot" in dims:
-        blank = MISSING if array.dtype.kind == "i" else np.nan
         more = [(0, max(0, robots - n)) if d == "robot" else (0, 0) for d, n in zip(dims, array.shape, strict=True)]
-        array = np.pad(array, more, constant_values=blank)[..., :robots]
+        array = np.pad(array, more, constant_values=blank(array.dtype))[..., :robots]
     return array
