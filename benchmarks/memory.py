@@ -1,7 +1,8 @@
 """How much memory large swarms take: python benchmarks/memory.py [--robots N] [--topology NAME] [--jobs N].
 
-Runs studies of 1, 2 and 10 settings of a million robots, 100 rounds and one trial each, from the shell and into a file, by
-default with two threads, and prints the peak of resident memory of the run, of `show` and of `verify` of its file.
+Runs studies of 1, 2 and 10 settings of a million robots, 100 rounds and one trial each, from the shell and into a
+file, by default with two threads, and prints the peak of resident memory of the run, of `show` and of `verify` of its
+file.
 """
 
 import argparse

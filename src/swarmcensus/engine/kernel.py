@@ -57,9 +57,9 @@ def simulate(
     Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
     those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. What is heard was said
     `delay` rounds ago. `memory` (robot, field), `outbox` (delay + 2 times robots, message), `rows` (index, robot),
-    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in: for what is before
-    each segment but the first, which begins anew, and the last, which is not run again; the last of them has none
-    where messages are not late. With room for every segment `snapshots` gets them all.
+    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in: for what is
+    before each segment but the first, which begins anew, and the last, which is not run again; the last of them has
+    none where messages are not late. With room for every segment `snapshots` gets them all.
     With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
     right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;

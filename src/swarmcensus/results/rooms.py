@@ -38,7 +38,7 @@ class Room:
         try:
             with tempfile.TemporaryFile(dir=self.folder) as file:
                 for first in range(0, size, BLOCK):  # written, not mapped: where there is no room, one is told
-                    file.write(np.full(min(BLOCK, size - first), missing, kind))
+                    file.write(np.full(min(BLOCK, size - first), missing, kind).tobytes())
                 file.flush()
                 pages = mmap.mmap(file.fileno(), 0)
         except OSError as error:
@@ -57,11 +57,3 @@ class Room:
                 pages.madvise(mmap.MADV_DONTNEED)
         with contextlib.suppress(OSError, AttributeError, TypeError):  # other C libraries have none of its name
             ctypes.CDLL(None).malloc_trim(0)  # glibc keeps arrays of some megabytes that were freed, thread by thread
-
-
-class Nowhere(Room):
-    """Makes arrays of missing numbers that take no memory, and that nothing can be put into."""
-
-    def full(self, shape: tuple[int, ...], missing: float, kind: Any) -> NDArray[Any]:
-        """An array in which all numbers are `missing`."""
-        return np.broadcast_to(np.array(missing, kind), shape)

@@ -167,6 +167,18 @@ def save(data: xr.Dataset, path: str | Path) -> None:
 
 def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
+    return checked(read(path), path)
+
+
+def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
+    """The same dataset, read from a file. Raises InputError where it was changed."""
+    if wrong := checking.wrong(data):
+        raise InputError(f"results file {path}: damaged or changed: {wrong}")
+    return data
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Read a results file as `load` does, and do not look whether its numbers go together."""
     path = Path(path)
     check_there(path)
     if not path.is_file():
@@ -192,8 +204,7 @@ def load(path: str | Path) -> xr.Dataset:
         ) from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
-    wrong = checking.unmask(data) or checking.wrong(data)
-    if wrong:
+    if wrong := checking.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
 

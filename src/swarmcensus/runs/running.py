@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.results import store
-from swarmcensus.results.rooms import Nowhere, Room
+from swarmcensus.results.rooms import Room
 from swarmcensus.results.values import Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.progress import showing
@@ -127,9 +127,9 @@ def _quiet(_: Progress) -> None:
 
 
 def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
-    """Write the dataset as it is before any trial: with the shards an early picture of the run."""
+    """Write the dataset without any trial: with the shards an early picture of the run."""
     study, settings = state.study, state.settings
-    data = store.dataset(study, settings, marks, Values(study, settings, 1, room=Nowhere()))
+    data = store.dataset(study, settings, marks, Values(study, settings, 0))
     data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
