@@ -106,7 +106,7 @@ def checksum(data: bytes) -> str:
     return found.hexdigest()
 
 
-def blank_hash() -> Any:
+def blank_hash() -> hashlib.blake2b:
     """That hash, of nothing yet."""
     return hashlib.blake2b(digest_size=16)
 
@@ -233,7 +233,7 @@ class Parts:
             "work": self._work,
         }
         try:
-            with tempfile.SpooledTemporaryFile(SPOOLED_BYTES, dir=self.folder.parent) as packed:
+            with tempfile.SpooledTemporaryFile(SPOOLED_BYTES, dir=str(self.folder.parent)) as packed:
                 _pack(packed, about, self._waiting, self.fingerprints)
                 packed.seek(0)
                 name = f"{self._next:06d}-{hashlib.file_digest(packed, blank_hash).hexdigest()}.npz"

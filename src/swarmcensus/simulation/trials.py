@@ -294,7 +294,7 @@ def _relive(
         np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
         *nobody(), extremes, 0, -(-rounds // len(rows)), np.zeros(1, np.uint8),
     )  # fmt: skip
-    return extremes[2]
+    return np.asarray(extremes[2])
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
