@@ -51,7 +51,9 @@ def say_partial(data: xr.Dataset, path: Path) -> None:
 def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
     """A dataset without trials, read from a file, with room for one. Raises InputError where it was changed."""
     if data.sizes.get("trial") == 0 and "trial" in data.indexes:
-        missing = {name: one.dtype.type(blank(one.dtype)) for name, one in data.data_vars.items() if "trial" in one.dims}
+        missing = {
+            name: one.dtype.type(blank(one.dtype)) for name, one in data.data_vars.items() if "trial" in one.dims
+        }
         encodings = {name: data[name].encoding for name in missing}
         data = data.reindex(trial=[0], fill_value=missing)
         for name, encoding in encodings.items():
