@@ -114,6 +114,8 @@ def main():
                 removed("out.nc")
                 cost = program("run", study, "--out", "out.nc", cache=f"{folder}/{study}-cache")
                 table.add_row(f"the first run on a machine, {study}", f"{cost:.2f}", "")
+                cost = program("plot", "out.nc", "--kind", "curves", cache=f"{folder}/{study}-cache")
+                table.add_row("then its first curves", f"{cost:.2f}", "")
         os.chdir("/")
     Console(width=100).print(table)
 

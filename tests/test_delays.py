@@ -129,8 +129,8 @@ def test_room_for_late_messages_is_reckoned_with(monkeypatch):
     (now,), (late,) = settings_of(2, "commons", rounds=4), settings_of(2, "commons", rounds=4, message_delay=3)
     for one in (now, late):
         run_batch(one, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
-    (_, _, before, _), (*sizes, record, whole) = asked
-    assert (*sizes, whole) == (2, 4, 1)
+    (_, _, before, _, _), (*sizes, record, whole, threads) = asked
+    assert (*sizes, whole, threads) == (2, 4, 1, 1)
     assert record - before >= 8 * (3 + 2) * len(late.brain.message)
 
 

@@ -57,9 +57,9 @@ def simulate(
     Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
     those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. What is heard was said
     `delay` rounds ago. `memory` (robot, field), `outbox` (delay + 2 times robots, message), `rows` (index, robot),
-    `snapshots` (segment, robot or 0, field) and `said_before` (segment or 0, like `outbox`) are room to work in. Each
-    segment begins by filling its snapshot, if that has robots: it needs one only where a segment may be run again.
-    `said_before` has room where messages are late too.
+    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in: for what is
+    before each segment but the first, which begins anew, and the last, which is not run again; the last of them has
+    none where messages are not late. With room for every segment `snapshots` gets them all.
     With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
     right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
     `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
@@ -78,7 +78,8 @@ def simulate(
     bits = np.zeros(blacks.size, np.uint64)
     reading = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
-    luck = np.zeros((3, robots), np.uint64)
+    luck = np.zeros((3, robots if swarm.luck.size > 0 else 0), np.uint64)
+    before = np.int64(snapshots.shape[0] != segments)  # how many segments have no snapshot at the begin
     nothing = all_counts[0, :, :0]
     unjudged = all_verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
@@ -117,14 +118,17 @@ def simulate(
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
             forward = step < segments
             s = step if forward else 2 * segments - 2 - step
-            if forward and snapshots.shape[1] > 0:
-                put(snapshots[s], memory)
+            shot = s - before
+            if forward and 0 <= shot < snapshots.shape[0]:
+                put(snapshots[shot], memory)
                 if said_before.shape[0] > 0:
-                    put(said_before[s], outbox)
+                    put(said_before[shot], outbox)
+            elif not forward and undecided and s == 0:
+                begin(swarm, memory, assumed_b[trial], assumed_w[trial])
             elif not forward and undecided:
-                put(memory, snapshots[s])
+                put(memory, snapshots[shot])
                 if said_before.shape[0] > 0:
-                    put(outbox, said_before[s])
+                    put(outbox, said_before[shot])
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)

@@ -64,10 +64,10 @@ def is_trace(data: xr.Dataset) -> bool:
 def trace_of(
     results: xr.Dataset, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
 ) -> xr.Dataset:
-    """Replay a trial of a setting, by default of the first. Raises InputError as `replay` does."""
+    """The estimates of a trial of a setting, by default of the first, replayed. Raises InputError as `replay` does."""
     require(results, dimensions=("setting", "trial"))
     number = int(results["setting"].values[0]) if setting is None else setting
-    return replaying.replay(results, number, trial, brain)
+    return replaying.estimates(results, number, trial, brain)
 
 
 def scene_of(

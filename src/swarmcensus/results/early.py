@@ -1,7 +1,7 @@
 """An early picture: what a run has so far, read from the shards beside an output that is not written yet.
 
 The first shard after a second is written beside a file that has all but numbers: the dataset of the study with no
-trial done. Reading takes no lock and alters nothing, so it may be done while the run goes on, or after it was killed.
+trial. Reading takes no lock and alters nothing, so it may be done while the run goes on, or after it was killed.
 """
 
 import logging
@@ -13,8 +13,8 @@ import xarray as xr
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import checking
-from swarmcensus.results.store import load
-from swarmcensus.results.values import Values
+from swarmcensus.results.store import checked, load, read
+from swarmcensus.results.values import Values, blank
 
 LOG = logging.getLogger(__name__)
 
@@ -26,11 +26,11 @@ def opened(path: str | Path) -> xr.Dataset:
         return load(path)
     from swarmcensus.results import shards
 
-    blank = shards.folder_of(path) / shards.SKETCH
-    if not blank.is_file():
+    sketch = shards.folder_of(path) / shards.SKETCH
+    if not sketch.is_file():
         return load(path)  # which says what is wrong
     try:
-        data = _filled(load(blank), shards.listed(blank.parent))
+        data = _filled(_widened(read(sketch), sketch), shards.listed(sketch.parent))
     except InputError:
         if path.exists():  # the run ended just now
             return load(path)
@@ -49,13 +49,26 @@ def say_partial(data: xr.Dataset, path: Path) -> None:
         LOG.info("%s: %s of %s trials done", path, f"{done:,}", f"{total:,}")
 
 
-def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:
+def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
+    """A dataset without trials, read from a file, with room for one. Raises InputError where it was changed."""
+    if data.sizes.get("trial") == 0 and "trial" in data.indexes:
+        missing = {
+            name: one.dtype.type(blank(one.dtype)) for name, one in data.data_vars.items() if "trial" in one.dims
+        }
+        encodings = {name: data[name].encoding for name in missing}
+        data = data.reindex(trial=[0], fill_value=missing)
+        for name, encoding in encodings.items():
+            data[name].encoding = encoding
+    return checked(data, path)
+
+
+def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
     """The dataset with what the shards hold of its settings; damaged ones are left out, as a run would."""
     from swarmcensus.results import shards
 
-    values = Values.of(blank)
-    numbers = {str(mark): k for k, mark in enumerate(blank["fingerprint"].values)}
-    checkpoints = blank["checkpoint"].values.tolist()
+    values = Values.of(sketch)
+    numbers = {str(mark): k for k, mark in enumerate(sketch["fingerprint"].values)}
+    checkpoints = sketch["checkpoint"].values.tolist()
     for shard in filter(None, map(shards.read, paths)):
         for one in shard.found:
             columns = {name: taken for name, taken in one.columns.items() if name in values.arrays}
@@ -64,9 +77,9 @@ def _filled(blank: xr.Dataset, paths: list[Path]) -> xr.Dataset:
                 trial = values.kinds[next(iter(columns))][0].index("trial") - 1
                 values.grow(one.first + next(iter(columns.values())).shape[trial])
                 values.put(numbers[one.setting], one.first, columns)
-    data = blank.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
+    data = sketch.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
     for name, array in values.arrays.items():
-        data[name] = (values.kinds[name][0], array, blank[name].attrs, blank[name].encoding)
+        data[name] = (values.kinds[name][0], array, sketch[name].attrs, sketch[name].encoding)
     data.attrs["trials_done"] = int(checking.finished(data).sum())
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
     wrong = checking.wrong(data)

@@ -13,7 +13,7 @@ from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.swarming import ended, free
-from swarmcensus.simulation.trials import record_readings, record_trial
+from swarmcensus.simulation.trials import record_estimates, record_readings, record_trial
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds import arena
@@ -42,6 +42,28 @@ def replay(
         fields, estimates, blacks = record_trial(found, study.seed, trial)
         trace = trace_of(fields, estimates, found.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
+    return _labelled(trace, results, study, found, trial, setting)
+
+
+def estimates(
+    results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
+) -> xr.Dataset:
+    """A trace as `replay` gives it, on fixed networks with the estimates alone.
+
+    They are what a run measures: where the trial was run on this machine, nothing is compiled. Raises InputError.
+    """
+    study, found = _find(results, setting, trial, brain)
+    if found.body is not None:
+        trace = _moving_trace(found, study.seed, trial, False)
+    else:
+        trace = trace_of({}, record_estimates(found, study.seed, trial), found.brain)
+    return _labelled(trace, results, study, found, trial, setting)
+
+
+def _labelled(
+    trace: xr.Dataset, results: xr.Dataset | str | Path, study: Study, found: Setting, trial: int, setting: int
+) -> xr.Dataset:
+    """The trace with what its setting says beside; checked against what the run measured. Raises InputError."""
     if found.change:
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", found.fill_ratios(trace["round"].values), says)

@@ -11,12 +11,14 @@ import io
 import json
 import os
 import re
+import shutil
 import socket
+import tempfile
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import IO, Any, Self
 
 import numpy as np
 from filelock import FileLock, Timeout
@@ -35,6 +37,7 @@ OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
 METRIC = "metric "  # before the name of a metric's column
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
+SPOOLED_BYTES = 4_000_000  # of a shard that is put together in memory, and not in a file
 SKETCH_AFTER = 1.0, 3e-3  # seconds, and for each setting: shorter runs need no early picture, at some 40 us a setting
 AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
 
@@ -101,7 +104,14 @@ def read(path: Path) -> Shard | None:
 
 def checksum(data: bytes) -> str:
     """The hash that a shard is named by."""
-    return hashlib.blake2b(data, digest_size=16).hexdigest()
+    found = blank_hash()
+    found.update(data)
+    return found.hexdigest()
+
+
+def blank_hash() -> hashlib.blake2b:
+    """That hash, of nothing yet."""
+    return hashlib.blake2b(digest_size=16)
 
 
 def listed(folder: Path) -> list[Path]:
@@ -225,10 +235,16 @@ class Parts:
             "cpu_seconds": cpu - self._cpu,
             "work": self._work,
         }
-        data = _packed(about, self._waiting, self.fingerprints)
-        name = f"{self._next:06d}-{checksum(data)}.npz"
-        with whole(self.folder / name) as beside:
-            beside.write_bytes(data)
+        try:
+            with tempfile.SpooledTemporaryFile(SPOOLED_BYTES, dir=str(self.folder.parent)) as packed:
+                _pack(packed, about, self._waiting, self.fingerprints)
+                packed.seek(0)
+                name = f"{self._next:06d}-{hashlib.file_digest(packed, blank_hash).hexdigest()}.npz"
+                packed.seek(0)
+                with whole(self.folder / name) as beside, beside.open("wb") as file:
+                    shutil.copyfileobj(packed, file)
+        except OSError as error:
+            raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error
         self._waiting, self._work = [], 0.0
         self._last, self._cpu = now, cpu
         self._next += 1
@@ -250,7 +266,8 @@ class Parts:
             path.unlink(missing_ok=True)
 
 
-def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> bytes:
+def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> None:
+    """Write pieces as a shard; large ones, which come alone, are not copied."""
     items = np.array([(fingerprints[p.setting], p.first, *p.shape, p.local) for p in pieces], ITEM)
     flat: dict[str, list[NDArray[Any]]] = {}
     for piece in pieces:
@@ -259,9 +276,8 @@ def _packed(about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequen
     watched = [name for name in flat if name not in EVERY]
     about = about | {"of_swarm": [n for n in watched if any(n in p.columns and p.columns[n].ndim == 1 for p in pieces)]}
     text = np.frombuffer(json.dumps(about).encode(), np.uint8)
-    out = io.BytesIO()
-    np.savez(out, about=text, items=items, **{_stored(k): np.concatenate(v) for k, v in flat.items()})  # type: ignore[arg-type]
-    return out.getvalue()
+    columns = {_stored(k): v[0] if len(v) == 1 else np.concatenate(v) for k, v in flat.items()}
+    np.savez(out, about=text, items=items, **columns)  # type: ignore[arg-type]
 
 
 def _stored(name: str) -> str:

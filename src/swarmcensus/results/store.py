@@ -157,13 +157,28 @@ def save(data: xr.Dataset, path: str | Path) -> None:
         data = data.drop_attrs(deep=False).assign_attrs(checking.selected(data))
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
-    encoding = {n: packed | {k: v for k, v in data[n].encoding.items() if k == "_FillValue"} for n in integers}
+    fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
+    # as an attribute, for xarray would look for what is missing in a copy of what it encodes
+    data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
+    encoding = dict.fromkeys(integers, packed)
     with whole(path) as beside:
         data.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
     """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
+    return checked(read(path), path)
+
+
+def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
+    """The same dataset, read from a file. Raises InputError where it was changed."""
+    if wrong := checking.wrong(data):
+        raise InputError(f"results file {path}: damaged or changed: {wrong}")
+    return data
+
+
+def read(path: str | Path) -> xr.Dataset:
+    """Read a results file as `load` does, and do not look whether its numbers go together."""
     path = Path(path)
     check_there(path)
     if not path.is_file():
@@ -189,8 +204,7 @@ def load(path: str | Path) -> xr.Dataset:
         ) from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
-    wrong = checking.unmask(data) or checking.wrong(data)
-    if wrong:
+    if wrong := checking.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.metrics import Metric, parse
+from swarmcensus.results.rooms import Room
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -204,8 +205,18 @@ def shapes(
 class Values:
     """Arrays of the dataset's shapes, missing values where nothing has run yet."""
 
-    def __init__(self, study: Study, settings: Sequence[Setting], trials: int, local: bool | None = None) -> None:
-        """Make room for so many trials of settings of a study; `local` instead of what it says of local estimates."""
+    def __init__(
+        self,
+        study: Study,
+        settings: Sequence[Setting],
+        trials: int,
+        local: bool | None = None,
+        room: Room | None = None,
+    ) -> None:
+        """Make room for so many trials of settings of a study; `local` instead of what it says of local estimates.
+
+        Arrays lie in the `room`, by default in memory. Raises InputError where it is full.
+        """
         self.robots = [s.honest for s in settings]
         sizes = {
             "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
@@ -216,15 +227,17 @@ class Values:
         asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         asked |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
         self.kinds = VARIABLES | MESSAGES | asked | kinds_of(study.measure.metrics)
-        self.arrays: Columns = {}
-        for name, (dims, kind, *_) in self.kinds.items():
-            shape = [sizes[d] for d in dims]
-            self.arrays[name] = np.full(shape, blank(kind), kind)
+        self.room = room or Room()
+        self.arrays: Columns = {
+            name: self.room.full(tuple(sizes[d] for d in dims), blank(kind), kind)
+            for name, (dims, kind, *_) in self.kinds.items()
+        }
 
     @classmethod
     def of(cls, data: Mapping[Any, Any]) -> Self:
         """Those of a dataset, which are not copied."""
         values = cls.__new__(cls)
+        values.room = Room()
         values.robots = robots_in(data).values.tolist()
         values.kinds = kinds_in(data)
         values.arrays = {name: data[name].values for name in values.kinds}
@@ -237,13 +250,14 @@ class Values:
 
     def grow(self, trials: int) -> None:
         """Make room for so many trials, if there is less."""
-        more = trials - self.trials
-        if more <= 0:
+        if trials <= self.trials:
             return
         for name, array in self.arrays.items():
             axis = self.kinds[name][0].index("trial")
-            room = [(0, more * (k == axis)) for k in range(array.ndim)]
-            self.arrays[name] = np.pad(array, room, constant_values=blank(array.dtype))
+            shape = (*array.shape[:axis], trials, *array.shape[axis + 1 :])
+            wider = self.room.full(shape, blank(array.dtype), array.dtype)
+            wider[tuple(map(slice, array.shape))] = array
+            self.arrays[name] = wider
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
         """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
@@ -253,6 +267,7 @@ class Values:
             last = first + values.shape[axis]
             where = array[:, first:last] if axis else array[first:last]
             (where[..., : values.shape[-1]] if by_robot else where)[...] = values
+            self.room.wrote(values.nbytes)
 
     def forget_halves(self) -> None:
         """Make missing again what Ctrl-C left of trials that were just being stored."""

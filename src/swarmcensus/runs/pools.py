@@ -55,15 +55,15 @@ class Threads:
     note = ""
 
     def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
-        """Take the executor's threads."""
-        self.executor, self.width = executor, 4 * jobs
+        """Take the executor's threads, of which so many will have something to do at once."""
+        self.executor, self.width, self.busy = executor, 4 * jobs, jobs
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
         """Have a bundle run by the next thread that is free."""
-        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop)
+        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.busy)
 
     def halt(self) -> None:
         """Tell the engine to stop within a round."""

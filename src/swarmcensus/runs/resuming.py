@@ -56,9 +56,10 @@ class Holding:
     settings: Sequence[Setting]
     parts: Parts
     say: Callable[[str], None]
-    old: xr.Dataset | None  # the output as it was, if it was there
+    old: xr.Dataset | None  # the output as it was, if it was there, until it is taken over
     share: str = ""  # which part of the trials is run, as "1/4"; empty for all
     seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor, of what is taken over
+    about: dict[str, Any] | None = None  # what the old output said of itself
     _numbers: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -68,7 +69,9 @@ class Holding:
     def fill(self, values: Values) -> None:
         """Put what is there into `values`, and say how much it is. Raises InputError where it does not belong here."""
         if self.old is not None:
+            self.about = self.old.attrs
             self._take_file(values, self.old)
+            self.old = None  # it may be large
         before = int(values.done().sum())
         shards = 0
         for path, shard in self.parts.found():
@@ -107,11 +110,11 @@ class Holding:
 
     def finish(self, data: xr.Dataset) -> None:
         """Write the output whole, if there is anything new; then the shards are no longer needed."""
-        old = self.old
+        old = self.about
         if not data.attrs["trials_done"] and self.out.exists():
             return  # begun anew, and stopped at once
         nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
-        if nothing and all(old.attrs.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
+        if nothing and all(old.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
         self.parts.flush()
         store.save(data, self.out)
@@ -143,8 +146,8 @@ class Holding:
         if said := edited(old, self.study):
             raise InputError(f"{self.out}: {said}. {hint()}")
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
-        old = old.isel(setting=_has_any(old))
-        rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values], np.intp)
+        ran = _has_any(old)
+        rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
         trials = old["trial"].values
         if trials.size == 0:
             return
@@ -153,11 +156,11 @@ class Holding:
         if old.sizes["robot"] > max(values.robots):
             raise InputError(f"{self.out} holds larger swarms than this study. {hint()}")
         self._check_names(list(old), values, self.out)
-        done = old["convergence_round"].values[:, :, 0] != MISSING
+        done = old["convergence_round"].values[ran, :, 0] != MISSING
         for name, (dims, *_) in kinds_in(old).items():
-            taken = old[name].values
+            taken = old[name].values[ran]
             if "checkpoint" in dims:
-                looked, rounds = old["checkpoint"].values, old["rounds"].values
+                looked, rounds = old["checkpoint"].values, old["rounds"].values[ran]
                 taken = self._at_our_checkpoints(taken, looked, rounds, done & (name not in INTERVALS), self.out)
             places = {"setting": rows, "trial": trials}
             where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
@@ -240,8 +243,10 @@ def hold(
                 old = store.load(out)
             except InputError as error:
                 raise InputError(f"{error}. {hint()}") from None
+        holding = Holding(out, study, settings, parts, say, old)
+        del old
         try:
-            yield Holding(out, study, settings, parts, say, old)
+            yield holding
         except BaseException:
             with contextlib.suppress(InputError):
                 parts.flush()

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.results import store
+from swarmcensus.results.rooms import Room
 from swarmcensus.results.values import Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.forecasts import tell_length
@@ -71,23 +72,26 @@ def run(
     where = f"on {cluster}" if cluster else f"in {counted(jobs, 'thread')}"
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
-    state = State(
-        study, settings, Values(study, settings, first),
-        progress if callable(progress) else _quiet, None, np.full(len(settings), np.nan),
-        slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
-    )  # fmt: skip
     with contextlib.ExitStack() as stack:
+        report, holding, room = progress if callable(progress) else _quiet, None, Room()
         if progress is True:
-            state.report = stack.enter_context(showing(study.name))
+            report = stack.enter_context(showing(study.name))
         if out is not None:
-            state.holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
+            holding = stack.enter_context(hold(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
+            room = Room(holding.parts.folder.parent)
+        state = State(
+            study, settings, Values(study, settings, first, room=room), report, holding, np.full(len(settings), np.nan),
+            slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
+        )  # fmt: skip
+        if state.holding is not None:
             state.holding.share = "{}/{}".format(*share) if share else ""
             state.holding.fill(state.values)
             known, total = _so_far(state, first, np.ones(len(settings), np.bool_))
             state.holding.announce(known, total, 0.0)  # while it compiles, or waits for workers
             state.holding.parts.sketch = partial(_sketch, state, marks, share)
         begun, cpu, started = time.monotonic(), time.process_time(), time.strftime("%Y-%m-%dT%H:%M:%S%z")
-        pool = stack.enter_context(_pool(state, jobs, cluster))
+        every = len(settings) * study.trials * (1 + study.measure.local)
+        pool = stack.enter_context(_pool(state, min(jobs, every), cluster))
         try:
             interrupted = _run_stages(state, pool, None if cluster else jobs)
         except KeyboardInterrupt:  # between two stages
@@ -125,9 +129,9 @@ def _quiet(_: Progress) -> None:
 
 
 def _sketch(state: State, marks: list[str], share: tuple[int, int] | None, path: Path) -> None:
-    """Write the dataset as it is before any trial: with the shards an early picture of the run."""
+    """Write the dataset without any trial: with the shards an early picture of the run."""
     study, settings = state.study, state.settings
-    data = store.dataset(study, settings, marks, Values(study, settings, 1))
+    data = store.dataset(study, settings, marks, Values(study, settings, 0))
     data.attrs |= {"trials_done": 0, "trials_total": study.trials * len(settings)}
     if share is not None:
         data.attrs["share"] = "{}/{}".format(*share)
@@ -151,7 +155,7 @@ def recompute(
     tasks = plan(settings, wanted, wanted if local else None, pools.BUNDLE_SECONDS)
     state.total, state.work_total = int(wanted.sum()), sum(task.cost for task in tasks)
     LOG.debug("%s: %s trials again, in %s threads", study.name, f"{state.total:,}", jobs)
-    with _pool(state, jobs, None) as pool:
+    with _pool(state, min(jobs, state.total * (1 + local)), None) as pool:
         if work(state, bundled(tasks, pools.BUNDLE_SECONDS), pool):
             raise KeyboardInterrupt
     return values

@@ -149,15 +149,23 @@ def _split(
 
 
 def run_bundle(
-    settings: Sequence[Setting], seed: int, bundle: Bundle, metrics: Metrics, stop: NDArray[np.uint8]
+    settings: Sequence[Setting],
+    seed: int,
+    bundle: Bundle,
+    metrics: Metrics,
+    stop: NDArray[np.uint8],
+    threads: int = 1,
 ) -> Outcome:
-    """Run tasks one after another, as far as `stop` (uint8, shape (1,)) stays 0; a trial that fails, fails alone."""
+    """Run tasks one after another, as far as `stop` (uint8, shape (1,)) stays 0; a trial that fails, fails alone.
+
+    So many `threads` do this at once and share the memory.
+    """
     outcome: Outcome = []
     for task in bundle:
         if stop[0]:
             break
         try:
-            outcome += _run(settings, seed, task, metrics, stop)
+            outcome += _run(settings, seed, task, metrics, stop, threads)
         except InputError as error:
             parts = _parts(task)
             if len(parts) == 1:
@@ -167,7 +175,7 @@ def run_bundle(
                 where = "" if told else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
                 outcome += [Failure(n, task.first, f"{error}{where}") for n in task.settings]
             else:
-                outcome += run_bundle(settings, seed, tuple(parts), metrics, stop)
+                outcome += run_bundle(settings, seed, tuple(parts), metrics, stop, threads)
     return outcome
 
 
@@ -179,12 +187,15 @@ def _parts(task: Task) -> list[Task]:
     return [replace(task, settings=n, first=t, trials=1, cost=share) for n in together for t in trials]
 
 
-def _run(settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8]) -> list[Piece]:
+def _run(
+    settings: Sequence[Setting], seed: int, task: Task, metrics: Metrics, stop: NDArray[np.uint8], threads: int
+) -> list[Piece]:
     chosen = [settings[n] for n in task.settings]
     if task.kind == "ride":
         batches = run_ride(chosen, seed, task.first, metrics, stop)
     else:
-        batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, task.kind == "local")
+        local = task.kind == "local"
+        batch = run_batch(chosen[0], seed, task.first, task.trials, metrics, stop, local, threads)
         batches = None if batch is None else [batch] * len(chosen)
     local = task.kind == "local"
     pieces = []

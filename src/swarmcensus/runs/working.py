@@ -68,10 +68,7 @@ def work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             if not waiting:
                 break
             state.show(pool.note)
-            finished, _ = wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED)
-            for future in finished:
-                _keep(state, pool, future, waiting[future])
-                del waiting[future]  # now: what Ctrl-C breaks is kept anew
+            _take_in(state, pool, waiting)
     except KeyboardInterrupt:
         pool.halt()
         for future in waiting:
@@ -85,6 +82,13 @@ def work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
             future.cancel()
     state.show()
     return False
+
+
+def _take_in(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
+    """Wait a moment, and keep what is finished; nothing of it stays in memory once this returns."""
+    for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
+        _keep(state, pool, future, waiting[future])
+        del waiting[future]  # now: what Ctrl-C breaks is kept anew
 
 
 def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:

@@ -14,6 +14,7 @@ from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.modes import PART, VERDICTS
+from swarmcensus.engine.swarms import Swarm
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
@@ -32,7 +33,8 @@ from swarmcensus.worlds.changes import Change, along, steady
 
 ROWS_BYTES = 8_000_000  # of estimates kept at a time, at the least
 ROWS_OF_A_CROWD = 100  # rounds kept of a swarm too large for that: running rounds again would cost more
-CROWD_BYTES = 1_000_000_000
+CROWD_BYTES = 1_000_000_000  # of these, where no other trial is run beside
+SHARED_BYTES = 250_000_000  # of each trial, where several threads share the memory
 NOT_FINITE = "an estimate is no finite number"
 
 
@@ -73,32 +75,39 @@ class Batch:
     watched: dict[str, np.ndarray] = field(default_factory=dict)
 
 
-def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int) -> int:
-    """How many indices of estimates to keep at a time.
+def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int = 1) -> int:
+    """How many indices of estimates to keep at a time, where so many threads run trials.
 
     All of them where they are few; else so many that they and the snapshots between them together take the
-    least memory, which grows with the square root of the rounds.
+    least memory, which grows with the square root of the rounds; but up to a hundred, where there is room for them.
     """
     fits = ROWS_BYTES // (8 * robots)
-    crowd = min(ROWS_OF_A_CROWD, CROWD_BYTES // (8 * robots))
+    crowd = min(ROWS_OF_A_CROWD, (CROWD_BYTES if threads == 1 else SHARED_BYTES) // (8 * robots))
     balanced = math.isqrt(rounds * record_bytes // 8)
     length = max(fits, crowd, balanced, 1)
     return min(rounds, -(-length // multiple) * multiple)
 
 
 def run_batch(
-    setting: Setting, seed: int, first: int, trials: int, metrics: Metrics, stop: np.ndarray, local: bool = False
+    setting: Setting,
+    seed: int,
+    first: int,
+    trials: int,
+    metrics: Metrics,
+    stop: np.ndarray,
+    local: bool = False,
+    threads: int = 1,
 ) -> Batch | None:
     """Run trials first ... first + trials - 1; None if `stop` (uint8, shape (1,)) was set meanwhile.
 
-    With `local`, the metrics are of the local estimate by single observation.
+    With `local`, the metrics are of the local estimate by single observation. So many `threads` share the memory.
     """
     given = inputs_of(setting, seed, first, trials, order=local)
     if not setting.members and (local or not metrics.watched):
-        return _live(setting, given, trials, metrics, stop, local)
+        return _live(setting, given, trials, metrics, stop, local, threads)
     batches = []
     for k in range(trials):  # their estimates are seen one trial at a time, and each has other members
-        batch = _live(setting, given.of(k), 1, metrics, stop, local)
+        batch = _live(setting, given.of(k), 1, metrics, stop, local, threads)
         if batch is None:
             return None
         batches.append(batch)
@@ -106,7 +115,7 @@ def run_batch(
 
 
 def _live(
-    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool
+    setting: Setting, given: Inputs, trials: int, metrics: Metrics, stop: np.ndarray, local: bool, threads: int
 ) -> Batch | None:
     first = given.first
     looks = setting.observations_per_round
@@ -125,15 +134,16 @@ def _live(
     delay = 0 if local else setting.message_delay
     outbox = outbox_of(made, setting, delay + 2)
     kept_words = (delay + 2) * outbox.shape[1] if delay else 0  # a robot's, where a segment may be run again
-    segment = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1)
+    segment = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1, threads)
     segments = -(-rounds // segment)
+    between = max(segments - 2, 0)
     rows = np.empty((segment, setting.robots))
     room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
         np.empty((setting.robots, numbers)),
         outbox,
         rows,
-        np.empty((segments, setting.robots if segments > 1 else 0, numbers)),
-        np.empty((segments if delay and segments > 1 else 0, *outbox.shape)),
+        np.empty((between, setting.robots, numbers)),
+        np.empty((between if delay else 0, *outbox.shape)),
         delay,
     )
     counts = np.zeros((trials, 2, setting.robots), np.int64)
@@ -162,6 +172,7 @@ def _live(
         for watch in watches if begin < segments else ():
             sound &= math.isfinite(seen.sum())
             watch.see(seen, begin * segment + 1)
+    del made, outbox, rows, room, arguments  # before there is more: of a large swarm they are nearly all of its memory
     try:
         found = results_of(watches)
     except InputError as error:
@@ -233,26 +244,13 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     """
     robots, rounds, looks = setting.robots, setting.rounds, setting.observations_per_round
     shape = (rounds + 1, robots)
-    given, kernel = inputs_of(setting, seed, trial), compiler.compile_world("kernel")
-    links = given.links
-    assert links is not None
-    one = np.zeros((1, robots))
+    given = inputs_of(setting, seed, trial)
     with blaming(setting, trial):
         made = swarm_of(setting, given, "network")
         numbers = int(made.fields.sum())
         history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
-        delay = setting.message_delay
-        outbox = outbox_of(made, setting, delay + 2)
-        kernel.simulate(
-            *made, history[-1], outbox, np.empty((1, robots)), history[:-1], np.empty((0, *outbox.shape)), delay, trial,
-            *given.sensors, given.drift, *given.beliefs, setting.course, False,
-            looks, rounds, given.readings, given.order, given.losses,
-            links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
-            1.0, np.zeros((0, 2)), np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
-            np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
-            *nobody(), np.empty((3, robots)), 0, rounds, np.zeros(1, np.uint8),
-        )  # fmt: skip
-        kernel.believe(*made, history, estimates)
+        _relive(setting, given, made, history[-1], np.empty((1, robots)), history[:-1])
+        compiler.compile_world("kernel").believe(*made, history, estimates)
     compiler.compile_world().round_readings(
         *(a[0] for a in (*given.sensors, given.drift)), setting.course, looks, given.readings, trial, blacks[1:]
     )
@@ -262,6 +260,42 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     if done.size:
         blacks[1:][done] = 0.0
     return fields, estimates, blacks
+
+
+def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
+    """The estimates (round, robot) of one trial, index 0 before any observation, as `record_trial` gives them.
+
+    They are the rows that a run measures, all kept: whoever has run the setting need not compile anything for them.
+    """
+    given = inputs_of(setting, seed, trial)
+    estimates = np.empty((setting.rounds + 1, setting.robots))
+    with blaming(setting, trial):
+        made = swarm_of(setting, given, "network")
+        numbers = int(made.fields.sum())
+        memory, snapshots = np.empty((setting.robots, numbers)), np.empty((0, setting.robots, numbers))
+        estimates[0] = _relive(setting, given, made, memory, estimates[1:], snapshots)
+    return estimates
+
+
+def _relive(
+    setting: Setting, given: Inputs, made: Swarm, memory: np.ndarray, rows: np.ndarray, snapshots: np.ndarray
+) -> np.ndarray:
+    """Run one trial forward in the room that is given (see `kernel.simulate`) and measure nothing; the estimates
+    before any observation are returned (robot)."""
+    robots, rounds, delay, links = setting.robots, setting.rounds, setting.message_delay, given.links
+    assert links is not None
+    outbox = outbox_of(made, setting, delay + 2)
+    one, extremes = np.zeros((1, robots)), np.empty((3, robots))
+    compiler.compile_world("kernel").simulate(
+        *made, memory, outbox, rows, snapshots, np.empty((0, *outbox.shape)), delay, given.first,
+        *given.sensors, given.drift, *given.beliefs, setting.course, False,
+        setting.observations_per_round, rounds, given.readings, given.order, given.losses,
+        links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
+        1.0, np.zeros((0, 2)), np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
+        np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
+        *nobody(), extremes, 0, -(-rounds // len(rows)), np.zeros(1, np.uint8),
+    )  # fmt: skip
+    return np.asarray(extremes[2])
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
