@@ -146,7 +146,7 @@ def test_recordings_survive_their_files(small_results, tmp_path):
 
 @pytest.mark.parametrize(
     ("text", "said"),
-    [("", "no observations"), ("0,1\n0,2\n", "line 2: '2'"), ("0,1\n0\n", "line 2: 1 values where there were 2")],
+    [("", "no observations"), ("0,1\n0,2\n", "line 2: '2'"), ("0,1\n0\n", "line 2: 1 value where there were 2")],
 )
 def test_bad_observation_files(text, said, tmp_path):
     (tmp_path / "o.csv").write_text(text)
