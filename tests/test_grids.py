@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.basics.counting import counted
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.values import SINCE_3
 from swarmcensus.worlds import arena
@@ -165,7 +166,7 @@ def test_the_sizes_that_messages_name_are_taken(robots):
     for key, wrong in (("side", 0.01), ("density", 1000)):
         swarm = {"robots": robots}
         said = refused(MOVING, world={key: wrong}, swarm=swarm)
-        assert f"world.{key} = {float(wrong)}: the arena cannot hold {robots} robots" in said
+        assert f"world.{key} = {float(wrong)}: the arena cannot hold {counted(robots, 'robot')}" in said
         study(MOVING, world={key: float(said.removesuffix(" m").split()[-1])}, swarm=swarm)
 
 

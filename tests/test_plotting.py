@@ -150,7 +150,7 @@ def test_compiling_is_told_once_and_only_where_it_happens(caplog):
 @pytest.mark.parametrize(
     ("command", "where"),
     [
-        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (replaying, "replay")),
+        (["plot", "FILE", "--kind", "curves", "--out", "x.png"], (replaying, "estimates")),
         (["replay", "FILE", "--setting", "0", "--trial", "0"], (replaying, "replay")),
         (["infer", "obs.csv", "--accuracy", "0.8"], (inferring, "infer")),
     ],

@@ -35,7 +35,7 @@ def test_where_there_is_no_terminal_many_brains_are_one_line(capsys):
     with progress.reporting("board") as show:
         waited(show)
     assert capsys.readouterr().err.splitlines() == [
-        "board: compiling for 60 kinds of swarms, once on this machine", "board: 0 of 1 trials, starting"
+        "board: compiling for 60 kinds of swarms, once on this machine", "board: 0 of 1 trial, starting"
     ]  # fmt: skip
 
 
