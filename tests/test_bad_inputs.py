@@ -163,3 +163,24 @@ def test_unknown_keys_are_told_from_those_of_their_own_table(tmp_path):
         clusters.read_queue(tmp_path / "c.toml")
     with pytest.raises(sc.InputError, match="did you mean 'robots'"):
         sc.Study.parse(SMALL + "[[faults]]\nat = 1\nrobots = 1\nstop = 'talking'\nrobotss = 1\n")
+
+
+def test_a_study_file_without_an_end(capsys):
+    if not os.path.exists("/dev/zero"):
+        pytest.skip("there is no such device")
+    assert main(["run", "/dev/zero"]) == 2
+    assert "study file /dev/zero: over 20 MB: should be text that a person wrote" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        OSError(28, "No space left on device"),
+        OSError("Unable to create file (time = Mon\n, errno = 28, error message = 'No space left on device', buf = 0)"),
+    ],
+)
+def test_a_full_disk_is_told_in_one_line(error, tmp_path):
+    said = r"^cannot write .*x\.nc: No space left on device$"
+    with pytest.raises(sc.InputError, match=said), files.whole(tmp_path / "x.nc"):
+        raise error
+    assert list(tmp_path.iterdir()) == []

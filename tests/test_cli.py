@@ -42,6 +42,14 @@ def test_help_lists_every_command(capsys):
     assert all(re.search(rf"^ +{name}\b", listed, re.MULTILINE) for name in COMMANDS)
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
+def test_output_that_the_shell_closed_is_not_missed():
+    command = f"{sys.executable} -m swarmcensus brains"
+    done = subprocess.run(f"{command} >&-", shell=True, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert subprocess.run(f"{command} >&- 2>&-", shell=True).returncode == 0
+
+
 def test_help_is_quick_and_imports_nothing_heavy():
     code = (
         "import sys; from swarmcensus.cli.commands import COMMANDS, parser; parser(COMMANDS).format_help(); "

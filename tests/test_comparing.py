@@ -47,6 +47,15 @@ def test_a_world_is_all_else_that_settings_are():
     assert cautions == []
 
 
+def test_who_never_moved_is_told_beside_k():
+    data = made_up()
+    data["convergence_round"].values[[3, 7]] = 0  # voter
+    said = "voter: in worlds 0, 1 half of the robots or more have K = 0: their estimates never moved by delta"
+    assert any(one.startswith(said) for one in sc.compare(data, ["convergence_round"]).cautions)
+    assert not any("K = 0" in one for one in sc.compare(data, ["final_error"]).cautions)
+    assert not any("K = 0" in one for one in sc.compare(made_up(), ["convergence_round"]).cautions)
+
+
 def test_results_without_parameters_have_none():
     data = made_up(brains=2).drop_vars("prior")
     del data.attrs["parameters"]

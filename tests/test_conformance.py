@@ -428,7 +428,7 @@ def test_compiling_has_room_but_not_all(tmp_path, monkeypatch):
     )
     done = subprocess.run([sys.executable, "-c", ask, str(path)], capture_output=True, text=True, check=True)
     said = "Numba did not compile it within 4 GiB of memory"
-    assert json.loads(done.stdout.splitlines()[-1]) == ["compiles", said]
+    assert json.loads(done.stdout.splitlines()[-1]) == ["compiles", said, True]
 
 
 @pytest.mark.parametrize(

@@ -67,7 +67,7 @@ def test_liars_are_a_number_and_have_a_name(data):
     assert data["liars"].values.tolist() == 2 * ([0] + [1] * 5 + [3] * 5)
     who = ["always-black", "slow-liar pace=0.01", "slow-liar pace=0.02", "jammer", "grey.py"]
     assert data["adversary"].values.tolist() == 2 * ["", *who, *who]
-    assert data["members"].values[6].item() == "0.3 always-black, not honest"
+    assert data["members"].values[6] == "0.3 always-black, not honest"
     assert (
         np.isfinite(data["final_estimate"].values[:11]).sum(axis=(1, 2)) == 3 * (10 - data["liars"].values[:11])
     ).all()

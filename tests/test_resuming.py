@@ -172,6 +172,16 @@ def test_ctrl_c_puts_what_is_done_into_the_output(here, whole):
     assert same(run(study(), 2, out="a.nc"), whole)
 
 
+def test_ctrl_c_before_the_first_trial_is_done_can_be_gone_on_from(here, whole):
+    def stop(_):
+        raise KeyboardInterrupt
+
+    with pytest.raises(sc.Interrupted):
+        run(study(), 1, stop, out="a.nc")
+    assert sc.load("a.nc").attrs["trials_done"] == 0
+    assert same(run(study(), 2, out="a.nc"), whole)
+
+
 def test_more_trials_and_settings_compute_only_what_is_missing(here):
     small = STUDY.replace("trials = 6", "trials = 4").replace("[3, 20]", "20").replace('0.7, "U', '"U')
     run(study(small), 2, out="a.nc")

@@ -119,9 +119,11 @@ def everything(everything_at_once, monkeypatch):
 
 
 @pytest.fixture
-def liars(monkeypatch):
+def liars(monkeypatch, tmp_path):
+    """A file of a brain that decides and ends, with parameters, in both worlds, some robots of another brain."""
     monkeypatch.chdir(DATA)
-    return DATA / "second-3.nc"
+    sc.save(sc.run(sc.Study.load("second.toml"), jobs=1), tmp_path / "second.nc")
+    return tmp_path / "second.nc"
 
 
 @pytest.fixture

@@ -33,9 +33,15 @@ def whole(path: str | Path) -> Iterator[Path]:
         with contextlib.suppress(OSError):  # not every system can do this
             _to_disk(place.parent)
     except OSError as error:
-        raise InputError(f"cannot write {path}: {error.strerror or error}") from error
+        raise InputError(f"cannot write {path}: {reason(error)}") from error
     finally:
         beside.unlink(missing_ok=True)
+
+
+def reason(error: OSError) -> str:
+    """What the system says of an error, also where HDF5 hides it in a long text."""
+    number = re.search(r"errno = (\d+)", str(error))
+    return error.strerror or (os.strerror(int(number[1])) if number else str(error).partition("\n")[0])
 
 
 def remove_leftovers(path: str | Path) -> None:

@@ -125,7 +125,8 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
         "; [95 %]: by bootstrap over trials; always: in every trial"
     )  # fmt: skip
-    many = f"{trials.max()}" if trials.min() == trials.max() else f"{trials.min()} to {trials.max()}"
+    several = bool(trials.min() < trials.max())
+    many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
     said = [
         f"{head(one)}: {one.meaning}" + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
         for one in found.measures
@@ -139,7 +140,7 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     means = "means over robots and trials" if len(costs) > ("memory" in costs) else ""
     return [
         "; ".join(said),
-        f"values: the median over {many} trials of each one's median robot (of shares and what is sent: means){few}",
+        f"values: the median over {many} of each one's median robot (of shares and what is sent: means){few}",
         *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
         f"{marks_of(found)}; {counted(tests, 'test')}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),

@@ -19,6 +19,9 @@ OBJECTS = 200_000  # more than imports make: from so many new ones on circles ar
 def program() -> NoReturn:
     """Run the command line and end the process."""
     gc.set_threshold(OBJECTS)
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:  # a shell closed it
+            setattr(sys, name, open(os.devnull, "w"))  # noqa: SIM115 - as long as the process
     try:
         from swarmcensus.cli.commands import main
 
@@ -30,7 +33,7 @@ def program() -> NoReturn:
         sys.exit(code)
     atexit._run_exitfuncs()
     try:
-        for stream in filter(None, (sys.stdout, sys.stderr)):  # None where a shell closed it
+        for stream in (sys.stdout, sys.stderr):
             stream.flush()
     except (OSError, ValueError):  # nobody reads any more
         sys.exit(code)

@@ -15,6 +15,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.results import comparison_groups, comparison_tables, measures, selecting
+from swarmcensus.results.cautions import settled_at_start
 from swarmcensus.results.contenders import NONE, Field, field_of
 from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
 from swarmcensus.results.measures import COSTS, SIZES, Measure
@@ -24,6 +25,8 @@ from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.results.verdicts import verdict
 
 Floats = NDArray[np.float64]
+
+STILL = 0.5  # of a contender's robots have K = 0: that is told
 
 
 class Comparison(Standings):
@@ -191,6 +194,14 @@ def _cautions(
             cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
         elif named:
             cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
+    if any(one.name == "convergence_round" for one in some):
+        still = field.spread(settled_at_start(data)) >= STILL
+        named = [name for name, ever in zip(field.contenders, still.any(axis=0), strict=True) if ever]
+        if named:
+            cautions.append(
+                f"{', '.join(named)}: in {_worlds(still.any(axis=1))} half of the robots or more have K = 0: their "
+                "estimates never moved by delta, and K does not tell how soon they learn"
+            )
     if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
         cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
     return cautions

@@ -34,12 +34,15 @@ SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attrib
 UNCHECKED = (  # attributes that nothing in a file can be held against, and why
     (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
-    (("study", "merged"), "what a study says is compared, but not its blanks and comments"),
+    (("study", "merged"), "blanks and comments; what the study says is compared"),
     (("share",), "trials of other parts may be there from before"),
-    (("failed",), "a trial that failed must fail again, but its message is not compared"),
-    (("additions",), "the files of other packages are compared, but not the packages' versions"),
+    (("failed",), "the messages; trials that failed must fail again"),
+    (("additions",), "the versions of other packages; their files are compared"),
 )
-BOOKKEEPING = "what netCDF and HDF5 note for themselves in a file, such as _Netcdf4Dimid: no reader shows it"
+BOOKKEEPING = (
+    "how a file lays out what is compared: byte order, _FillValue, coordinates, and what netCDF and HDF5 note for "
+    "themselves"
+)
 
 
 def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:

@@ -198,7 +198,7 @@ class Holding:
         taken = np.full((len(looked), ours.size, *looked.shape[2:]), np.nan)
         taken[:, np.isin(ours, known)] = looked[:, np.isin(known, ours)]
         reached = (ours <= rounds[:, np.newaxis])[:, :, np.newaxis]
-        first = taken.reshape(*taken.shape[:3], -1)[..., 0]  # of the robots, if it is of each
+        first = taken if taken.ndim == 3 else taken[..., 0]  # of the robots, if it is of each
         lacking = np.flatnonzero((np.isnan(first) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
         if lacking.size:
             raise InputError(

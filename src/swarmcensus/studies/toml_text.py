@@ -20,13 +20,18 @@ from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 from swarmcensus.worlds.spreading import Spread
 
+LARGEST = 20_000_000  # bytes of a file that a person wrote: a device would never end
 MOST_BITS = 10_000  # of a number that is printed in decimals
 
 
 def text_of_file(path: str | Path, where: str) -> str:
     """The text of a file that a person wrote, with or without a byte order mark. Raises InputError."""
     try:
-        return Path(path).read_text(encoding="utf-8-sig")
+        with Path(path).open("rb") as file:
+            found = file.read(LARGEST + 1)
+        if len(found) > LARGEST:
+            raise InputError(f"{where}: over {LARGEST // 1_000_000} MB: should be text that a person wrote")
+        return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except OSError as error:
         hint = file_meant(path) if isinstance(error, FileNotFoundError) else ""
         why = f"{error.strerror or error}{': ' * bool(hint)}{hint.rstrip()}"
