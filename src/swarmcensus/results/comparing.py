@@ -195,7 +195,7 @@ def _cautions(
         elif named:
             cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
     if any(one.name == "convergence_round" for one in some):
-        still = field.spread(settled_at_start(data)) >= STILL
+        still = np.asarray(field.spread(settled_at_start(data)) >= STILL)
         named = [name for name, ever in zip(field.contenders, still.any(axis=0), strict=True) if ever]
         if named:
             cautions.append(
