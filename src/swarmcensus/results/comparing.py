@@ -196,10 +196,10 @@ def _cautions(
             cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
     if any(one.name == "convergence_round" for one in some):
         still = np.asarray(field.spread(settled_at_start(data)) >= STILL)
-        named = [name for name, ever in zip(field.contenders, still.any(axis=0), strict=True) if ever]
+        named = [name for k, name in enumerate(field.contenders) if still[:, k].any()]
         if named:
             cautions.append(
-                f"{', '.join(named)}: in {_worlds(still.any(axis=1))} half of the robots or more have K = 0: their "
+                f"{', '.join(named)}: in {_worlds(np.asarray(still.any(axis=1)))} half of the robots or more have K = 0: their "
                 "estimates never moved by delta, and K does not tell how soon they learn"
             )
     if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
