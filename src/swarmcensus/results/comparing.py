@@ -198,9 +198,10 @@ def _cautions(
         still = np.asarray(field.spread(settled_at_start(data)) >= STILL)
         named = [name for k, name in enumerate(field.contenders) if still[:, k].any()]
         if named:
+            where = _worlds(np.asarray(still.any(axis=1)))
             cautions.append(
-                f"{', '.join(named)}: in {_worlds(np.asarray(still.any(axis=1)))} half of the robots or more have K = 0: their "
-                "estimates never moved by delta, and K does not tell how soon they learn"
+                f"{', '.join(named)}: in {where} half of the robots or more have K = 0: their estimates never moved by "
+                "delta, and K does not tell how soon they learn"
             )
     if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
         cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
