@@ -254,8 +254,7 @@ def test_the_best_shrinkage_is_found(tmp_path):
 
 
 def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
-    found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3)
-    assert found.verdict == "not told apart"
+    found = sc.tune(study_of(tmp_path, "noise = 0.1"), ["idle=0:10"], budget=60, trials=3, out=tmp_path / "t.toml")
     assert found.values == {"idle": 1.0}
     assert len(found.evaluations) == 1 + 4 * 12  # whole generations, as many as the budget allows
     said = "no candidate differed from another in final_error, and the budget is spent (49 evaluations, as many as"
@@ -263,6 +262,10 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     assert str(found).endswith("there is nothing to compare: tunable.py idle=1 noise=0.1")
     assert said in found.text.replace("\n#  ", "")
     assert "3 generations were drawn from the whole of the ranges" in found.course
+    assert found.verdict == found.told["verdict"] == "not compared"
+    assert not (tmp_path / "t.nc").exists()
+    assert all(what not in found.text for what in ("evaluated in", "p-values", "t.nc", "no evidence", "read on"))
+    assert found.text.endswith("# every evaluation: t.csv\n")
 
 
 NOWHERE = "a = 9.0"  # the estimate is in the right bin where a is between 0.284 and 0.916 only
@@ -327,6 +330,11 @@ def test_any_measure_will_do_in_its_direction(tmp_path):
     right = sc.tune(study, ["a=0:1"], metric="correct", budget=61, trials=3)
     assert abs(right.values["a"] - 0.6) < abs(0.1 - 0.6)
     assert right.evaluations[-1].loss < right.evaluations[0].loss
+    assert str(right).startswith("right (correct): tunable.py a=")
+    said = re.search(r"mean of differences (-?[\d.]+) \[.*\] percentage points, ", str(right))
+    [difference] = right.evidence.comparison.pairs["difference"]
+    assert abs(difference) > 0.1
+    assert float(said[1]) == pytest.approx(100 * abs(difference), abs=1)
     with pytest.raises(InputError, match="of correct, high is better"):
         sc.tune(study, ["a=0:1"], metric="correct:low", budget=61)
 

@@ -219,6 +219,17 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     assert kept == lines_of("whole.csv")[: len(kept)]
 
 
+@pytest.mark.parametrize("where", ["tuning.search_of", "trying.Training.compile"])
+def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, here, capsys, monkeypatch):
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"swarmcensus.tuning.{where}", stop)
+    assert main(TUNE) == 130
+    assert "kept" not in capsys.readouterr().err
+    assert sorted(os.listdir()) == ["s.toml", "tunable.py"]
+
+
 def test_as_json_it_is_one_document_that_holds_what_the_sentences_say(here, capsys):
     assert main([*TUNE, "--budget", "13", "--json"]) == 0
     told = capsys.readouterr()

@@ -18,7 +18,8 @@ def tune(options: argparse.Namespace) -> int:
     study = Study.load(options.study).with_(seed=options.seed)
     brain = chosen(study, options.brain)
     out = options.out or Path(f"{Path(brain.name).stem}-tuned.toml")
-    for path in files_of(out).values():
+    files = files_of(out)
+    for path in files.values():
         check_writable(path, options.study)
     begun = time.monotonic()
     try:
@@ -37,7 +38,8 @@ def tune(options: argparse.Namespace) -> int:
                 say=say,
             )
     except KeyboardInterrupt:
-        say(f"kept what is done in {files_of(out)['.csv']}: tune again to go on")
+        if files[".csv"].exists():
+            say(f"kept what is done in {files['.csv']}: tune again to go on")
         raise
     if options.json:
         answer("tuning", found.told)

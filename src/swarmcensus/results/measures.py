@@ -39,6 +39,11 @@ class Measure:
     statistic: Statistic = "median"
     share: bool = False
 
+    @property
+    def full_label(self) -> str:
+        """The label, with the name behind it where that is another word: "exit (consensus_right)"."""
+        return self.label if self.label.replace(" ", "_") == self.name else f"{self.label} ({self.name})"
+
 
 OURS = {
     one.name: one

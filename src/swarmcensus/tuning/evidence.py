@@ -16,7 +16,7 @@ from swarmcensus.results.summaries import is_idle
 from swarmcensus.results.verdicts import often
 from swarmcensus.studies.settings import Setting
 
-BETTER, WORSE, LEVEL = "better", "worse", "not told apart"
+BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,12 @@ class Evidence:
 
     @property
     def verdict(self) -> str:
-        """Whether the tuned brain is "better" than it was, over all worlds, "worse", or "not told apart"."""
+        """Whether the tuned brain is "better" than it was, over all worlds, "worse", or "not told apart".
+
+        It is "not compared" where the values stay as they were.
+        """
         if self.comparison is None:
-            return LEVEL
+            return NONE
         [contest] = self.comparison.contests
         if contest.met.sum() > 1:
             told, ahead = bool(contest.duels_apart[0]), float(contest.ahead[0])
@@ -66,7 +69,7 @@ class Evidence:
             said = often(better, worse) if self._first else often(worse, better)
             over = f" over all {counted(len(pairs), 'world')}: {said}, p {equals(row['p_holm'])}"
         one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
-        lines = [f"{measure.label}: {self.tuned} {told} {self.before}{over}{one}"]
+        lines = [f"{measure.full_label}: {self.tuned} {told} {self.before}{over}{one}"]
         if over:
             lines += [f"world {row['world']}{_where(self.comparison, row)}: {self._of_world(row)}" for row in pairs]
         if self.everyone is not None:
@@ -74,12 +77,16 @@ class Evidence:
         return lines
 
     def _of_world(self, row: dict[str, Any]) -> str:
-        """Such as "median of differences -0.0021 [-0.0030, -0.0011], better in 25 of 30 trials, p < 0.001"."""
+        """Such as "median of differences -0.0021 [-0.0030, -0.0011], better in 83% of 30 trials, p < 0.001".
+
+        Differences of shares are in percentage points, as tables have shares in percent.
+        """
         assert self.comparison is not None
-        measure, sign = self.comparison.measures[0], 1 if self._first else -1
-        ends = sorted((sign * row["difference_low"], sign * row["difference_high"]))
-        difference = sign * row["difference"] + 0.0
-        unit = f" {measure.unit}" if measure.unit != "1" else ""
+        measure = self.comparison.measures[0]
+        times = (1.0 if self._first else -1.0) * (100.0 if measure.share else 1.0)
+        ends = sorted((times * row["difference_low"], times * row["difference_high"]))
+        difference = times * row["difference"] + 0.0
+        unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
         if np.isfinite([difference, *ends]).all():
             text = " ".join(rounded(difference, ends[0], ends[1], places(ends[1] - ends[0])))
         else:

@@ -93,10 +93,13 @@ class Log:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave it on disk."""
+        """Leave it on disk, unless it has no evaluation."""
         if self._file is not None:
             self._to_disk()
             self._file.close()
+            if not self.evaluations:
+                assert self.path is not None
+                Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # of a link the target: the link is not ours
             self._release()
 
     def _take(self) -> None:

@@ -7,7 +7,7 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
-from swarmcensus.tuning.evidence import BETTER, Evidence
+from swarmcensus.tuning.evidence import BETTER, NONE, Evidence
 from swarmcensus.tuning.fragments import fragment
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.rounds import Ended
@@ -34,17 +34,22 @@ def report(
         f"{plan.before.name}, tuned for the study {plan.study.name!r} by swarmcensus {__version__}; this is no study "
         "by itself: its brain is for one's table [swarm]"
     ]
-    if evidence.verdict != BETTER:
+    compared = evidence.verdict != NONE
+    if not compared:
+        head += ["The values below are as they were before the search, and nothing was compared"]
+    elif evidence.verdict != BETTER:
         head += ["There is no evidence that the line below is worth anything: read on"]
-    said = [
-        *evidence.sentences,
-        *notes,
-        f"evaluated in {counted(worlds, 'world')} with seed {seed}, the study's own, and "
-        f"{counted(plan.study.trials, 'trial')} in each, none of which the search has seen; "
-        "p-values are corrected by Holm's method for this metric alone, so "
-        "that swarmcensus compare, which asks for more measures, may tell less apart",
-    ]
-    names = [f"every evaluation: {files['.csv'].name}; the evaluation's results: {files['.nc'].name}"] if files else []
+    said = [*evidence.sentences, *notes]
+    if compared:
+        said += [
+            f"evaluated in {counted(worlds, 'world')} with seed {seed}, the study's own, and "
+            f"{counted(plan.study.trials, 'trial')} in each, none of which the search has seen; "
+            "p-values are corrected by Holm's method for this metric alone, so "
+            "that swarmcensus compare, which asks for more measures, may tell less apart"
+        ]
+    names = [f"every evaluation: {files['.csv'].name}"] if files else []
+    if files and compared:
+        names = [f"{names[0]}; the evaluation's results: {files['.nc'].name}"]
     ties = "".join(f"; where that is the same, by {one.name}: {one.meaning}" for one in plan.measures[1:])
     told = [
         f"searched: {', '.join(map(str, plan.ranges))}; from {_told(plan, plan.start)}",

@@ -44,7 +44,7 @@ class Tuned:
 
     @property
     def verdict(self) -> str:
-        """Whether the tuned brain is "better" than it was, "worse", or "not told apart"."""
+        """Whether the tuned brain is "better" than it was, "worse", "not told apart", or "not compared"."""
         return self.evidence.verdict
 
     @property
@@ -83,8 +83,9 @@ def tune(
     `parameters` are ranges, as ["prior=1:100:log", "weights[0]=0:1"]; `brain` is needed where several of the study's
     brains have parameters. `budget` is a number of evaluations or a time, as "10 min"; each evaluation has so many
     `trials` in each world, with seeds of their own. With `out`, a .toml file, the fragment is written there, and beside
-    it the log, .csv, from which the same call goes on, unless `fresh`, and the evaluation's results, .nc. `progress`
-    and `say` are as for `run`. Raises InputError, and after Ctrl-C KeyboardInterrupt, when what is done is in the log.
+    it the log, .csv, from which the same call goes on, unless `fresh`, and the evaluation's results, .nc, where there
+    are any. `progress` and `say` are as for `run`. Raises InputError, and after Ctrl-C KeyboardInterrupt, when what is
+    done is in the log.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
