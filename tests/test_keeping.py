@@ -56,3 +56,13 @@ def test_damaged_files_are_made_anew(name, damage, folder):
     DAMAGE[damage](path)
     assert ran() == ["42", "3.0", "0"]
     assert (folder / "tiny.py").read_text() == FILES["tiny.py"]
+
+
+def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):
+    def full(path, data):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("pathlib.Path.write_bytes", full)
+    with pytest.raises(OSError, match="No space left"):
+        modules._write_once(tmp_path / "module", {"one.py": "x = 1\n"})
+    assert list(tmp_path.iterdir()) == []

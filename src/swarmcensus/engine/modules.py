@@ -83,10 +83,10 @@ def _write_once(folder: Path, files: dict[str, str]) -> None:
     """Make the folder whole or not at all; a race is won by whoever renames first."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
-    beside.chmod(0o755)
-    for name, text in files.items():
-        (beside / name).write_bytes(text.encode())
     try:
+        beside.chmod(0o755)
+        for name, text in files.items():
+            (beside / name).write_bytes(text.encode())
         beside.rename(folder)
     except OSError:
         shutil.rmtree(beside, ignore_errors=True)
