@@ -211,7 +211,9 @@ def test_theory_says_what_it_leaves_out(here, capsys):
         (["--lying", "0.1", "--link-success", "0.5"], "as if nobody lied and no message were lost: "),
     ):
         assert main(["plan", "m.toml", "--minutes", "1", "--brain", "steadfast", *options]) == 0
-        assert said in " ".join(capsys.readouterr().out.split())
+        out = " ".join(capsys.readouterr().out.split())
+        assert said in out
+        assert all(f"{column} = " in out for column in ("all", "mixed", "alone"))
 
 
 def test_a_narrow_terminal_has_no_columns_of_theory(here, monkeypatch, capsys):
