@@ -27,6 +27,7 @@ def test_it_prints_a_row_a_brain_and_writes_a_plan_and_a_figure(here, capsys):
     told = capsys.readouterr()
     assert "95 % of robots within 0.05 of the truth" in told.out
     assert told.out.count("\ncommons ") == told.out.count("\nminimalistic ") == 5
+    assert all(f" {column} = " in told.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
     assert "p.json, p.svg: " in told.err
     rows = json.loads(Path("p.json").read_text())["rows"]
     assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}
@@ -251,7 +252,6 @@ def test_a_density_replaces_the_side_of_a_file(here, capsys):
     assert "commons 3 4 1.43 0.500" in out
     assert "commons 6 4 1.01 0.500" in out
     assert "theory, in minutes, as if nobody lied" in out
-    assert all(f"{column} = " in out for column in ("all", "mixed", "alone"))
 
 
 def test_ctrl_c_ends_it_in_a_sentence_and_writes_nothing(here, monkeypatch, capsys):
