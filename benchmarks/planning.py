@@ -149,9 +149,10 @@ def main():
     options = parser.parse_args()
     console = Console(width=170)
     table, sums = (Table(box=None, header_style="", pad_edge=False) for _ in range(2))
-    for name in ("mission", "promised", "answer", "plan: right %", "again", "in it", "answer in its", "one fewer"):
+    right = ("plan: right %", "new: right %")
+    for name in ("mission", "promised", "answer", *right, "share inside", "answer inside", "one robot fewer"):
         table.add_column(name, justify="left" if name == "mission" else "right", no_wrap=True)
-    for name in ("", "plans", "again - promised", "standard error", "again - plan", "in it", "answer in its"):
+    for name in ("", "plans", "new - promised", "standard error", "new - plan", "share inside", "answer inside"):
         sums.add_column(name, justify="right" if name else "left")
     found = {}
     for kind, missions in MISSIONS.items():
@@ -183,8 +184,11 @@ def main():
         )  # fmt: skip
     console.print(sums)
     console.print(
-        f"smallest swarms with one robot fewer: again - promised {100 * np.nanmean(fewer):+.2f}\n"
-        "in it: again is in the interval of right %; answer in its: so is the time, or size, that new trials would find"
+        f"smallest swarms with one robot fewer: new - promised {100 * np.nanmean(fewer):+.2f}\n"
+        "new: share of robots that are right in new trials; "
+        "one robot fewer: the same with one robot fewer than planned\n"
+        "share inside: the plan's interval of right % holds the new share\n"
+        "answer inside: the plan's interval of the time or size holds the one at which new trials keep the promise"
     )
 
 

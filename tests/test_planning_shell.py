@@ -27,6 +27,7 @@ def test_it_prints_a_row_a_brain_and_writes_a_plan_and_a_figure(here, capsys):
     told = capsys.readouterr()
     assert "95 % of robots within 0.05 of the truth" in told.out
     assert told.out.count("\ncommons ") == told.out.count("\nminimalistic ") == 5
+    assert all(f" {column} = " in told.out.replace("\n", " ") for column in ("all", "mixed", "alone"))
     assert "p.json, p.svg: " in told.err
     rows = json.loads(Path("p.json").read_text())["rows"]
     assert {row["robots"] for row in rows} == {5, 7, 10, 14, 20}

@@ -143,8 +143,8 @@ def _meaning(found: Plan, theory: bool) -> str:
         left_out = ["nobody lied"] * (known.lying > 0) + ["no message were lost"] * (known.link_success < 1)
         unreal = f", as if {' and '.join(left_out)}" if left_out else ""
         lines.append(
-            f"theory, in minutes{unreal}: were all readings everywhere at once; sums mixed by who meets or hears whom; "
-            "a robot alone"
+            f"theory, in minutes{unreal}: all = every robot has every reading at once; "
+            "mixed = robots mix sums with those they hear; alone = a robot hears nobody"
         )
     if mission.free.density:
         lines.append("side: of the square that follows from the density and the robots")
