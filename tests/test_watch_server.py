@@ -174,6 +174,13 @@ def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, 
         assert [json.loads(page.recv(timeout=60))["id"] for _ in range(4)] == [0, 1, 2, 3]
 
 
+def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch):
+    monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
+    with talk(served) as page:
+        assert "unforeseen: ValueError" in ask(page, id=1, do="frames")[1]["error"]
+        assert "no brain of this study" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
+
+
 def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
     """First something of the engine, then something of a brain; each is compiled anew here, and no more than a sum."""
 

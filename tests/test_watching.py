@@ -13,9 +13,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
 from swarmcensus.watching.robots import robot_of
-from swarmcensus.watching.sessions import MOST_TEXT, Session
+from swarmcensus.watching.sessions import MOST_TEXT, Session, spoken
 from swarmcensus.watching.shows import COLUMNS, Show
 
 STUDY = """
@@ -290,6 +291,26 @@ def test_a_session_answers(offer):
     assert [parsed(part)["side"] for part in frames] == [0, 1]
     [told] = session.answer(json.dumps({"id": 3, "do": "robot", "side": 1, "robot": 2, "tick": 10}))
     assert told["told"]["brain"] == "commons"
+
+
+@pytest.mark.parametrize("ratio", ["0", "0.05", "0.95", "1"])
+def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
+    """Their bins have no end on one side, and JSON has no infinity."""
+    session = Session(offer_of(None))
+    asked = {"topology": "ring", "fill_ratio": ratio, "accuracy": "1", "rounds": "100", "robots": "5"}
+    [begun] = spoken(session.answer(json.dumps({"do": "begin", "ask": asked})))
+    assert json.loads(begun)["form"]["now"]["fill_ratio"] == ratio
+    [frame, _] = session.answer(json.dumps({"do": "frames", "from": 100, "count": 1}))
+    shown = parsed(frame)
+    np.testing.assert_allclose(shown["layers"][0, 0] / 65_534, float(ratio), atol=0.04)
+    assert shown["numbers"][0, COLUMNS.index("right")] == 1.0
+    assert export(offer_of(None), asked | {"rounds": "10"}, tmp_path / "run.html") > 100_000
+
+
+def test_an_answer_that_is_no_json_becomes_an_error():
+    [told] = spoken([b"frames", {"id": 7, "end": float("inf")}])
+    assert json.loads(told)["id"] == 7
+    assert "unforeseen: ValueError" in json.loads(told)["error"]
 
 
 @pytest.mark.parametrize(

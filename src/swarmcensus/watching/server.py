@@ -16,7 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.offers import Offer
-from swarmcensus.watching.sessions import MOST_TEXT, Answer, Session
+from swarmcensus.watching.sessions import MOST_TEXT, Session, Spoken, spoken
 
 PAGE = Path(__file__).with_name("page")
 KINDS = {
@@ -141,11 +141,11 @@ def app_of(served: Served) -> Any:
             await into.send(said["text"] if said.get("text") is not None else said["bytes"])
         talking.cancel()  # what it asked for last need not be computed
 
-    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Answer]:
+    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Spoken]:
         """What a session answers; until then the page is told what is compiled."""
         async with anyio.create_task_group() as meanwhile:
             meanwhile.start_soon(notice, page)
-            answers = await anyio.to_thread.run_sync(session.answer, words, limiter=limiter)
+            answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(words)), limiter=limiter)
             meanwhile.cancel_scope.cancel()
         return answers
 
@@ -154,14 +154,14 @@ def app_of(served: Served) -> Any:
         while True:
             await anyio.sleep(NOTICE)
             if (now := COMPILATIONS.now) != told and now:
-                await say(page, {"compiling": now})
+                await say(page, json.dumps({"compiling": now}))
                 told = now
 
-    async def say(page: WebSocket, answer: Answer) -> None:
+    async def say(page: WebSocket, answer: Spoken) -> None:
         if isinstance(answer, bytes):
             await page.send_bytes(answer)
         else:
-            await page.send_text(json.dumps(answer, allow_nan=False))
+            await page.send_text(answer)
 
     async def nothing(request: Request, _: Exception) -> Response:
         return reply(404, "There is nothing here.\n")

@@ -1,7 +1,8 @@
 "use strict";
 // Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
 
-const GONE = "The server is gone, or refuses this page. If it comes back, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const GONE = "The server is gone. If the same one answers again, as after a sleep of the machine, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const FAILED = "The connection was lost twice while the server worked on this, so it is not asked again.";
 const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds from try to try: whoever has tried so often complains, and tries on
 
 class Live {
@@ -10,8 +11,9 @@ class Live {
     this.number = 0;
     this.waiting = new Map();
     this.begun = null; // what the server shows this page
-    this.tries = 0;
+    this.tries = 0; // since the last answer
     this.lost = false;
+    this.again = false; // whether the server is still to begin again what it showed before
     this.compiling = "";
     this.parts = [];
     this.closed = () => {};
@@ -30,15 +32,16 @@ class Live {
     this.socket = new WebSocket(`${scheme}://${location.host}/live?token=${encodeURIComponent(this.token)}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
-      this.tries = 0;
       this.lost = false;
+      this.again = this.begun !== null; // the server knows nothing of before
       this.socket.onmessage = ({ data }) => this.take(data);
-      if (this.begun) this.send(0, { do: "begin", ask: this.begun }); // the server knows nothing of before
+      if (this.again) this.send(0, { do: "begin", ask: this.begun });
       for (const [id, { words }] of this.waiting) this.send(id, words);
       this.opened();
-      this.found();
+      if (!this.again && !this.waiting.size) this.answered();
     };
     this.socket.onclose = () => {
+      if (!this.lost && !this.again) this.blame();
       this.lost = true;
       this.compiling = "";
       this.parts = [];
@@ -46,6 +49,21 @@ class Live {
       setTimeout(() => this.connect(), WAITS[Math.min(this.tries, WAITS.length - 1)]);
       this.tries += 1;
     };
+  }
+
+  // only an answer shows that the server works: a connection may open and close again at once
+  answered() {
+    if (!this.tries) return;
+    this.tries = 0;
+    this.found();
+  }
+
+  // wishes are answered one after the other, so the first that waits is the one that was worked on
+  blame() {
+    const [id, asked] = this.waiting.entries().next().value || [];
+    if (!asked || ++asked.closed < 2) return;
+    this.waiting.delete(id);
+    asked.reject(new Error(FAILED));
   }
 
   send(id, words) {
@@ -63,6 +81,8 @@ class Live {
       return;
     }
     this.compiling = "";
+    this.answered();
+    if (answer.id === 0) this.again = false;
     const asked = this.waiting.get(answer.id);
     const parts = this.parts;
     this.parts = [];
@@ -77,7 +97,7 @@ class Live {
     return new Promise((resolve, reject) => {
       const id = ++this.number;
       const words = { do: does, ...more };
-      this.waiting.set(id, { resolve, reject, words });
+      this.waiting.set(id, { resolve, reject, words, closed: 0 });
       if (this.socket.readyState === WebSocket.OPEN) this.send(id, words);
     });
   }
