@@ -3,7 +3,6 @@
 import contextlib
 import json
 import secrets
-import signal
 import socket
 import threading
 import time
@@ -221,25 +220,25 @@ def warm(served: Served, asked: Mapping[str, str]) -> None:
 
 
 def serve(served: Served) -> None:
-    """Serve until it is interrupted; where Ctrl-C is ignored, as a shell's background has it, until it is ended."""
-    server = server_of(served)
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # which uvicorn does not ask about
-        end = server.handle_exit
-        server.handle_exit = lambda number, frame: None if number == signal.SIGINT else end(number, frame)
-    with served.socket:
-        server.run([served.socket])
+    """Serve until Ctrl-C, and until the process is ended where Ctrl-C is ignored, as a shell's background has it.
+
+    The server has a thread of its own, so that what is computed or compiled for a page keeps no process from its end.
+    """
+    with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
+        while thread.is_alive():
+            time.sleep(0.5)  # Python 3.11 takes a thread for ended when Ctrl-C interrupts its join
 
 
 @contextlib.contextmanager
-def serving(served: Served) -> Iterator[None]:
-    """Serve in the background while a block runs."""
+def serving(served: Served) -> Iterator[threading.Thread]:
+    """Serve in a thread while a block runs; what is computed for a page when the block ends is left alone."""
     server = server_of(served)
-    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)
+    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)  # as are those that it begins
     thread.start()
     while not server.started and thread.is_alive():
         time.sleep(0.01)
     try:
-        yield
+        yield thread
     finally:
         server.should_exit = True
         thread.join(5.0)
