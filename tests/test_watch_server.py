@@ -105,9 +105,25 @@ def test_without_the_token_there_is_nothing_to_see(served, path):
     assert b"<html" not in page
 
 
-@pytest.mark.parametrize("path", ["/index.html", "/server.py", "/..%2fserver.py", "/%2e%2e/offers.py", "/live/x", "/x"])
-def test_nothing_else_is_served(served, path):
-    assert get(served, path)[0] == 404
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/index.html",
+        "/server.py",
+        "/..%2fserver.py",
+        "/%2e%2e/offers.py",
+        "/live/x",
+        "/x",
+        "/main.js/",
+        "/live/",
+        "//x/",
+    ],
+)
+@pytest.mark.parametrize("host", [None, "evil.example"])
+def test_nothing_else_is_served(served, path, host):
+    status, _, headers = get(served, path, host)
+    assert status == 404
+    assert "default-src 'none'" in headers["content-security-policy"]
 
 
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "[", "a@b"])

@@ -321,6 +321,8 @@ def test_an_answer_that_is_no_json_becomes_an_error():
         (b"\x00\x01", "a page says JSON of at most"),
         ("x" * (MOST_TEXT + 1), "a page says JSON of at most"),
         ("[" * 10_000, "this is none"),
+        ('{"do": []}', "do = '[]': should be one of begin, frames, robot"),
+        ('{"do": {"a": 1}}', "should be one of begin, frames, robot"),
         ('{"do": "run"}', "do = 'run': should be one of begin, frames, robot"),
         ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
         ('{"do": "frames"}', "nothing is watched yet"),
@@ -331,6 +333,22 @@ def test_an_answer_that_is_no_json_becomes_an_error():
 def test_nonsense_is_answered_in_a_sentence(offer, said, error):
     [answer] = Session(offer).answer(said)
     assert error in answer["error"]
+
+
+@pytest.mark.parametrize("key", ["brain", "beside", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
+@pytest.mark.parametrize("value", ["x" * 9000, "[" * 9000])
+def test_what_is_long_is_not_said_again_in_full(offer, key, value):
+    asked = {"setting": "2", key: value}
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": asked}))
+    assert f"{key[:40]}{' = ' * (key in KEYS)}" in answer["error"]
+    assert "unforeseen" not in answer["error"]
+    assert len(answer["error"]) < 500
+
+
+@pytest.mark.parametrize("value", ["0.5\nx = 1", "0.5\r\n[swarm]", "[0.6,\n0.8]"])
+def test_an_accuracy_is_one_value(offer, value):
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": {"accuracy": value}}))
+    assert answer["error"].endswith("should be one value, on one line")
 
 
 def test_random_words_are_answered(offer):

@@ -165,10 +165,12 @@ def app_of(served: Served) -> Any:
     async def nothing(request: Request, _: Exception) -> Response:
         return reply(404, "There is nothing here.\n")
 
-    return Starlette(
+    app = Starlette(
         routes=[Route("/", page), Route("/{name}", part), WebSocketRoute("/live", talk)],
         exception_handlers={404: nothing, 405: nothing},
     )
+    app.router.redirect_slashes = False  # a redirect is answered to any host, and without our headers
+    return app
 
 
 def _is_meant(served: Served, host: str) -> bool:

@@ -41,9 +41,10 @@ class Session:
             asked = _read(said)
             number = asked.get("id")
             does = {"begin": self._begin, "frames": self._frames, "robot": self._robot}
-            if asked.get("do") not in does:
-                raise InputError(f"do = {str(asked.get('do'))[:40]!r}: should be one of {', '.join(does)}")
-            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[asked["do"]](asked)]
+            do = asked.get("do")
+            if not isinstance(do, str) or do not in does:
+                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](asked)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
         except Exception as error:  # a page should hear of it, and go on
