@@ -12,6 +12,7 @@ import uvicorn
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.watching import server
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import offer_of, wanted
@@ -371,7 +372,7 @@ def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     assert len(wishes) == 2
 
 
-def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder):
+def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder, monkeypatch):
     page = browser.new_page()
     first = listen(offer_of(folder / "study.toml"))
     port = first.port
@@ -386,6 +387,11 @@ def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(brow
     with serving(dataclasses.replace(again, token=first.token)):
         at(page, 200)
         assert page.locator("#error").is_hidden()
+    with serving(dataclasses.replace(listen(first.offer, port=port), token=first.token)), monkeypatch.context() as full:
+        full.setattr(server, "MOST_PAGES", 0)
+        playwright.expect(page.locator("#error")).to_contain_text("The server takes no more pages")
+    with serving(listen(first.offer, port=port)):  # begun anew, with a token of its own
+        playwright.expect(page.locator("#error")).to_contain_text("Another server answers here")
     page.close()
 
 

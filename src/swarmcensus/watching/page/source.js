@@ -2,6 +2,8 @@
 // Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
 
 const GONE = "The server is gone. If the same one answers again, as after a sleep of the machine, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const OTHER = "Another server answers here: swarmcensus watch was begun again. Open the address that it printed.";
+const FULL = "The server takes no more pages: close one that is open, and this page goes on.";
 const FAILED = "The connection was lost twice while the server worked on this, so it is not asked again.";
 const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds from try to try: whoever has tried so often complains, and tries on
 
@@ -13,6 +15,7 @@ class Live {
     this.begun = null; // what the server shows this page
     this.tries = 0; // since the last answer
     this.lost = false;
+    this.why = ""; // what was said of a connection that does not come back
     this.again = false; // whether the server is still to begin again what it showed before
     this.compiling = "";
     this.parts = [];
@@ -42,10 +45,10 @@ class Live {
     };
     this.socket.onclose = () => {
       if (!this.lost && !this.again) this.blame();
+      if (this.lost) this.tellWhy(this.tries >= WAITS.length);
       this.lost = true;
       this.compiling = "";
       this.parts = [];
-      if (this.tries === WAITS.length) this.closed(new Error(GONE));
       setTimeout(() => this.connect(), WAITS[Math.min(this.tries, WAITS.length - 1)]);
       this.tries += 1;
     };
@@ -55,7 +58,19 @@ class Live {
   answered() {
     if (!this.tries) return;
     this.tries = 0;
+    this.why = "";
     this.found();
+  }
+
+  // a socket does not tell a server that refuses this page from one that is gone, but the page's address does
+  async tellWhy(gone) {
+    const asked = fetch(`/?token=${encodeURIComponent(this.token)}`, { method: "HEAD" });
+    const status = await asked.then((answer) => answer.status, () => null);
+    const late = status === 200 ? FULL : GONE;
+    const why = status === 403 ? OTHER : gone ? late : "";
+    if (!this.lost || !why || why === this.why) return;
+    this.why = why;
+    this.closed(new Error(why));
   }
 
   // wishes are answered one after the other, so the first that waits is the one that was worked on
