@@ -12,6 +12,7 @@ import uvicorn
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.watching import server
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import offer_of, wanted
@@ -351,7 +352,27 @@ def test_quick_changes_while_something_is_computed_lose_no_server(page, folder, 
         page.goto("about:blank")  # a page whose server goes would say so
 
 
-def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder):
+def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
+    """After the second time; what was there before can be watched on."""
+    begun, wishes = Session.answer, []
+
+    def deadly(session, words):
+        if '"robots":"77"' in words:
+            wishes.append(words)
+            raise RuntimeError("as of a socket that is closed")
+        return begun(session, words)
+
+    monkeypatch.setattr(Session, "answer", deadly)
+    come(page, served.address("setting=1"), 0)
+    page.evaluate(f"{{ {PUT} put('robots', '77'); }}")
+    playwright.expect(page.locator("#error")).to_contain_text("The connection was lost twice")
+    page.keyboard.press("End")
+    at(page, 300)
+    until(page, "[state.source.tries, state.source.waiting.size, state.scenes[0].robots]", [0, 0, 12])
+    assert len(wishes) == 2
+
+
+def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder, monkeypatch):
     page = browser.new_page()
     first = listen(offer_of(folder / "study.toml"))
     port = first.port
@@ -366,6 +387,11 @@ def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(brow
     with serving(dataclasses.replace(again, token=first.token)):
         at(page, 200)
         assert page.locator("#error").is_hidden()
+    with serving(dataclasses.replace(listen(first.offer, port=port), token=first.token)), monkeypatch.context() as full:
+        full.setattr(server, "MOST_PAGES", 0)
+        playwright.expect(page.locator("#error")).to_contain_text("The server takes no more pages")
+    with serving(listen(first.offer, port=port)):  # begun anew, with a token of its own
+        playwright.expect(page.locator("#error")).to_contain_text("Another server answers here")
     page.close()
 
 

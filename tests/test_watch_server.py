@@ -8,9 +8,12 @@ import json
 import os
 import random
 import signal
+import subprocess
+import sys
 import threading
 import time
 import types
+from urllib.parse import urlsplit
 
 import numba
 import psutil
@@ -102,9 +105,25 @@ def test_without_the_token_there_is_nothing_to_see(served, path):
     assert b"<html" not in page
 
 
-@pytest.mark.parametrize("path", ["/index.html", "/server.py", "/..%2fserver.py", "/%2e%2e/offers.py", "/live/x", "/x"])
-def test_nothing_else_is_served(served, path):
-    assert get(served, path)[0] == 404
+@pytest.mark.parametrize(
+    "path",
+    [
+        "/index.html",
+        "/server.py",
+        "/..%2fserver.py",
+        "/%2e%2e/offers.py",
+        "/live/x",
+        "/x",
+        "/main.js/",
+        "/live/",
+        "//x/",
+    ],
+)
+@pytest.mark.parametrize("host", [None, "evil.example"])
+def test_nothing_else_is_served(served, path, host):
+    status, _, headers = get(served, path, host)
+    assert status == 404
+    assert "default-src 'none'" in headers["content-security-policy"]
 
 
 @pytest.mark.parametrize("host", ["evil.example", "evil.example:80", "127.0.0.1.evil.example", "[", "a@b"])
@@ -172,6 +191,13 @@ def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, 
         for number in range(4):
             page.send(json.dumps({"id": number, "do": "begin", "ask": {"trial": str(number)}}))
         assert [json.loads(page.recv(timeout=60))["id"] for _ in range(4)] == [0, 1, 2, 3]
+
+
+def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch):
+    monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
+    with talk(served) as page:
+        assert "unforeseen: ValueError" in ask(page, id=1, do="frames")[1]["error"]
+        assert "no brain of this study" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
 
 
 def test_a_page_that_waits_hears_what_is_compiled(served, monkeypatch):
@@ -299,9 +325,20 @@ def test_the_command_prints_the_address_and_serves(tmp_path, monkeypatch, capsys
     assert opened == [address]
 
 
-def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, monkeypatch):
+@pytest.fixture
+def ended():
+    """What ends the process ends a test alone here."""
+
+    def end(*_):
+        raise SystemExit
+
+    before = signal.signal(signal.SIGTERM, end)
+    yield
+    signal.signal(signal.SIGTERM, before)
+
+
+def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, ended):
     made, answers = listen(offer_of(None)), []
-    monkeypatch.setattr(signal, "raise_signal", lambda _: None)  # uvicorn ends as it was told to: so would the tests
 
     def stopped():
         answers.append(get(made, f"/?token={made.token}")[0])
@@ -312,9 +349,41 @@ def test_in_the_background_ctrl_c_is_left_to_other_programs(no_ctrl_c, monkeypat
 
     thread = threading.Thread(target=stopped)
     thread.start()
-    serve(made)
+    with pytest.raises(SystemExit):
+        serve(made)
     thread.join()
     assert answers == [200, 200]
+
+
+@pytest.mark.parametrize("times", [1, 3])
+def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):
+    """With 0, and no traceback, however often it is pressed."""
+    code = """if True:
+        import threading, time
+        from swarmcensus.cli import program
+        from swarmcensus.watching import server
+        from swarmcensus.watching.sessions import Session
+        Session.answer = lambda *_: (print("begun", flush=True), [sum(range(10**4)) for _ in range(10**6)])
+        server.warm = lambda *_: None
+        program.program()
+    """
+    words = [sys.executable, "-c", code, "watch", "--no-browser"]
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as running:
+        try:
+            address = urlsplit(running.stdout.readline().strip())
+            to = types.SimpleNamespace(port=address.port, token=address.query.removeprefix("token="))
+            with talk(to) as page:
+                page.send("{}")
+                assert running.stdout.readline() == "begun\n"
+                began = time.monotonic()
+                for _ in range(times):
+                    running.send_signal(signal.SIGINT)
+                    time.sleep(0.05)
+                assert running.wait(10) == 0
+                assert time.monotonic() - began < 5
+            assert running.stderr.read() == "Ctrl-C ends it.\n"
+        finally:
+            running.kill()
 
 
 def test_from_python_it_is_a_frame(tmp_path):

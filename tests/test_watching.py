@@ -13,9 +13,10 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
+from swarmcensus.watching.exporting import export
 from swarmcensus.watching.offers import KEYS, offer_of, wanted
 from swarmcensus.watching.robots import robot_of
-from swarmcensus.watching.sessions import MOST_TEXT, Session
+from swarmcensus.watching.sessions import MOST_TEXT, Session, spoken
 from swarmcensus.watching.shows import COLUMNS, Show
 
 STUDY = """
@@ -292,6 +293,26 @@ def test_a_session_answers(offer):
     assert told["told"]["brain"] == "commons"
 
 
+@pytest.mark.parametrize("ratio", ["0", "0.05", "0.95", "1"])
+def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
+    """Their bins have no end on one side, and JSON has no infinity."""
+    session = Session(offer_of(None))
+    asked = {"topology": "ring", "fill_ratio": ratio, "accuracy": "1", "rounds": "100", "robots": "5"}
+    [begun] = spoken(session.answer(json.dumps({"do": "begin", "ask": asked})))
+    assert json.loads(begun)["form"]["now"]["fill_ratio"] == ratio
+    [frame, _] = session.answer(json.dumps({"do": "frames", "from": 100, "count": 1}))
+    shown = parsed(frame)
+    np.testing.assert_allclose(shown["layers"][0, 0] / 65_534, float(ratio), atol=0.04)
+    assert shown["numbers"][0, COLUMNS.index("right")] == 1.0
+    assert export(offer_of(None), asked | {"rounds": "10"}, tmp_path / "run.html") > 100_000
+
+
+def test_an_answer_that_is_no_json_becomes_an_error():
+    [told] = spoken([b"frames", {"id": 7, "end": float("inf")}])
+    assert json.loads(told)["id"] == 7
+    assert "unforeseen: ValueError" in json.loads(told)["error"]
+
+
 @pytest.mark.parametrize(
     ("said", "error"),
     [
@@ -300,6 +321,8 @@ def test_a_session_answers(offer):
         (b"\x00\x01", "a page says JSON of at most"),
         ("x" * (MOST_TEXT + 1), "a page says JSON of at most"),
         ("[" * 10_000, "this is none"),
+        ('{"do": []}', "do = '[]': should be one of begin, frames, robot"),
+        ('{"do": {"a": 1}}', "should be one of begin, frames, robot"),
         ('{"do": "run"}', "do = 'run': should be one of begin, frames, robot"),
         ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
         ('{"do": "frames"}', "nothing is watched yet"),
@@ -310,6 +333,22 @@ def test_a_session_answers(offer):
 def test_nonsense_is_answered_in_a_sentence(offer, said, error):
     [answer] = Session(offer).answer(said)
     assert error in answer["error"]
+
+
+@pytest.mark.parametrize("key", ["brain", "beside", "topology", "floor", "adversary", "accuracy", "robots", "x" * 5000])
+@pytest.mark.parametrize("value", ["x" * 9000, "[" * 9000])
+def test_what_is_long_is_not_said_again_in_full(offer, key, value):
+    asked = {"setting": "2", key: value}
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": asked}))
+    assert f"{key[:40]}{' = ' * (key in KEYS)}" in answer["error"]
+    assert "unforeseen" not in answer["error"]
+    assert len(answer["error"]) < 500
+
+
+@pytest.mark.parametrize("value", ["0.5\nx = 1", "0.5\r\n[swarm]", "[0.6,\n0.8]"])
+def test_an_accuracy_is_one_value(offer, value):
+    [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": {"accuracy": value}}))
+    assert answer["error"].endswith("should be one value, on one line")
 
 
 def test_random_words_are_answered(offer):

@@ -7,6 +7,7 @@ taking modules apart that end with the process anyway.
 import atexit
 import gc
 import os
+import signal
 import sys
 import threading
 from typing import NoReturn
@@ -29,8 +30,9 @@ def program() -> NoReturn:
     except KeyboardInterrupt:  # before the command began
         print("swarmcensus: stopped", file=sys.stderr)
         code = STOPPED
-    if threading.active_count() > 1:  # somebody still works
+    if any(not one.daemon for one in threading.enumerate() if one is not threading.main_thread()):  # who is waited for
         sys.exit(code)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # it ends already
     atexit._run_exitfuncs()
     try:
         for stream in (sys.stdout, sys.stderr):

@@ -38,15 +38,15 @@ def _serve(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], p
     from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port)
-    warm(served, asked)
-    address = served.address(urlencode(asked | play))
-    print(address, flush=True)
-    say("Ctrl-C ends it.")
-    if options.host not in LOOPBACK:
-        say(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.")
-    if not options.no_browser:
-        _open_browser(address)
-    with contextlib.suppress(KeyboardInterrupt):
+    with contextlib.suppress(KeyboardInterrupt):  # as it is meant to be ended, which is no failure
+        warm(served, asked)
+        address = served.address(urlencode(asked | play))
+        print(address, flush=True)
+        say("Ctrl-C ends it.")
+        if options.host not in LOOPBACK:
+            say(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.")
+        if not options.no_browser:
+            _open_browser(address)
         serve(served)
     return 0
 
@@ -56,7 +56,9 @@ def _open_browser(address: str) -> None:
     import threading
     import webbrowser
 
-    threading.Timer(0.3, webbrowser.open, (address,)).start()
+    opening = threading.Timer(0.3, webbrowser.open, (address,))
+    opening.daemon = True  # Ctrl-C does not wait for it
+    opening.start()
 
 
 def _export(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], play: dict[str, str]) -> int:

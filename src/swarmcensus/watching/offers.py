@@ -127,7 +127,7 @@ def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
     for key in asked:
         if key not in KEYS:
             known = (*KEYS, *PLAYED)
-            raise InputError(f"{key}: {did_you_mean(key, known)}known here: {', '.join(known)}")
+            raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
     number = _whole(asked, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
         raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
@@ -176,7 +176,7 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
         try:
             values["accuracy"] = sensors.parse_accuracy(_accuracy(asked["accuracy"]))
         except ValueError as error:
-            raise InputError(f"accuracy = {asked['accuracy']}: {error}") from None
+            raise InputError(f"accuracy = {asked['accuracy'][:40]}: {str(error)[:200]}") from None
     if "fill_ratio" in asked:
         values |= {"fill_ratio": _number(asked, "fill_ratio", 0.0, 1.0), "change": None}
     if "link_success" in asked:
@@ -233,9 +233,9 @@ def _check(setting: Setting, study: Study) -> None:
 def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
     """A brain of the study, or one that is installed: never a file, whatever its name."""
     if name not in offer.brains and name not in brains.DOOR:
-        meant = did_you_mean(name, names_of(offer))
+        meant = did_you_mean(name[:40], names_of(offer))
         raise InputError(
-            f"{key} = {name}: {meant}no brain of this study, nor a shipped one; {option('brain')} names a file"
+            f"{key} = {name[:40]}: {meant}no brain of this study, nor a shipped one; {option('brain')} names a file"
         )
     return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
 
@@ -247,13 +247,14 @@ def names_of(offer: Offer) -> list[str]:
 
 def _adversary(offer: Offer, name: str) -> Adversary:
     if name not in offer.adversaries and name not in adversary.DOOR:
-        raise InputError(f"adversary = {name}: {did_you_mean(name, adversary.DOOR.names)}no adversary of that name")
+        meant = did_you_mean(name[:40], adversary.DOOR.names)
+        raise InputError(f"adversary = {name[:40]}: {meant}no adversary of that name")
     return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
 
 
 def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
     if name not in known:
-        raise InputError(f"{key} = {name}: {did_you_mean(name, known)}one of {', '.join(known)}")
+        raise InputError(f"{key} = {name[:40]}: {did_you_mean(name[:40], known)}one of {', '.join(known)}")
     return known[name]
 
 
@@ -271,10 +272,12 @@ def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int
 
 
 def _accuracy(text: str) -> Any:
-    """As a study file has it."""
+    """As a study file has it; what is no TOML is the text itself. Raises ValueError where it has several lines."""
+    if "\n" in text:
+        raise ValueError("should be one value, on one line")
     try:
         return tomllib.loads(f"it = {text}")["it"]
-    except tomllib.TOMLDecodeError:
+    except (tomllib.TOMLDecodeError, RecursionError):
         return text
 
 

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine.modes import LISTED
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.worlds.arena import tiles_across
@@ -17,8 +16,6 @@ MOST_LAID_OUT = 400  # robots that springs arrange; more stand in rows
 def scene_of(show: Show) -> dict[str, Any]:
     """All of it, for JSON; arrays of numbers are base64."""
     setting = show.setting
-    truth = float(show.truths(np.array([setting.rounds]))[0])
-    low, high = right_bins(np.array([truth]), show.bins)[0]
     told: dict[str, Any] = {
         "title": str(setting),
         "brain": setting.brain.told,
@@ -27,8 +24,6 @@ def scene_of(show: Show) -> dict[str, Any]:
         "moves": show.moves,
         "columns": COLUMNS,
         "layers": show.layers,
-        "bins": show.bins,
-        "right": [float(low), float(min(high, 1.0))],
         "options": max((brain.options for brain in setting.crew if brain.decides), default=0),
         "ends": any(brain.ends for brain in setting.crew),
         "memory": setting.brain.memory_bytes,

@@ -3,7 +3,6 @@
 import contextlib
 import json
 import secrets
-import signal
 import socket
 import threading
 import time
@@ -16,7 +15,7 @@ from urllib.parse import parse_qs, urlsplit
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.offers import Offer
-from swarmcensus.watching.sessions import MOST_TEXT, Answer, Session
+from swarmcensus.watching.sessions import MOST_TEXT, Session, Spoken, spoken
 
 PAGE = Path(__file__).with_name("page")
 KINDS = {
@@ -141,11 +140,11 @@ def app_of(served: Served) -> Any:
             await into.send(said["text"] if said.get("text") is not None else said["bytes"])
         talking.cancel()  # what it asked for last need not be computed
 
-    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Answer]:
+    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Spoken]:
         """What a session answers; until then the page is told what is compiled."""
         async with anyio.create_task_group() as meanwhile:
             meanwhile.start_soon(notice, page)
-            answers = await anyio.to_thread.run_sync(session.answer, words, limiter=limiter)
+            answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(words)), limiter=limiter)
             meanwhile.cancel_scope.cancel()
         return answers
 
@@ -154,22 +153,24 @@ def app_of(served: Served) -> Any:
         while True:
             await anyio.sleep(NOTICE)
             if (now := COMPILATIONS.now) != told and now:
-                await say(page, {"compiling": now})
+                await say(page, json.dumps({"compiling": now}))
                 told = now
 
-    async def say(page: WebSocket, answer: Answer) -> None:
+    async def say(page: WebSocket, answer: Spoken) -> None:
         if isinstance(answer, bytes):
             await page.send_bytes(answer)
         else:
-            await page.send_text(json.dumps(answer, allow_nan=False))
+            await page.send_text(answer)
 
     async def nothing(request: Request, _: Exception) -> Response:
         return reply(404, "There is nothing here.\n")
 
-    return Starlette(
+    app = Starlette(
         routes=[Route("/", page), Route("/{name}", part), WebSocketRoute("/live", talk)],
         exception_handlers={404: nothing, 405: nothing},
     )
+    app.router.redirect_slashes = False  # a redirect is answered to any host, and without our headers
+    return app
 
 
 def _is_meant(served: Served, host: str) -> bool:
@@ -221,25 +222,25 @@ def warm(served: Served, asked: Mapping[str, str]) -> None:
 
 
 def serve(served: Served) -> None:
-    """Serve until it is interrupted; where Ctrl-C is ignored, as a shell's background has it, until it is ended."""
-    server = server_of(served)
-    if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # which uvicorn does not ask about
-        end = server.handle_exit
-        server.handle_exit = lambda number, frame: None if number == signal.SIGINT else end(number, frame)
-    with served.socket:
-        server.run([served.socket])
+    """Serve until Ctrl-C, and until the process is ended where Ctrl-C is ignored, as a shell's background has it.
+
+    The server has a thread of its own, so that what is computed or compiled for a page keeps no process from its end.
+    """
+    with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
+        while thread.is_alive():
+            time.sleep(0.5)  # Python 3.11 takes a thread for ended when Ctrl-C interrupts its join
 
 
 @contextlib.contextmanager
-def serving(served: Served) -> Iterator[None]:
-    """Serve in the background while a block runs."""
+def serving(served: Served) -> Iterator[threading.Thread]:
+    """Serve in a thread while a block runs; what is computed for a page when the block ends is left alone."""
     server = server_of(served)
-    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)
+    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)  # as are those that it begins
     thread.start()
     while not server.started and thread.is_alive():
         time.sleep(0.01)
     try:
-        yield
+        yield thread
     finally:
         server.should_exit = True
         thread.join(5.0)

@@ -23,6 +23,7 @@ MOST_BYTES = 3_000_000
 PATIENCE = 0.2  # seconds until a page hears how far a long way is
 MOST_TEXT = 16_384  # bytes that a page may say at once
 Answer = bytes | dict[str, Any]
+Spoken = bytes | str  # an answer as a socket carries it
 
 
 class Session:
@@ -40,13 +41,14 @@ class Session:
             asked = _read(said)
             number = asked.get("id")
             does = {"begin": self._begin, "frames": self._frames, "robot": self._robot}
-            if asked.get("do") not in does:
-                raise InputError(f"do = {str(asked.get('do'))[:40]!r}: should be one of {', '.join(does)}")
-            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[asked["do"]](asked)]
+            do = asked.get("do")
+            if not isinstance(do, str) or do not in does:
+                raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](asked)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
         except Exception as error:  # a page should hear of it, and go on
-            return [{"id": number, "error": f"unforeseen: {type(error).__name__}: {str(error)[:200]}"}]
+            return [_unforeseen(number, error)]
 
     def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
         ask = asked.get("ask")
@@ -153,6 +155,19 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
             "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.DOOR.names])),
         },
     }
+
+
+def spoken(answers: list[Answer]) -> list[Spoken]:
+    """Write answers as a socket carries them; what cannot be written as JSON becomes an error that a page can read."""
+    try:
+        return [part if isinstance(part, bytes) else json.dumps(part, allow_nan=False) for part in answers]
+    except (TypeError, ValueError) as error:
+        number = next((part["id"] for part in answers if isinstance(part, dict)), None)
+        return [json.dumps(_unforeseen(number, error))]
+
+
+def _unforeseen(number: Any, error: Exception) -> dict[str, Any]:
+    return {"id": number, "error": f"unforeseen: {type(error).__name__}: {str(error)[:200]}"}
 
 
 def _read(said: str | bytes) -> dict[str, Any]:

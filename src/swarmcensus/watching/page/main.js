@@ -133,7 +133,7 @@ async function start() {
   try {
     state.source.closed = (error) => complain(error);
     state.source.found = () => {
-      if ($("error").textContent === GONE) complain(null);
+      if ([GONE, OTHER, FULL].includes($("error").textContent)) complain(null);
     };
     await state.source.open();
     requestAnimationFrame(tickOn);

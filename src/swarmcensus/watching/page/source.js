@@ -1,7 +1,10 @@
 "use strict";
 // Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
 
-const GONE = "The server is gone, or refuses this page. If it comes back, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const GONE = "The server is gone. If the same one answers again, as after a sleep of the machine, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
+const OTHER = "Another server answers here: swarmcensus watch was begun again. Open the address that it printed.";
+const FULL = "The server takes no more pages: close one that is open, and this page goes on.";
+const FAILED = "The connection was lost twice while the server worked on this, so it is not asked again.";
 const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds from try to try: whoever has tried so often complains, and tries on
 
 class Live {
@@ -10,8 +13,10 @@ class Live {
     this.number = 0;
     this.waiting = new Map();
     this.begun = null; // what the server shows this page
-    this.tries = 0;
+    this.tries = 0; // since the last answer
     this.lost = false;
+    this.why = ""; // what was said of a connection that does not come back
+    this.again = false; // whether the server is still to begin again what it showed before
     this.compiling = "";
     this.parts = [];
     this.closed = () => {};
@@ -30,22 +35,50 @@ class Live {
     this.socket = new WebSocket(`${scheme}://${location.host}/live?token=${encodeURIComponent(this.token)}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
-      this.tries = 0;
       this.lost = false;
+      this.again = this.begun !== null; // the server knows nothing of before
       this.socket.onmessage = ({ data }) => this.take(data);
-      if (this.begun) this.send(0, { do: "begin", ask: this.begun }); // the server knows nothing of before
+      if (this.again) this.send(0, { do: "begin", ask: this.begun });
       for (const [id, { words }] of this.waiting) this.send(id, words);
       this.opened();
-      this.found();
+      if (!this.again && !this.waiting.size) this.answered();
     };
     this.socket.onclose = () => {
+      if (!this.lost && !this.again) this.blame();
+      if (this.lost) this.tellWhy(this.tries >= WAITS.length);
       this.lost = true;
       this.compiling = "";
       this.parts = [];
-      if (this.tries === WAITS.length) this.closed(new Error(GONE));
       setTimeout(() => this.connect(), WAITS[Math.min(this.tries, WAITS.length - 1)]);
       this.tries += 1;
     };
+  }
+
+  // only an answer shows that the server works: a connection may open and close again at once
+  answered() {
+    if (!this.tries) return;
+    this.tries = 0;
+    this.why = "";
+    this.found();
+  }
+
+  // a socket does not tell a server that refuses this page from one that is gone, but the page's address does
+  async tellWhy(gone) {
+    const asked = fetch(`/?token=${encodeURIComponent(this.token)}`, { method: "HEAD" });
+    const status = await asked.then((answer) => answer.status, () => null);
+    const late = status === 200 ? FULL : GONE;
+    const why = status === 403 ? OTHER : gone ? late : "";
+    if (!this.lost || !why || why === this.why) return;
+    this.why = why;
+    this.closed(new Error(why));
+  }
+
+  // wishes are answered one after the other, so the first that waits is the one that was worked on
+  blame() {
+    const [id, asked] = this.waiting.entries().next().value || [];
+    if (!asked || ++asked.closed < 2) return;
+    this.waiting.delete(id);
+    asked.reject(new Error(FAILED));
   }
 
   send(id, words) {
@@ -63,6 +96,8 @@ class Live {
       return;
     }
     this.compiling = "";
+    this.answered();
+    if (answer.id === 0) this.again = false;
     const asked = this.waiting.get(answer.id);
     const parts = this.parts;
     this.parts = [];
@@ -77,7 +112,7 @@ class Live {
     return new Promise((resolve, reject) => {
       const id = ++this.number;
       const words = { do: does, ...more };
-      this.waiting.set(id, { resolve, reject, words });
+      this.waiting.set(id, { resolve, reject, words, closed: 0 });
       if (this.socket.readyState === WebSocket.OPEN) this.send(id, words);
     });
   }
