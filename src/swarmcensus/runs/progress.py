@@ -45,16 +45,16 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
 
         def show(progress: Progress) -> None:
             nonlocal begun, drawn
-            now, counted = time.monotonic(), progress.steps[1] > 1
+            now, several = time.monotonic(), progress.steps[1] > 1
             begun = begun if progress.work_done else now
             rate, left = _pace(progress, now - begun)
-            done, total = progress.steps if counted else (progress.done, progress.total)
+            done, total = progress.steps if several else (progress.done, progress.total)
             bar.update(
                 task,
                 description=escape(progress.note or ": ".join(filter(None, (label, progress.stage)))),
                 total=total,
                 completed=done,
-                unit="" if counted else "trials",
+                unit="" if several else "trials",
                 rate=rate,
                 left=left,
             )
