@@ -203,8 +203,8 @@ def _cautions(
                 f"{', '.join(named)}: in {where} half of the robots or more have K = 0: their estimates never moved by "
                 "delta, and K does not tell how soon they learn"
             )
-    if any(one.name == "convergence_round" for one in some) and "delta" in asked_anew(data):
-        cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
+        if "delta" in asked_anew(data):
+            cautions.append("K was asked anew of kept estimates, and is one of the checkpoints")
     return cautions
 
 

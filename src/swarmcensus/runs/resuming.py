@@ -141,7 +141,6 @@ class Holding:
             "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
             "truth": old.attrs.get("truth"), "metrics": told(metrics_in(old)),
         }  # fmt: skip
-        about = {k: v.item() if isinstance(v, np.generic) else v for k, v in about.items()}
         self.parts.identity.check(about, str(self.out), hint())
         if said := edited(old, self.study):
             raise InputError(f"{self.out}: {said}. {hint()}")
