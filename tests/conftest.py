@@ -14,6 +14,7 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests import interpreted
 from tests.slow import Clock, skip_what_takes_long
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
@@ -30,6 +31,7 @@ def pytest_addoption(parser):
 
 
 def pytest_configure(config):
+    interpreted.register(config)
     if config.getoption("--list-slow"):
         config.pluginmanager.register(Clock())
 

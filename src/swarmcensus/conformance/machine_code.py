@@ -122,7 +122,7 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     b, w, readings, ring = history()
     module = compiler.phases_of(brain)
     real = numba.float64
-    record = numba.from_dtype(compiler.record_type(brain))
+    record = numba.from_dtype(compiler.mind_type(brain))
     blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
     message = numba.typeof(blank)  # type: ignore[no-untyped-call]
     given = {"observe": (real, real), "receive": (message,)}

@@ -12,6 +12,7 @@ from swarmcensus.engine import glue
 from swarmcensus.engine.compiling import not_compiled
 from swarmcensus.engine.modes import PHASES
 from swarmcensus.engine.modules import LOCK, is_kept, module, source
+from swarmcensus.engine.records import record_type
 from swarmcensus.metrics import GIVEN, Metric
 
 WALK = ("motion.py", "neighbours.py", "failures.py")
@@ -36,9 +37,9 @@ class NotCompiled(Exception):
 
 
 @functools.lru_cache(maxsize=64)
-def record_type(brain: Brain) -> np.dtype:
-    """A robot's mind as a NumPy record."""
-    return np.dtype((np.record, glue.record_fields(brain)))  # np.record: attributes work in CPython too
+def mind_type(brain: Brain) -> np.dtype:
+    """A robot's mind as a record."""
+    return record_type(glue.record_fields(brain))
 
 
 def blank(brain: Brain) -> np.ndarray:
@@ -49,7 +50,7 @@ def blank(brain: Brain) -> np.ndarray:
 
 def width(brain: Brain) -> int:
     """How many numbers a mind is."""
-    return record_type(brain).itemsize // 8
+    return mind_type(brain).itemsize // 8
 
 
 def outbox(brain: Brain, robots: int, mixed: bool = False) -> np.ndarray:
@@ -64,12 +65,12 @@ def flag_of(brain: Brain, mixed: bool = False) -> int:
 
 def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
     """Minds (..., field) as records with the brain's names, shape (...)."""
-    return minds.view(record_type(brain))[..., 0]
+    return minds.view(mind_type(brain))[..., 0]
 
 
 def blank_record(metric: Metric, **given: float) -> np.ndarray:
     """What a metric's record is before `begin`, shape (1,): what is GIVEN, and its fields."""
-    record = np.zeros(1, np.dtype((np.record, [(name, np.float64) for name in (*GIVEN, *metric.fields)])))
+    record = np.zeros(1, record_type([(name, "f8") for name in (*GIVEN, *metric.fields)]))
     for name, value in given.items():
         record[name] = value
     return record

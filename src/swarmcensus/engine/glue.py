@@ -14,16 +14,15 @@ DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
-import numpy as np
-
 from swarmcensus.engine.calling import nobody, word_at
 from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import chance
+from swarmcensus.engine.records import record_type
 from swarmcensus.engine.wishes import spoken, whole_vector
 
 from . import brain
 
-record = np.dtype((np.record, {record}))
+record = record_type({record})
 
 for name, value in list(vars(brain).items()):
     if isinstance(value, type(lambda: None)):

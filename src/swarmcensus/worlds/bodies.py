@@ -7,6 +7,7 @@ import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
 
 from swarmcensus.basics.times import TIME, parse_time
+from swarmcensus.engine.records import record_type
 
 
 def _plain_number(value: object) -> object:
@@ -97,7 +98,7 @@ class Body(BaseModel):
             "reach": self.reach,
             "skin": self.skin,
         }
-        record = np.zeros(1, np.dtype((np.record, [(name, np.float64) for name in values])))
+        record = np.zeros(1, record_type([(name, "f8") for name in values]))
         record[0] = tuple(values.values())
         return record
 
