@@ -1,5 +1,6 @@
 """Compiled code on disk: what is damaged is noticed and made anew, and gives the same numbers."""
 
+import os
 import subprocess
 import sys
 
@@ -56,6 +57,26 @@ def test_damaged_files_are_made_anew(name, damage, folder):
     DAMAGE[damage](path)
     assert ran() == ["42", "3.0", "0"]
     assert (folder / "tiny.py").read_text() == FILES["tiny.py"]
+
+
+def test_processes_that_need_the_same_at_the_same_time_compile_it_once(tmp_path):
+    code = f"""
+import pathlib, time
+from swarmcensus.engine import modules
+tiny = modules.module({FILES!r}, "tiny")
+print("ready", flush=True)
+while not pathlib.Path("go").exists():
+    time.sleep(0.001)
+print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
+"""
+    kept = os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / "cache")}
+    begun = [
+        subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, env=kept, stdout=subprocess.PIPE, text=True)
+        for _ in range(3)
+    ]
+    assert [process.stdout.readline() for process in begun] == ["ready\n"] * 3
+    (tmp_path / "go").touch()
+    assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 0\n", "42 1\n"]
 
 
 def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):

@@ -1,16 +1,24 @@
-"""Machine code on disk under a seal: a hash of it, so that damage is noticed before it is run and it is made anew."""
+"""Machine code on disk, made by one process at a time and kept under a seal: a hash of it, so that damage is noticed."""
 
 import contextlib
+import functools
 import hashlib
 import types
 from pathlib import Path
 from typing import Any
 
+from filelock import FileLock
+
 from swarmcensus.basics.files import whole
+
+WAIT = 300.0  # seconds after which a process compiles what another one seems to compile for ever
 
 
 def sealed(made: Any, function: types.FunctionType) -> Any:
-    """The same compiled function, with a cache on disk of which a damaged file is removed and never loaded."""
+    """The same compiled function, with a cache on disk of which a damaged file is removed and never loaded.
+
+    Processes that need the same function at the same time compile it once: the others wait, and load it.
+    """
     if isinstance(made, types.FunctionType):  # under NUMBA_DISABLE_JIT: nothing is kept
         return made
     kept = made._cache
@@ -40,5 +48,20 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
             with whole(seal) as beside:
                 beside.write_text(digest(), encoding="ascii")
 
+    compile_it = made.compile
+
+    def compile_once(signature: Any) -> Any:
+        with contextlib.ExitStack() as held:
+            with contextlib.suppress(OSError, NotImplementedError):  # Timeout too, and disks that lock nothing
+                held.enter_context(_lock(place.parent))
+            return compile_it(signature)
+
     kept.load_overload, kept.save_overload = load_whole, save_sealed
+    made.compile = compile_once
     return made
+
+
+@functools.cache
+def _lock(folder: Path) -> FileLock:
+    """The one lock of a folder: a thread that compiles a function of it may compile another one on the way."""
+    return FileLock(folder / "lock", timeout=WAIT)
