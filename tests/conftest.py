@@ -15,7 +15,7 @@ from numba.core import event
 import swarmcensus as sc
 from swarmcensus import brains
 from tests import interpreted
-from tests.slow import Clock, skip_what_takes_long
+from tests.long import Long
 
 for told in ("COLUMNS", "LINES", "FORCE_COLOR", "NO_COLOR", "TTY_COMPATIBLE"):
     os.environ.pop(told, None)  # what is printed should be what a plain pipe gets, here and in processes begun here
@@ -26,18 +26,9 @@ hypothesis.settings.register_profile("here", suppress_health_check=[hypothesis.H
 hypothesis.settings.load_profile("here")
 
 
-def pytest_addoption(parser):
-    parser.addoption("--list-slow", action="store_true", help="write tests/slow.txt anew by what each test took")
-
-
 def pytest_configure(config):
     interpreted.register(config)
-    if config.getoption("--list-slow"):
-        config.pluginmanager.register(Clock())
-
-
-def pytest_collection_modifyitems(items):
-    skip_what_takes_long(items)
+    config.pluginmanager.register(Long(config))
 
 
 class Untraced(event.Listener):

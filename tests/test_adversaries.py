@@ -200,6 +200,7 @@ def test_lies_stay_in_range_and_confidence_above_0():
 # ---- one source of two
 
 
+@pytest.mark.long
 def test_names_and_imports_of_both_do_not_clash():
     lies = adversary_of(
         '"""Names of all kinds."""\nfrom math import *\nimport math as m\n\nroot = 2.0\nOPTIONS_ = root * 2.0\n'
@@ -393,6 +394,7 @@ def maybe(me):
 }
 
 
+@pytest.mark.long(only=["a number, and the record"])
 @pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
 def test_however_silence_is_said_it_is_kept(ends, untraced):
     """The lie is a parameter's: what alters the message has the record."""
@@ -409,6 +411,7 @@ def test_who_never_speaks_never_lies(untraced):
     agrees(used)
 
 
+@pytest.mark.long(only=["bayes-bots", "bayes-cpf", "belief-sharing-indexed", "changing-floor", "sure"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""
@@ -458,6 +461,7 @@ def test_nobody_wears_an_oracle(capsys):
 # ---- held against the suite, the engine and brute force
 
 
+@pytest.mark.long(but=["minimalistic-jammer"])
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("rich", [False, True], ids=["minimalistic", "rich"])
 def test_they_conform(name, rich, untraced):

@@ -135,6 +135,7 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
+@pytest.mark.long(only=["commons-tables7-some robots lie"])
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
@@ -206,6 +207,7 @@ def test_json_is_the_same_as_data(stored, capsys):
     assert told["settings"][-1]["expected"] is None
 
 
+@pytest.mark.long
 def test_the_study_of_theory_is_of_cells_where_it_is_exact():
     """But for some random geometric graphs, where somebody may hear nobody."""
     study = sc.Study.load(ROOT / "studies" / "theory.toml")
@@ -222,6 +224,7 @@ def test_nothing_that_ran_is_said(stored):
         sc.explain(data)
 
 
+@pytest.mark.long
 def test_a_swarm_of_several_brains_has_no_closed_form_and_is_shown(tmp_path, monkeypatch, capsys):
     """Members with parameters, which are no coordinates of settings."""
     monkeypatch.chdir(tmp_path)

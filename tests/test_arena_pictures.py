@@ -495,6 +495,7 @@ def test_what_cannot_be_pictured_is_said_in_one_line(options, said, file, tmp_pa
     assert [p.name for p in tmp_path.iterdir()] == ["file"]
 
 
+@pytest.mark.long
 def test_a_brain_of_ones_own_must_be_given_where_it_lies_no_longer(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(brains.load("legacy").source)

@@ -39,6 +39,7 @@ def shown(figure):
     return [axes for axes in figure.axes if lines_in(axes)]
 
 
+@pytest.mark.long
 def test_lines_against_liars_have_a_line_for_each_adversary_that_begins_where_nobody_lies(data):
     figure = sc.plot.lines(data, x="liars", y="final_estimate")
     panels = shown(figure)

@@ -458,6 +458,7 @@ class TestBeliefSharing:
         assert np.array(me.n) == pytest.approx(n / n.sum(), rel=1e-12)  # nothing heard: as it was
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("brain", "parameters"),
     [
@@ -475,6 +476,7 @@ def test_other_parameters_conform_too(brain, parameters, untraced):
     agrees(used)
 
 
+@pytest.mark.long
 def test_the_page_shows_what_its_study_gives(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     (shown,) = blocks(ROOT / "docs" / "rivals-bayesian.md", "console")

@@ -98,6 +98,7 @@ def test_right_beliefs_leave_no_bias_and_alike_ones_scale_the_distance_from_one_
 # ---- the simulation
 
 
+@pytest.mark.long(but=["full"])
 @pytest.mark.parametrize("topology", ["full", '"moving"\ndensity = 10'])
 def test_swarms_go_where_the_closed_form_says(topology):
     """The mean final estimate, within 4.5 standard errors over trials: 12 settings fail together once in 10^4.
@@ -162,6 +163,7 @@ def test_beliefs_in_numbers_are_off_by_their_difference_and_errors_stop_at_0_and
 # ---- the figure
 
 
+@pytest.mark.long
 def test_each_panel_shows_each_setting_once_and_its_prediction(results):
     figure = beliefs(results, title="mine")
     assert len(figure.axes) == 4
@@ -214,6 +216,7 @@ def test_predictions_that_lie_on_each_other_take_turns():
     assert zero == "0"  # with a longer one the axis to its left reads as a minus
 
 
+@pytest.mark.long
 def test_settings_without_trials_and_unknown_brains(results):
     part = results.copy(deep=True)
     ring = (part.topology == "ring").values & (part.fill_ratio == 0.55).values
@@ -231,6 +234,7 @@ def test_settings_without_trials_and_unknown_brains(results):
         beliefs(part)
 
 
+@pytest.mark.long
 def test_beliefs_from_the_command_line(file, small_file, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     assert main(["plot", str(file), "--kind", "beliefs"]) == 0

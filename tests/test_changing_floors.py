@@ -45,6 +45,7 @@ def test_as_few_tiles_turn_as_can(kind):
     assert rising.truth([1, 10, 40, 99]).tolist() == [0.0, 0.0, 1.0, 1.0]
 
 
+@pytest.mark.long
 def test_steered_robots_meet_the_same_floor_however_it_is_painted(tmp_path, monkeypatch):
     (tmp_path / "steered.py").write_text(
         brains.load("minimalistic").source + "\n\ndef steer(me):\n    return 0.1, 0.3\n"

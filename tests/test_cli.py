@@ -231,6 +231,7 @@ def test_a_folder_without_permission(here, capsys, monkeypatch):
     assert {p.name for p in here.iterdir()} == {"hello.toml"}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("known", [True, False], ids=["a home that is a file", "a user without a home"])
 def test_without_a_home_to_keep_a_cache_in_a_run_warns_once_and_leaves_nothing_behind(here, known):
     """Interpreted, so that it is quick: where brains go is settled before they are compiled."""
@@ -331,6 +332,7 @@ def test_a_run_in_the_background_goes_on_when_another_program_is_stopped(no_ctrl
     assert data.drop_attrs(deep=False).identical(small_results.drop_attrs(deep=False))
 
 
+@pytest.mark.long
 def test_a_reader_that_goes_away_is_no_error(here):
     pipe = subprocess.run(
         f"{sys.executable} -c 'from swarmcensus.cli.commands import main; raise SystemExit(main([\"brains\"]))' | true",

@@ -143,6 +143,7 @@ class Once:
             self.act()
 
 
+@pytest.mark.long
 def test_processes_here_give_the_bits_of_threads(here, capsys):
     Path("s.toml").write_text(FIXED)
     scratch = set(Path().glob("*"))
@@ -195,6 +196,7 @@ def test_a_large_image_travels(here, scheduler):
     assert same(run(study(MOVING), cluster=scheduler), sc.run(study(MOVING), jobs=2))
 
 
+@pytest.mark.long
 def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
     with distributed.Client(scheduler, set_as_default=False) as client:
         victims = sorted(client.run(os.getpid).values())
@@ -207,6 +209,7 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
     assert same(killed, sc.run(study(LONG), jobs=2))
 
 
+@pytest.mark.long
 def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypatch):
     real = clusters.run_remotely
 
@@ -230,6 +233,7 @@ def test_a_bundle_that_kills_its_workers_fails_and_others_do_not(here, monkeypat
     assert same(run(some, jobs=2, out="s.nc"), sc.run(some, jobs=2))
 
 
+@pytest.mark.long
 def test_a_trial_that_fails_fails_alone(here, scheduler):
     Path("mine.py").write_text(FAILS)
     text = FIXED.replace("robots   = 12", "robots = 20").replace('["ring", "scale-free", ', "[").replace(
@@ -244,6 +248,7 @@ def test_a_trial_that_fails_fails_alone(here, scheduler):
     assert same(there, here_)
 
 
+@pytest.mark.long
 def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     def stop():
         raise KeyboardInterrupt
@@ -255,6 +260,7 @@ def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
     assert same(run(study(LONG), cluster=scheduler, out="s.nc"), sc.run(study(LONG), jobs=2))
 
 
+@pytest.mark.long
 def test_what_is_done_is_kept_when_the_scheduler_goes(here):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
@@ -262,6 +268,7 @@ def test_what_is_done_is_kept_when_the_scheduler_goes(here):
     assert same(run(study(LONG), jobs=2, out="s.nc"), sc.run(study(LONG), jobs=2))
 
 
+@pytest.mark.long
 def test_workers_may_come_late(here):
     notes = []
     with processes(0) as cluster:
@@ -329,6 +336,7 @@ def ends(group):
     return False
 
 
+@pytest.mark.long
 def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
@@ -364,6 +372,7 @@ def test_a_batch_system_that_refuses_all_jobs_is_told_in_one_sentence(here, slur
     )
 
 
+@pytest.mark.long
 def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monkeypatch):
     longer = study(LONG).with_(trials=400)
     refusing(here, f"! mkdir {here}/taken 2> /dev/null")
@@ -378,6 +387,7 @@ def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monke
     assert same(data, sc.run(longer, jobs=2))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_what_ends_a_run_cancels_its_jobs_and_keeps_what_is_done(slurm, ctrl_c, number):
     """The fixture sees to it that none is left. dask-jobqueue takes Ctrl-C for itself when it is imported."""
@@ -499,6 +509,7 @@ def test_without_dask_it_is_said_what_to_install(here, monkeypatch, module, wher
         assert "pip install" not in str(caught.value)
 
 
+@pytest.mark.long
 def test_a_plain_run_does_without_dask(here):
     """It runs where Dask is not there to import; where it is, only xarray asks for it."""
     Path("s.toml").write_text(FIXED)
@@ -545,6 +556,7 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
     assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.EACH)
 
 
+@pytest.mark.long
 def test_the_simulated_scheduler_against_closed_forms():
     makespan = runpy.run_path(str(EXAMPLE.parents[1] / "benchmarks" / "scaling.py"))["makespan"]
     assert makespan([2.0] * 12, 4) == 6.0  # equal bundles, no overhead: perfect

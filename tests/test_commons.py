@@ -80,6 +80,7 @@ def test_who_cannot_tell_black_from_white_only_passes_on():
     assert found == pytest.approx([(0.7 - 0.1) / 0.8] * 2, abs=1e-3)
 
 
+@pytest.mark.long(only=["losses"])
 @pytest.mark.parametrize(
     "tables",
     [
@@ -148,6 +149,7 @@ def test_swift_is_a_second_order_recursion_of_the_same_matrix():
     assert [me.company for me in robots] == [5.0, 14.0, 29.0, 25.0]  # squares of their names, counted from 1
 
 
+@pytest.mark.long(only=["full-False"])
 @pytest.mark.parametrize(
     ("topology", "keeps"), [("full", False), ("line", True), ("ring", True), (nx.wheel_graph(7), True)], ids=str
 )

@@ -100,6 +100,7 @@ def test_damaged_parameters_are_named():
 # ---- the number of a trial
 
 
+@pytest.mark.long
 def test_each_measure_is_what_a_loop_over_robots_makes_of_it():
     data = made_up(robots=6).assign(honest=("setting", [6, 6, 4, 5, 6, 6, 1, 6]))
     data["decision"][0, 0, 0] = np.nan
@@ -359,6 +360,7 @@ def test_results_of_which_nothing_has_run_are_named():
         sc.compare(data, "final_error")
 
 
+@pytest.mark.long
 def test_equal_brains_are_told_apart_in_few_results():
     """From the dataset on: of 200, more than 20 would be by chance in less than one case of 1,000, if 5 % were."""
     alarms = 0

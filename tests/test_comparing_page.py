@@ -27,6 +27,7 @@ def ran(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_the_comparison_is_what_the_command_prints(ran, monkeypatch, capsys):
     monkeypatch.chdir(ran)
     first, *others, _ = blocks(PAGE, "console")
@@ -40,6 +41,7 @@ def test_the_comparison_is_what_the_command_prints(ran, monkeypatch, capsys):
         assert against.partition("...\n")[2] in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_the_other_commands_run_and_the_figure_is_theirs(ran, monkeypatch, capsys):
     monkeypatch.chdir(ran)
     printed = []

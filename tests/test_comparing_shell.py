@@ -185,6 +185,7 @@ def test_what_an_older_file_does_not_say_is_told(two, tmp_path, capsys):
     assert "cost 'bytes_sent': these results have no such cost" in capsys.readouterr().err
 
 
+@pytest.mark.long
 def test_figures_are_kinds_too_of_the_same_bytes(two, tmp_path, capsys):
     assert main(["compare", str(two), "--out", str(tmp_path / "a.svg")]) == 0
     assert main(["plot", str(two), "--kind", "ranks", "--out", str(tmp_path / "b.svg")]) == 0

@@ -86,6 +86,7 @@ def neighbours(topology, robots):
     return [list(graph[i]) for i in range(robots)]
 
 
+@pytest.mark.long
 @each
 def test_they_conform_with_short_phases_too(used, untraced):
     """With the phases of the file, nobody speaks within what the check lives through: what is heard is tried here."""

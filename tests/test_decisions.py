@@ -58,6 +58,7 @@ def listed(table):
     return changed(OPTIONS) + "\n\ndef decide(me):\n" + "\n".join(lines) + "\n    return -1\n"
 
 
+@pytest.mark.long
 def test_decisions_by_hand():
     """Three robots, six rounds: they once agree, change their minds, and take decisions back."""
     data = told(listed(TABLE))
@@ -68,6 +69,7 @@ def test_decisions_by_hand():
     assert (data["consensus_right"], data["right_option"]) == (1, 3)
 
 
+@pytest.mark.long
 def test_no_decision_by_hand():
     """Robot 1 never decides, robot 0 but for a while: nobody agrees."""
     data = told(listed([[1, -1, 2], [1, -1, 2], [-1, -1, 2]] + [[-1, -1, 2]] * 3))
@@ -101,6 +103,7 @@ def test_two_options_are_white_and_black(truth, right):
     assert data["consensus_right"].values == pytest.approx(expected, nan_ok=True)
 
 
+@pytest.mark.long
 def test_who_is_done_looks_no_more_and_goes_on_talking():
     """By hand: after three looks of one a round, and after two rounds of two."""
     data = told(ENDS)
@@ -119,6 +122,7 @@ def test_who_is_done_looks_no_more_and_goes_on_talking():
         assert (batch.final[0] == estimates[rounds]).all()
 
 
+@pytest.mark.long
 def test_who_is_done_may_begin_again():
     """Done at three looks, and no more once it has heard of it: the first time counts."""
     source = changed(
@@ -168,6 +172,7 @@ def test_of_brains_of_which_one_decides_the_other_has_none():
     assert data["decision"].values[1].tolist() == [[0, 2, 1]]
 
 
+@pytest.mark.long(but=["0.05"])
 @pytest.mark.parametrize("wrong", [0.01, 0.05])
 def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
@@ -198,6 +203,7 @@ WRONG = {
 }
 
 
+@pytest.mark.long(but=["math.inf - math.inf * me.t"])
 @pytest.mark.parametrize("choice", WRONG)
 def test_what_is_no_option_is_told(choice):
     source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
@@ -240,6 +246,7 @@ def test_wrong_functions_are_refused(function, said):
         brain(MEANS + f"\n\n{function}\n")
 
 
+@pytest.mark.long
 def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
     """All of an interval is then infinite, and so it is said."""
     monkeypatch.chdir(tmp_path)
@@ -268,6 +275,7 @@ def test_an_infinite_interval_has_no_width():
     assert told[1] == ("50", "[40, 60]")
 
 
+@pytest.mark.long
 def test_recorded_readings_are_those_that_were_made(tmp_path):
     """Who is done in the middle of a round makes the rest of its readings, and none of the next: `infer` agrees."""
     source = changed(("me.t >= 3.0", "me.t >= 25.0"), source=ENDS)
@@ -339,6 +347,7 @@ def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
     assert (found["consensus_round"] == 1).all()
 
 
+@pytest.mark.long
 def test_nobody_is_asked_to_decide_before_the_first_round():
     """A brain that divides by what it has seen need not ask whether it has seen anything."""
     source = MEANS + "\n\ndef decide(me):\n    return 1 if me.n / me.t > 0.5 else 0\n"

@@ -79,6 +79,7 @@ def test_late_messages_meet_the_same_luck_and_losses():
     assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
 
 
+@pytest.mark.long(but=["full-7"])
 @pytest.mark.parametrize(("topology", "robots"), [("ring", 6), ("full", 7), ("full", 33_000)])
 def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
     """By hand: s(t) = D y(t) + O y(t - d), where y is what is said, and s(t) = y(t) as long as nothing is heard.
@@ -155,6 +156,7 @@ def test_commons_stays_unbiased(topology):
 # ---- which line of a brain fails
 
 
+@pytest.mark.long
 def test_the_line_that_fails_on_late_news_is_found(tmp_path):
     """What is said in round 3 is heard in round 6, and in none before."""
     source = changed(
@@ -239,6 +241,7 @@ def test_studies_with_and_without_delays_are_merged(file):
     assert both["message_delay"].values.tolist() == [0, 1, 4, 0, 1, 4, 0, 0]
 
 
+@pytest.mark.long
 def test_pages_and_figures_name_the_delay(file, capsys):
     assert main(["show", str(file)]) == 0
     assert "message_delay" in capsys.readouterr().out
@@ -250,6 +253,7 @@ def test_pages_and_figures_name_the_delay(file, capsys):
     assert "delay 4" in said
 
 
+@pytest.mark.long
 def test_runs_are_resumed_and_verified(tmp_path, capsys):
     (tmp_path / "s.toml").write_text(STUDY)
     whole, parts = tmp_path / "whole.nc", tmp_path / "parts.nc"

@@ -67,6 +67,18 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     assert {language for language, _ in BLOCK.findall(text)} <= RUN | SHOWN
 
 
+@pytest.mark.long(
+    only=[
+        "beyond-changing.md",
+        "beyond-unknown-sensors.md",
+        "rivals-consensus.md",
+        "rivals-opinions.md",
+        "rivals-others.md",
+        "strobel-2020.md",
+        "tuning.md",
+        "wrong-beliefs.md",
+    ]
+)
 @with_blocks("python")
 def test_python_runs(page, tmp_path, monkeypatch, capsys):
     """The blocks of a page one after the other, in a folder with the example's files.
@@ -132,6 +144,7 @@ def test_what_follows_from_wrong_beliefs_is_what_its_tables_say():
         assert sentence in told
 
 
+@pytest.mark.long
 def test_the_steering_page_shows_what_the_paired_comparison_prints(tmp_path, monkeypatch, capsys):
     """The line of good sensors on independent tiles: all eight would cost many times as much."""
     study = tomllib.loads((ROOT / "studies" / "steering.toml").read_text(encoding="utf-8"))
@@ -271,6 +284,7 @@ def test_the_brain_page_shows_the_shipped_example_and_every_check():
         assert f"| {name} |" in page.read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_the_brain_page_shows_what_brains_prints_in_a_narrow_terminal(monkeypatch, capsys):
     """Each part that it shows; dots stand for the rest."""
     monkeypatch.setattr("swarmcensus.basics.terminal.UNFOLDED", 80)
@@ -312,10 +326,12 @@ def test_the_architecture_page_shows_the_rooms_in_the_order_that_is_held():
         assert (ROOT / "src" / "swarmcensus" / room / file).is_file(), file
 
 
+@pytest.mark.long
 def test_the_example_brain_conforms(untraced):
     assert all(check.fault is None for check in conformance.check(EXAMPLE / "my_brain.py"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", [ROOT / "README.md"], ids=lambda page: page.name)
 def test_the_brains_of_a_page_keep_the_contract(page, tmp_path):
     """All checks but those that compile, which the example brain goes through."""

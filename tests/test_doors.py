@@ -26,7 +26,7 @@ from swarmcensus.brains import adversary
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
 from swarmcensus.worlds import patterns, spreading, wiring
-from tests.slow import times
+from tests.long import in_two_sizes
 
 # processes begun here go known ways: what is new in them is traced in this one
 pytestmark = pytest.mark.usefixtures("untraced_processes")
@@ -245,6 +245,7 @@ def done(package, tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_the_dataset_names_additions_with_the_keys_that_are_not_as_usual(done):
     fixed, moving = sc.load(done / "fixed.nc"), sc.load(done / "moving.nc")
     assert list(dict.fromkeys(fixed["topology"].values)) == [
@@ -311,14 +312,16 @@ def test_a_spread_has_its_distribution(installed):
     assert (settings[0].accuracies(5, 7, 1)[0] == settings[0].accuracies(5, 0, 50)[0][7]).all()
 
 
-def test_trials_are_replayed_bit_for_bit(installed, done):
+@in_two_sizes("step", 5, 1)
+def test_trials_are_replayed_bit_for_bit(installed, done, step):
     for name in ("fixed", "moving"):
         results = sc.load(done / f"{name}.nc")
-        for k in range(0, results.sizes["setting"], times(1, 5)):
+        for k in range(0, results.sizes["setting"], step):
             trace = sc.replay(done / f"{name}.nc", k, 1)
             assert (trace["estimate"].values[-1] == results["final_estimate"].values[k, 1]).all()
 
 
+@pytest.mark.long
 def test_a_run_goes_on_and_gives_what_it_would_have_given_at_once(installed, done, tmp_path, capsys):
     for name in ("fixed", "moving"):
         shutil.copy(done / f"{name}.nc", tmp_path / "x.nc")
@@ -329,6 +332,7 @@ def test_a_run_goes_on_and_gives_what_it_would_have_given_at_once(installed, don
         assert sc.load("x.nc").drop_attrs().identical(sc.load(f"{name}.nc").drop_attrs())
 
 
+@pytest.mark.long
 def test_results_of_a_file_that_was_changed_are_not_mixed_with_others(package, done, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for name, kind, file in (("fixed", "topology", "torus"), ("moving", "floor", "hills"), ("fixed", "spread", "beta")):
@@ -505,6 +509,7 @@ def measured(package, tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
     results = sc.load(measured / "s.nc")
     assert results["brain"].values.tolist() == ["legacy", "stubborn"]
@@ -516,6 +521,7 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
     assert sc.verify(results, 1.0).differences == []
 
 
+@pytest.mark.long
 def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (
@@ -543,6 +549,7 @@ def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(packag
         path.write_text(before)
 
 
+@pytest.mark.long
 def test_without_the_package_its_results_are_looked_at(measured, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     results = measured / "s.nc"
@@ -556,6 +563,7 @@ def test_without_the_package_its_results_are_looked_at(measured, monkeypatch, tm
         assert said.count("\n") == 1
 
 
+@pytest.mark.long
 def test_a_figure_of_another_package_is_drawn_from_both_doors(package, installed, measured, tmp_path):
     figure = sc.plot.violins(sc.load(measured / "s.nc"), y="lowest", x="brain")
     assert figure.axes[0].get_ylabel() == "lowest (1)"
@@ -586,6 +594,7 @@ def test_a_name_that_is_misspelled_is_told(before, after, said, installed, capsy
 # ---- adversaries
 
 
+@pytest.mark.long
 def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_path):
     study = sc.Study(
         trials=2, swarm={"robots": 6, "accuracy": 0.7}, world={"topology": "ring", "fill_ratio": 0.55},

@@ -48,6 +48,7 @@ def some(study, step):
     return list(enumerate(study.settings()))[::step]
 
 
+@pytest.mark.long
 def test_metrics_of_a_run_are_those_of_its_curves(mixed):
     study, results = mixed
     for k, setting in some(study, 7):

@@ -25,6 +25,7 @@ def results():
     }
 
 
+@pytest.mark.long(but=["leader", "forgetful"])
 @pytest.mark.parametrize("name", BRAINS)
 def test_they_conform(name, untraced):
     faults = [one for one in suite.examine(EXAMPLE / f"{name}.py", PROMISES) if one.fault]
@@ -44,6 +45,7 @@ def test_each_uses_what_it_is_there_to_show():
     assert all(len(one.source.splitlines()) < 80 for one in used.values())
 
 
+@pytest.mark.long
 def test_all_believe_better_than_chance(results):
     """Nearer to the truth than 0.5, which is believed before anything is seen; decisions are mostly right."""
     data = results["second-edition"]

@@ -270,6 +270,7 @@ def test_panels_share_limits_unless_they_set_their_own():
     assert sum(ax.get_legend() is not None for ax in figure.axes) == 1
 
 
+@pytest.mark.long
 def test_long_accuracies_are_named_in_the_digits_that_tell_them_apart():
     accuracies = [repr(float(a)) for a in np.linspace(0.55, 0.95, 30)]
     assert max(map(len, accuracies)) > 15
@@ -519,6 +520,7 @@ def test_heatmap_says_which_colours_are_best():
         assert float(best.get_text().split()[1]) == pytest.approx(values.min(), abs=0.6 if values.max() > 1 else 1e-3)
 
 
+@pytest.mark.long
 def test_a_large_heatmap_is_of_bounded_size_and_without_numbers():
     accuracies = [f"{a:.4f}" for a in np.linspace(0.55, 0.95, 60)]
     parts = [study(accuracies, robots=1, trials=1, seed=i, fill_ratio=i / 61) for i in range(60)]
@@ -639,6 +641,7 @@ def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
             grid([])
 
 
+@pytest.mark.long
 def test_pictures_of_a_part_say_so():
     results = grid_study(link_success=1.0)
     part = forget(results, trial=slice(3, None)).assign_attrs(trials_done=18, trials_total=30)
@@ -683,6 +686,7 @@ def assert_fits(figure: Figure) -> None:
             assert other is caption or not boxes[id(caption)].overlaps(boxes[id(other)]), (caption, other)
 
 
+@pytest.mark.long(only=["4"])
 @pytest.mark.parametrize("count", [1, 4, 8])
 def test_long_names_stay_in_their_panels(count):
     results = study(["0.6", "black=U(0.525,0.975) white=N(0.75,0.1)"], robots=2)
@@ -698,6 +702,7 @@ def test_long_names_stay_in_their_panels(count):
         assert "…" in written or caption.replace(" ", "") in written
 
 
+@pytest.mark.long
 def test_long_names_of_curves_heatmaps_and_many_accuracies_stay_on_the_paper():
     name = f"{LONG[1]} of {LONG[0]} $x$, setting 2, trial 0: {LONG[1]}.py, {LONG[0]}, N = 4, accuracy 0.6, C = 50"
     figure = figures.curves(trace(4, fill_ratio=0.55, title=name))
@@ -785,6 +790,7 @@ def test_an_unknown_format_is_an_input_error_before_anything_is_written(tmp_path
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_no_display_is_needed():
     code = "import sys; from swarmcensus.figures.plot import lines; sys.exit('matplotlib.pyplot' in sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)

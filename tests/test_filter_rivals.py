@@ -114,6 +114,7 @@ class TestInformationFilter:
 
 
 class TestKalmanConsensus:
+    @pytest.mark.long(only=["1.0-0.0-full"])
     @pytest.mark.parametrize("topology", ["full", "ring", "line"])
     @pytest.mark.parametrize(("pull", "noise"), [(1.0, 0.0), (3.0, 0.01), (0.0, 0.0), (50.0, 0.01)])
     def test_every_round_is_as_the_equations_say(self, topology, pull, noise):

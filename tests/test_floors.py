@@ -87,6 +87,7 @@ def test_as_much_is_black_as_was_asked_for(gradient, fill_ratio):
             assert abs(setting.ground(1, trial).true_fill_ratio - fill_ratio) <= allowed, floor
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(
     st.integers(1, 12), st.floats(1.0, 8.0), st.floats(-0.2, 0.2), st.floats(0.0, 0.1), st.floats(0.009, 0.05),
@@ -116,6 +117,7 @@ def test_a_quantile_has_its_share_below(scores, share):
     assert (scores < ground.quantile(scores, share)).sum() == round(share * len(scores))
 
 
+@pytest.mark.long
 def test_a_sensor_meets_the_share_that_is_there(untraced):
     """Over many trials, what lone robots stand on is black as often as the floor in reach is, whatever its kind."""
     floor = [{"clusters": 0.1}, {"stripes": 0.2}, "half"]
@@ -350,6 +352,7 @@ def floored(gradient):
     return study, sc.run(study, jobs=2)
 
 
+@pytest.mark.long
 def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(floored):
     study, results = floored
     assert results["floor"].values.tolist() == 2 * [
@@ -371,6 +374,7 @@ def test_a_study_of_floors_is_its_replay_and_what_the_brain_file_makes_of_it(flo
         assert trace.attrs["true_fill_ratio"] == black[within_reach(setting)].mean()
 
 
+@pytest.mark.long
 def test_errors_and_decisions_are_held_against_the_floor_or_against_f(floored, gradient):
     _, results = floored
     nominal = sc.run(sc.Study.parse(STUDY.replace('"floor"', '"nominal"'), context={"base": gradient.parent}))
@@ -409,6 +413,7 @@ def test_brains_share_a_floor_and_floors_share_a_walk(floored):
     assert one["position"].equals(sc.replay(results, 3, 0)["position"])
 
 
+@pytest.mark.long
 def test_an_image_is_needed_once(tmp_path, gradient):
     """Replays and copies of a study take the pixels from where they were kept; their address is what is in them."""
     file = tmp_path / "pic.png"

@@ -1,7 +1,7 @@
 """Random inputs, valid and broken, at every door: never a traceback, never a hang, never half a file.
 
-Some 2,000 cases, the same in every run, and 6,000 with SWARMCENSUS_SLOW=1. SWARMCENSUS_FUZZ=20 runs twenty times as
-many, other ones each time; a case that fails is printed as hypothesis has shrunk it.
+Some 2,000 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
+other ones each time; a case that fails is printed as hypothesis has shrunk it.
 """
 
 import contextlib
@@ -35,19 +35,18 @@ from swarmcensus.runs import clusters, queues
 from swarmcensus.simulation import inferring
 from swarmcensus.studies import toml_text
 from swarmcensus.worlds.bodies import Body
-from tests.slow import times
 
 pytestmark = pytest.mark.usefixtures("untraced")
 
 TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
-PART = TIMES * times(8, 3)  # twelfths of the cases that each test is worth
+QUICK, LONG = 3, 8  # twelfths of the cases that each test is worth
 HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
 STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))
 BRAIN = brains.load("minimalistic").source
 
 
 def fuzz(cases, *strategies):
-    """Run a test for so many cases, each of which may warn and must end."""
+    """Run a test for so many cases, each of which may warn and must end; beside it stands a long one, of more cases."""
 
     def decorate(test):
         @functools.wraps(test)
@@ -60,11 +59,15 @@ def fuzz(cases, *strategies):
             finally:
                 faulthandler.cancel_dump_traceback_later()
 
-        often = settings(
-            max_examples=max(1, cases * PART // 12), derandomize=TIMES == 1, database=None, deadline=None,
-            suppress_health_check=list(HealthCheck),
-        )  # fmt: skip
-        return often(given(*strategies)(guarded))
+        def of(part):
+            often = settings(
+                max_examples=max(1, cases * TIMES * part // 12), derandomize=TIMES == 1, database=None, deadline=None,
+                suppress_health_check=list(HealthCheck),
+            )  # fmt: skip
+            return often(given(*strategies)(guarded))
+
+        globals()[f"{test.__name__}_at_length"] = pytest.mark.long(of(LONG))
+        return of(QUICK)
 
     return decorate
 

@@ -47,6 +47,7 @@ def folder(tmp_path_factory):
         yield root / modules._digest(FILES)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "damage"),
     [("tiny.py", "flip"), ("tiny.py", "cut"), ("*.nbi", "empty"), ("*.nbi", "other"), ("*.1.nbc", "flip"),

@@ -80,6 +80,7 @@ def small(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.long
 def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
     study = entries.official()
     assert {brain.name for brain in study.brains} >= set(brains.shipped())
@@ -94,6 +95,7 @@ def test_the_official_worlds_hold_all_that_ships_and_all_that_makes_it_hard():
     assert {(one.robots - one.honest) / one.robots for one in settings} == {0.0, 0.1, 0.3}
 
 
+@pytest.mark.long
 def test_scores_are_what_they_say(small):
     board = leaderboard(["mine.py", "votes.py"], "out")
     data, scores = board.data, board.scores
@@ -124,6 +126,7 @@ def test_scores_are_what_they_say(small):
     assert scores.error.order[0] in (0, 2)
 
 
+@pytest.mark.long
 def test_a_copy_of_a_brain_is_level_with_it_and_loses_where_it_does(small):
     board = leaderboard(["mine.py"], "out")
     one, other = (board.scores.contenders.index(name) for name in ("minimalistic", "mine.py"))
@@ -138,6 +141,7 @@ def test_a_copy_of_a_brain_is_level_with_it_and_loses_where_it_does(small):
     assert "minimalistic" not in [rival.name for rival in losses.rivals]
 
 
+@pytest.mark.long
 def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsys):
     first = leaderboard(["mine.py"], "out")
     page = first.page.read_bytes()
@@ -158,6 +162,7 @@ def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsy
     assert "trials each, by `swarmcensus leaderboard mine.py`" in text
 
 
+@pytest.mark.long
 def test_why_results_are_run_again_is_the_truth(small):
     """By the name that is given, of which results are: the same file from another folder has another one."""
     leaderboard(["mine.py"], "out", trials=1)
@@ -179,6 +184,7 @@ def test_why_results_are_run_again_is_the_truth(small):
     assert sc.load("out/data/mine.nc").attrs["seed"] == 4
 
 
+@pytest.mark.long
 def test_one_file_named_twice_is_one_brain_and_one_trial_is_one(small):
     board = leaderboard(["mine.py", "./mine.py", small / "mine.py"], "out", trials=1)
     assert board.scores.contenders == ["minimalistic", "legacy", "mine.py"]
@@ -186,6 +192,7 @@ def test_one_file_named_twice_is_one_brain_and_one_trial_is_one(small):
     assert "1 trial each, by `swarmcensus leaderboard mine.py --trials 1`" in text
 
 
+@pytest.mark.long
 def test_who_is_ranked_is_said(small, capsys):
     """An oracle is a bound; a brain that talks to nobody is one that can be had."""
     toml = small / "leaderboard.toml"

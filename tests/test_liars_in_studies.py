@@ -62,6 +62,7 @@ def data(folder):
     return sc.load(folder / "s.nc")
 
 
+@pytest.mark.long
 def test_liars_are_a_number_and_have_a_name(data):
     assert data.sizes["setting"] == 2 * (1 + 2 * 5)
     assert data["liars"].values.tolist() == 2 * ([0] + [1] * 5 + [3] * 5)
@@ -122,6 +123,7 @@ def test_a_trial_is_replayed(here, data):
     assert (sc.replay(data, setting=7, trial=0)["liar_far"].max() == pytest.approx(0.12)).item()
 
 
+@pytest.mark.long
 def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tmp_path, monkeypatch, capsys):
     elsewhere = tmp_path / "mine.py"
     elsewhere.write_text(MINE)
@@ -140,6 +142,7 @@ def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tm
     )
 
 
+@pytest.mark.long
 def test_a_brain_file_of_members_is_not_run_unasked_either(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MEANS.replace('("x",)', '("x", "n")').replace("(estimate(me),)", "(estimate(me), me.n)"))
@@ -169,6 +172,7 @@ def test_a_change_is_noticed(here, data):
         verify(changed)
 
 
+@pytest.mark.long
 def test_resumed_and_merged(here, data, tmp_path):
     out = tmp_path / "r.nc"
     study = sc.Study.load("s.toml")
@@ -182,6 +186,7 @@ def test_resumed_and_merged(here, data, tmp_path):
     assert verify(merged, sample=0.1, seed=1).labels == []
 
 
+@pytest.mark.long
 def test_merged_with_a_study_in_which_nobody_lies(here, data):
     plain = sc.Study.parse(STUDY.partition("[[members]]")[0].replace("robots   = 10", "robots   = 6")
                            + "[world]" + STUDY.partition("[world]")[2])  # fmt: skip
@@ -194,6 +199,7 @@ def test_merged_with_a_study_in_which_nobody_lies(here, data):
         assert verify(merged, sample=1.0).labels == []
 
 
+@pytest.mark.long
 def test_results_from_before_liars_were_numbered_open(here, data, tmp_path):
     old = data.drop_vars(["liars", "adversary"])
     sc.save(old, tmp_path / "old.nc")
@@ -245,6 +251,7 @@ def test_what_is_wrong_is_told_in_a_sentence(tmp_path, monkeypatch, capsys, old,
     assert not Path("s.nc").exists()
 
 
+@pytest.mark.long
 def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("grey.py").write_text(MINE.replace("0.5 + me.k", "0.5 / (me.k - 0.02)"))
@@ -256,6 +263,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
+@pytest.mark.long
 def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes):
     assert main(["brains"]) == 0
     assert "slow-liar" in capsys.readouterr().out
@@ -274,6 +282,7 @@ def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes):
     assert "FAIL" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_merged_results_of_which_a_part_has_liars_are_the_same_when_run_again(tmp_path, capsys):
     """What is joined of the parts belongs to them all, whichever comes first."""
 

@@ -61,6 +61,7 @@ def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     assert (lives(source, robots=3, topology=one)["fused"][:, [1, 2]] == 0).all()
 
 
+@pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize(
     "world", [{}, {"topology": "full"}, {"link_success": 0.5, "faults": FAULTS}], ids=["ring", "full", "lossy"]
 )
@@ -102,6 +103,7 @@ def test_a_round_without_a_reading_costs_none():
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
 
 
+@pytest.mark.long(but=["lucky"])
 @pytest.mark.parametrize("source", [LUCKY, ALL, ADDS], ids=["lucky", "all", "adds"])
 def test_recorded_data_in_cpython_and_in_machine_code(source):
     readings = np.random.default_rng(5).integers(0, 2, (30, 4)).astype(float)
@@ -122,6 +124,7 @@ def test_on_the_move_and_of_robots_that_steer():
     assert len(np.unique(walks["fused"][1:])) == 25 * 6
 
 
+@pytest.mark.long
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
     (mixed,) = fixed(brain(LUCKY), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     who = mixed.who(SEED, 0, 1)[0]

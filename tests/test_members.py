@@ -134,6 +134,7 @@ def test_the_same_of_robots_that_move():
     assert (batch.verdicts[0, :, 0] == ride.fields["decided"][-1, honest]).all()
 
 
+@pytest.mark.long
 def test_results_have_as_many_robots_as_are_honest():
     study = sc.Study(
         trials=2,
@@ -150,6 +151,7 @@ def test_results_have_as_many_robots_as_are_honest():
     assert np.isnan(data["messages_sent"].values[1, :, 8:]).all()
 
 
+@pytest.mark.long
 def test_robots_that_lie_are_heard():
     """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
     hears = changed(
@@ -358,6 +360,7 @@ FAULTY = {
 }
 
 
+@pytest.mark.long(but=["does not compile"])
 @pytest.mark.parametrize("what", FAULTY)
 def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
     monkeypatch.chdir(tmp_path)
@@ -368,6 +371,7 @@ def test_it_is_the_brain_that_fails_that_is_named(tmp_path, monkeypatch, what):
         sc.run(sc.Study.parse(STUDY), jobs=1)
 
 
+@pytest.mark.long
 def test_the_line_that_fails_is_found_whatever_brains_use(tmp_path, monkeypatch):
     """Luck, names, silence and ends are those of the trial: the very robot fails in the very round."""
     monkeypatch.chdir(tmp_path)

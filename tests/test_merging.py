@@ -172,6 +172,7 @@ def test_a_rule_is_verified():
     assert found.stored == data.attrs["trials_done"]
 
 
+@pytest.mark.long
 def test_brains_of_ones_own_are_asked_for(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     source = study().swarm.brain[0].source
@@ -209,6 +210,7 @@ def test_what_only_some_of_merged_results_measured_is_no_difference():
         assert (found.setting, found.variable) == (where[0], name)
 
 
+@pytest.mark.long
 def test_an_output_is_not_thrown_away(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"robots_in_swarm": 4}), ("c", {"trials": 5})):

@@ -95,6 +95,7 @@ def fixed():
     return sc.run(study())
 
 
+@pytest.mark.long(but=["moving"])
 @pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
 def test_shipped_metrics_are_what_they_say_of_the_curves_of_a_run(text):
     results = sc.run(study(text))
@@ -178,6 +179,7 @@ def test_summaries_and_tables_have_metrics(fixed):
     assert one["swarm_right"] == fixed["swarm_right"].values[2, 4]
 
 
+@pytest.mark.long
 def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     sc.save(fixed, "a.nc")
@@ -191,6 +193,7 @@ def test_the_terminal_shows_metrics_and_json_says_what_never_came(fixed, tmp_pat
     assert {"infinity"} == {s["swarm_right"]["median"] for s in found if isinstance(s["swarm_right"]["median"], str)}
 
 
+@pytest.mark.long
 def test_a_run_that_goes_on_has_the_same_metrics_and_takes_no_other_version(fixed, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)
@@ -210,6 +213,7 @@ def test_a_run_that_goes_on_has_the_same_metrics_and_takes_no_other_version(fixe
     assert (sc.load("a.nc")["mine"] < 0).any()
 
 
+@pytest.mark.long
 def test_what_was_cut_off_is_taken_from_shards(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
@@ -228,6 +232,7 @@ def test_what_was_cut_off_is_taken_from_shards(tmp_path, monkeypatch):
         xr.testing.assert_identical(again[name], whole[name])
 
 
+@pytest.mark.long
 def test_shares_and_studies_that_ask_for_other_metrics_are_merged(fixed):
     merged = sc.merge([sc.run(study(), share=(k, 2)) for k in (1, 2)])
     for name in ("first_right", "swarm_right"):
@@ -259,6 +264,7 @@ def test_what_was_changed_in_a_file_is_found(fixed):
             sc.verify(false, 1.0)
 
 
+@pytest.mark.long
 def test_a_metric_file_that_results_name_is_not_run_unasked(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE)
@@ -403,6 +409,7 @@ def test_what_python_refuses_or_finds_otherwise_is_refused(line, message, tmp_pa
     assert message in str(error.value)
 
 
+@pytest.mark.long
 def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     text = brains.load("minimalistic").source
@@ -426,6 +433,7 @@ def test_any_name_will_do_for_a_metric_that_is_not_of_the_results(tmp_path, monk
         np.testing.assert_array_equal(results[name[:-3]], results["final_estimate"])
 
 
+@pytest.mark.long
 def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     Path("sub").mkdir()
@@ -447,6 +455,7 @@ def test_a_result_that_is_to_be_had_in_the_end_alone_is_not_asked_for_before(tmp
     assert (sc.run(sc.Study(**small(["late.py"])))["late"] == 0.5).all()
 
 
+@pytest.mark.long
 def test_rounding_is_no_fault_of_a_metric(tmp_path, monkeypatch):
     """Python and machine code may differ in the last bit of a power, and by more where like numbers are taken away."""
     monkeypatch.chdir(tmp_path)

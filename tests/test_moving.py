@@ -157,6 +157,7 @@ def random_body(random, small):
     return robots, min(10.0 ** random.uniform(-0.5, 1), 0.6 * arena.largest_density(robots, body)), body
 
 
+@pytest.mark.long(but=["False"])
 @pytest.mark.parametrize("small", [True, False])
 def test_no_link_is_missing_at_any_body(small):
     """Nor is there one too many; fixed seed, some 37,000 links."""

@@ -22,6 +22,7 @@ HEARS = changed(
 )
 
 
+@pytest.mark.long
 def test_names_are_the_robots_numbers():
     """By hand: on a line of 300 robots, of which blocks of the engine hold 256, each hears its neighbours' names."""
     for topology in ("line", "full"):
@@ -34,6 +35,7 @@ def test_names_are_the_robots_numbers():
         assert "name" not in fields
 
 
+@pytest.mark.long
 def test_on_the_move_and_in_a_mixed_swarm():
     setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     fields = record_ride(setting, SEED, 1).fields

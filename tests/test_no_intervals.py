@@ -86,6 +86,7 @@ def test_it_only_reads():
     assert "changes me.n" in fault
 
 
+@pytest.mark.long
 def test_what_differs_in_machine_code_and_what_does_not_compile_is_told():
     body = "    return 0.0, 1.0 if math.floor(1e25 + me.t) > 0 else 0.5\n"  # beyond 64 bits
     whole = brain(changed(("MEMORY =", "import math\n\nMEMORY =")) + f"\n\ndef interval(me):\n{body}")
@@ -98,6 +99,7 @@ def test_what_differs_in_machine_code_and_what_does_not_compile_is_told():
     assert "interval gives UniTuple(float64 x 3), not two numbers, low and high" in fault
 
 
+@pytest.mark.long
 def test_the_line_in_which_it_fails_is_told(tmp_path, monkeypatch):
     """At a checkpoint, where it is asked, and not before."""
     source = MEANS + "\n\ndef interval(me):\n    return 0.0, 1.0 / (me.t - 2.0) / (me.t - 5.0) * 0.0 + 1.0\n"

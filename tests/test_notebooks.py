@@ -24,6 +24,7 @@ CELLS = [
 ]
 
 
+@pytest.mark.long
 def test_a_notebook_shows_them():
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
     pytest.importorskip("ipykernel")
@@ -130,6 +131,7 @@ sc.run(study%s)
 """
 
 
+@pytest.mark.long(only=["True-, progress=False"])
 @pytest.mark.parametrize(("terminal", "option"), [(True, ""), (True, ", progress=False"), (False, "")])
 def test_a_bar_is_on_terminals_only(terminal, option, untraced_processes):
     command = [sys.executable, "-c", RUN % option]

@@ -14,6 +14,7 @@ from swarmcensus.conformance.promises import PROMISES
 from tests.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, quick, robot, rounds, telling
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", QUICK)
 def test_they_keep_the_contract_where_phases_are_short(name, untraced):
     brain = quick(name, debiased=1.0)

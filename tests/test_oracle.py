@@ -86,6 +86,7 @@ def test_it_is_the_same_in_every_network_and_whatever_robots_assume():
     assert len(set(results["link_success"].values.tolist())) == 2
 
 
+@pytest.mark.long(but=["moving"])
 @pytest.mark.parametrize("topology", ["ring", "moving"])
 def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch):
     """A liar's brain is not even run; a robot that stops talking is heard all the same."""
@@ -107,6 +108,7 @@ def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch)
     assert np.abs(results["final_estimate"].values[1, :, :8] - 0.3).max() > 0.5  # what they do to others
 
 
+@pytest.mark.long
 def test_a_steering_swarm_has_one_too(tmp_path):
     """Robots that steer live in a loop of their own."""
     (tmp_path / "seer.py").write_text(ORACLE.source + "\n\ndef steer(me):\n    return 0.1, 0.5\n")
@@ -120,6 +122,7 @@ def test_a_steering_swarm_has_one_too(tmp_path):
         assert results["final_estimate"].values[0, trial] == pytest.approx(best, abs=1e-12)
 
 
+@pytest.mark.long
 def test_steps_that_turn_back_are_shortened_and_end_at_the_maximum():
     """Few readings of very unequal sensors: plain scoring goes to and fro for ever in some of these."""
     chance, stuck = np.random.default_rng(0), 0

@@ -79,6 +79,7 @@ def test_by_hand():
         assert data["interval_width"].values[0, :, trial] == pytest.approx([1.6 / 3, 0.89 / 3, 0.2 / 3])
 
 
+@pytest.mark.long(but=["7-0.9-1.0"])
 @pytest.mark.parametrize(("looks", "f", "z"), [(20, 0.55, 1.96), (7, 0.9, 1.0)])
 def test_coverage_and_width_of_robots_alone_are_those_of_theory(looks, f, z):
     """Readings are binomial, and so the coverage and width exactly known: error rate 0.1 % of each of the two tests."""
@@ -111,6 +112,7 @@ WORLDS = {
 }
 
 
+@pytest.mark.long(only=["moving-nominal-True"])
 @pytest.mark.parametrize(
     ("world", "truth", "steers"),
     [
@@ -153,6 +155,7 @@ def test_cpython_and_machine_code_agree_to_the_bit():
     assert (slow["interval_high"] - slow["interval_low"]).values[-1].max() < 0.7
 
 
+@pytest.mark.long
 def test_a_field_of_the_memory_may_be_called_so():
     source = changed(('"n": 0.0', '"n": 0.0, "interval_low": 0.25'), source=WALD)
     for compiled in (True, False):
@@ -181,6 +184,7 @@ def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch)
         assert np.isfinite(with_.intervals).all()
 
 
+@pytest.mark.long(but=["moving"])
 @pytest.mark.parametrize("world", ["ring", "moving"])
 def test_only_honest_robots_that_have_one_are_counted(world):
     """A liar's would not even be one; of brains without there is nothing to count."""
@@ -197,6 +201,7 @@ def test_only_honest_robots_that_have_one_are_counted(world):
         assert batch.intervals[:, 0, 0].tolist() == [1.0, 0.25] if counted else np.isnan(batch.intervals).all()
 
 
+@pytest.mark.long
 def test_stopped_continued_merged_verified_and_read_again(here, monkeypatch, capsys):
     """All of it has the bits of an undisturbed run, and of brains without an interval nothing."""
     monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
@@ -252,6 +257,7 @@ def test_a_run_that_was_killed_is_read_from_its_shards(here, monkeypatch):
         assert np.array_equal(again[name], whole[name], equal_nan=True)
 
 
+@pytest.mark.long
 def test_what_is_shown(here, capsys):
     study = sc.Study.load("s.toml")
     data = sc.run(study, jobs=1)

@@ -10,7 +10,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.results import shards
 from swarmcensus.runs.running import run
-from tests.slow import times
+from tests.long import in_two_sizes
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -51,6 +51,7 @@ def known():
     return {name: sc.run(study(name), jobs=2) for name in WORLDS}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", WORLDS)
 def test_with_one_thread_after_a_cut_and_verified(known, name, monkeypatch, tmp_path):
     monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
@@ -74,16 +75,18 @@ def test_with_one_thread_after_a_cut_and_verified(known, name, monkeypatch, tmp_
     assert not found.labels
 
 
+@in_two_sizes("step", 3, 1)
 @pytest.mark.parametrize("name", WORLDS)
-def test_replayed(known, name):
+def test_replayed(known, name, step):
     """The trace's last round is the dataset's, and its memory has as many numbers as the brain."""
     data = known[name]
-    for k in range(0, data.sizes["setting"], times(1, 3)):
+    for k in range(0, data.sizes["setting"], step):
         trace = sc.replay(data, k, 2)
         last = trace.isel({trace["estimate"].dims[0]: -1})
         assert (data["final_estimate"].values[k, 2] == last["estimate"].values).all()
 
 
+@pytest.mark.long
 def test_without_numba(tmp_path, untraced_processes):
     """Of few trials: the last bit of what CPython computes is that of machine code."""
     for name in WORLDS:

@@ -144,6 +144,7 @@ def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
     assert "95 %" not in figures
 
 
+@pytest.mark.long
 def test_claims_are_all_there_and_valid_json(done):
     text = (done.out / "claims.json").read_text(encoding="utf-8")
     read = json.loads(text, parse_constant=pytest.fail)
@@ -225,6 +226,7 @@ def test_a_folder_that_cannot_be_written_is_found_out_before_anything_runs(tmp_p
         paper.reproduce(tmp_path / "out", trials=1)
 
 
+@pytest.mark.long
 def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_time(tmp_path, monkeypatch):
     whole, finished = paper.run, []
 

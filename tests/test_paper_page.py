@@ -152,6 +152,7 @@ def again():
     return data, {claim["id"]: claim for claim in about["claims"] if claim["settings"]}
 
 
+@pytest.mark.long
 def test_the_engine_gives_the_numbers_of_the_page(again):
     _, found = again
     assert set(found) == {"blacker-first-full", "mixed-consensus-moving"}

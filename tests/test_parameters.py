@@ -91,6 +91,7 @@ def test_other_values_need_no_other_machine_code():
     assert (compiler.blank(swept) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
 
 
+@pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
 def test_receive_may_read_them_though_it_only_adds(topology):
     """What a message adds is found by a mind of zeros, which has the parameters all the same."""

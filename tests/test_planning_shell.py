@@ -35,6 +35,7 @@ def test_it_prints_a_row_a_brain_and_writes_a_plan_and_a_figure(here, capsys):
     assert "<svg" in Path("p.svg").read_text()[:500]
 
 
+@pytest.mark.long
 def test_options_replace_what_the_file_says(here, capsys):
     assert main(["plan", "m.toml", "--right", "majority", "--brain", "voter", "--minutes", "9"]) == 0
     out = capsys.readouterr().out
@@ -65,6 +66,7 @@ def estimate(me):
 ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
 
 
+@pytest.mark.long(only=["change42-options42-at f = 0.55 among 30 % of liars (shouter), not 95 %"])
 @pytest.mark.parametrize(
     ("change", "options", "said"),
     [
@@ -206,6 +208,7 @@ def test_networks_that_there_are_not_of_every_size_are_told_by_their_key(topolog
     assert "free.topology" in error
 
 
+@pytest.mark.long
 def test_theory_says_what_it_leaves_out(here, capsys):
     for options, said in (
         (["--link-success", "0.5"], "theory, in minutes, as if no message were lost: "),
@@ -241,6 +244,7 @@ def test_a_file_that_is_no_mission(content, said, here, capsys):
     assert said in line
 
 
+@pytest.mark.long
 def test_a_density_replaces_the_side_of_a_file(here, capsys):
     wishes = "[known]\naccuracy = 0.9\n[wanted]\nhalf_width = 0.1\n[free]\nrobots = 4\n"
     Path("yard.toml").write_text("[area]\nside = 3\n" + wishes)

@@ -48,6 +48,7 @@ def share_right(minutes, lie, brain="steadfast", trials=400):
     return float((np.abs(estimates - 0.55) <= 0.05).mean())
 
 
+@pytest.mark.long
 def test_the_found_time_is_right_in_other_trials_with_liars():
     """As without: its interval errs in one plan of 20, and the share of 400 other trials by 0.02 in some hundred."""
     [row] = sc.plan(among_liars(lie="opposite"), **QUIET).rows
@@ -56,6 +57,7 @@ def test_the_found_time_is_right_in_other_trials_with_liars():
     assert share_right(row.minutes_high, "opposite") >= 0.95 - 0.02
 
 
+@pytest.mark.long
 def test_of_several_lies_the_worst_is_planned_for():
     rows = {}
     for lie in ("opposite", "jammer", ["opposite", "jammer"]):
@@ -65,6 +67,7 @@ def test_of_several_lies_the_worst_is_planned_for():
     assert both.lie == max(alone, key=lambda row: row.minutes).lie
 
 
+@pytest.mark.long
 def test_one_that_shouts_owns_commons_and_not_steadfast_and_no_trial_is_missing():
     """The numbers of commons run away to infinity: trials in which nobody is right."""
     found = sc.plan(
@@ -124,6 +127,7 @@ def test_an_oracle_hears_no_liar():
     assert row.minutes_low <= 1.2 * row.theory.pooled
 
 
+@pytest.mark.long
 def test_a_world_is_planned_as_if_it_were_alone():
     several = sc.plan(
         changed(free={"topology": ["ring", "full", "moving"], "brain": "commons", "density": [5, 10]}), **QUIET
@@ -136,6 +140,7 @@ def test_a_world_is_planned_as_if_it_were_alone():
         assert sc.plan(changed(free=free), **QUIET).rows == [row]
 
 
+@pytest.mark.long
 def test_the_area_follows_from_the_density_and_is_the_same_when_it_is_given():
     [row] = sc.plan(changed(free={"topology": "moving", "density": 8, "brain": "commons"}), **QUIET).rows
     assert row.side == pytest.approx(math.sqrt(10 * math.pi * 0.7**2 / 8))
@@ -218,6 +223,7 @@ def test_a_figure_has_a_line_a_brain_and_world():
         assert len(line.get_xdata()) == 2
 
 
+@pytest.mark.long
 def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
     """Of ten robots two say the opposite, which at 0.5 is the truth: theory's worst f, and no worst of theirs.
 
@@ -247,6 +253,7 @@ def test_where_liars_do_most_harm_inside_of_the_range_that_is_planned_for():
     assert min(shares[row.minutes_high]) >= 0.95 - 0.02
 
 
+@pytest.mark.long
 def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_range_too():
     """At 0.88 min ten robots of which two lie are right at 0.3, 0.5 and 0.7 and in only 70 % near 0.43."""
     known = {"accuracy": 0.7, "fill_ratio": [0.3, 0.7], "lying": 0.2, "lie": "opposite"}

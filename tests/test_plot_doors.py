@@ -131,6 +131,7 @@ def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages
     subprocess.run([sys.executable, "-c", code], check=True, capture_output=True)
 
 
+@pytest.mark.long
 def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere):
     code = """
 import json, swarmcensus as sc
@@ -151,6 +152,13 @@ print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.
     assert elsewhere("-m", "swarmcensus", "plot", "small.nc").returncode == 0  # `scatter` stays ours
 
 
+@pytest.mark.long(
+    only=[
+        "box-plot-options2---kind box-plot: whiskers = 'wide': should be a valid number",
+        "fails-options5-figure 'fails', others_figures:fails: KeyError: 'no such",
+        "nothing-options6-figure 'nothing' returned NoneType: should be a matplotlib Figure",
+    ]
+)
 @pytest.mark.parametrize(
     ("kind", "options", "said"),
     [
@@ -386,6 +394,7 @@ def test_names_look_different_and_numbers_in_order():
 # ---- lines
 
 
+@pytest.mark.long
 def test_lines_draw_medians_and_intervals_as_the_summary_has_them(small_results):
     results = sc.run(sc.Study.parse(small_results.attrs["study"]).with_(trials=8), jobs=2)
     table = sc.summary(results)
@@ -493,6 +502,7 @@ def test_trials_that_were_not_run_are_left_out_of_lines():
         sc.plot.lines(forget(robots(), trial=slice(None)))
 
 
+@pytest.mark.long
 def test_lines_of_long_names_and_of_many_stay_on_the_paper():
     long = ["warehouse_measured_links_2024-05-17_north_wing_final_v2", "b", "w" * 90, "costs $2 or $3"]
     names = [*long, *"defgh"]

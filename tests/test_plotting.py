@@ -48,6 +48,7 @@ def test_one_trial_means_nothing_to_pictures_of_all(kind, option, small_file, he
     assert not list(here.iterdir())
 
 
+@pytest.mark.long
 def test_a_setting_that_where_leaves_out(small_file, here, capsys):
     out = ["plot", small_file, "--kind", "curves", "--where", 'topology == "ring"', "--setting"]
     assert "setting 0 is not one of those that --where 'topology == \"ring\"' selects" in complaint(capsys, *out, 0)
@@ -98,6 +99,7 @@ def test_a_recording_that_cannot_be_leaves_nothing(here, capsys):
     assert set(here.iterdir()) == files
 
 
+@pytest.mark.long
 def test_a_film_s_faults_are_told_before_what_the_machine_lacks(here, capsys, monkeypatch):
     (here / "m.toml").write_text(MOVING)
     assert main(["run", "m.toml"]) == 0

@@ -165,6 +165,7 @@ def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, doe
     assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
 
 
+@pytest.mark.long(but=["300"])
 @pytest.mark.parametrize("robots", [300, 33_000])
 def test_large_full_networks_hear_everyone_else(robots):
     """Some pass through the cache as a whole, others block by block; both against sums of all but one, by NumPy."""
@@ -259,6 +260,7 @@ def test_a_worker_of_somebody_s_pool_copies_nothing():
     assert (done.returncode, done.stdout.split()) == (0, ["[True]", "True"]), done.stderr
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("closed", ["2>&-", ">&-"])
 def test_closed_streams_change_no_exit_code(closed, small_file):
     done = subprocess.run(
@@ -274,6 +276,7 @@ def test_an_expression_too_deep_to_be_written_anew_is_taken_as_it_is():
     assert glue.essence(deep) == deep
 
 
+@pytest.mark.long
 def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
     """It would be compiled twice, and the copy's folder would stay."""
     (tmp_path / "file").write_text("")

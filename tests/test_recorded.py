@@ -240,6 +240,7 @@ def test_replays_of_trials_that_fail_say_what_the_run_says(here):
     assert 0 < compared < 3 * TRIALS
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("seed", [2, 3, 4])
 def test_a_run_of_any_brain_records_what_its_replays_show(seed, here, monkeypatch):
     names = sorted([*brains.shipped(), *OWN]) * A_BRAIN

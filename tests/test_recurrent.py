@@ -94,6 +94,7 @@ def test_the_weights_are_those_that_the_search_found():
     assert NET.parameters["debiased"] == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("name", "losses"),
     [

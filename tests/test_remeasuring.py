@@ -102,6 +102,7 @@ def test_nothing_asked_is_nothing_changed(kept):
     assert sc.remeasure(kept, delta=0.01, bins=10) is kept, "what the study has"
 
 
+@pytest.mark.long
 def test_what_was_asked_anew_is_said(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kept = measured(FIXED | {"trials": 8}, estimates=True, checkpoints=[1, 2, 5, 20, 40])
@@ -144,6 +145,7 @@ def test_results_without_estimates_say_how_to_get_them(small_results):
         sc.remeasure(small_results, bins=5)
 
 
+@pytest.mark.long
 def test_kept_estimates_are_resumed_verified_and_merged(tmp_path, monkeypatch):
     tables = FIXED | {"measure": {"estimates": True, "checkpoints": [1, 20, 40]}}
     out = tmp_path / "kept.nc"
@@ -174,6 +176,7 @@ def test_estimates_count_among_the_values_to_keep():
         sc.Study(**tables, measure={"estimates": True, "checkpoints": list(range(1, 1001))})
 
 
+@pytest.mark.long
 def test_from_the_shell(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     kept = measured(FIXED, estimates=True, checkpoints=[5, 20, 40])

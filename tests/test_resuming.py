@@ -27,7 +27,7 @@ from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status import status
-from tests.slow import times
+from tests.long import in_two_sizes
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -204,6 +204,7 @@ def test_local_estimates_may_be_asked_for_later(here):
         run(study(fixed), out="a.nc")
 
 
+@pytest.mark.long
 def test_a_subset_of_the_checkpoints_is_enough(here):
     run(study(STUDY.replace("[10, 60]", "[10, 20, 60]")), 2, out="a.nc")
     assert same(run(study(), 2, out="a.nc"), sc.run(study(), jobs=2))
@@ -245,6 +246,7 @@ def test_any_flipped_bit_is_noticed(here):
     assert shards.read(path) is not None
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -320,6 +322,7 @@ def test_two_runs_on_one_output(here, capsys):
     assert not status("a.nc").running
 
 
+@pytest.mark.long
 def test_status_of_what_was_cut_off_and_of_what_is_done(here, capsys):
     with pytest.raises(InputError, match="no such file, and no run"):
         status("a.nc")
@@ -353,18 +356,19 @@ def command(*arguments):
     return [sys.executable, "-m", "swarmcensus", *arguments]
 
 
-def test_sigkill_at_random_moments(here, untraced):
+@in_two_sizes(("trials", "times", "at_least"), (100, [0, 1, 2], 1), (200, [0, 1, 1, 1, 2, 0, 1, 1, 1, 1], 6))
+def test_sigkill_at_random_moments(here, untraced, trials, times, at_least):
     """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
     often = (
         "import sys; from swarmcensus.cli.commands import main; from swarmcensus.results import shards; "
         "shards.AT_LEAST = 0.02; sys.exit(main())"
     )
-    longer = LONG.replace("trials = 150", f"trials = {times(200, 100)}")
+    longer = LONG.replace("trials = 150", f"trials = {trials}")
     Path("s.toml").write_text(longer)
     moments = random.Random(11)
     folder = shards.folder_of(Path("a.nc"))
     found = 0
-    for more in times([0, 1, 1, 1, 2, 0, 1, 1, 1, 1], [0, 1, 2]):
+    for more in times:
         wanted = len(shards.listed(folder)) + more
         run_again = [sys.executable, "-c", often, "run", "s.toml", "--out", "a.nc", "--jobs", "1"]
         with subprocess.Popen(run_again, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE) as process:
@@ -374,7 +378,7 @@ def test_sigkill_at_random_moments(here, untraced):
             assert process.poll() is None, "the study is too short for this test"
             process.send_signal(signal.SIGKILL)
             found += b"found" in process.stderr.read()
-    assert found >= times(6, 1)
+    assert found >= at_least
     assert not Path("a.nc").exists()
     last = subprocess.run(command("run", "s.toml", "--out", "a.nc"), capture_output=True, text=True, check=True)
     assert "of a run that was cut off" in last.stderr
@@ -429,6 +433,7 @@ def test_a_full_disk_as_the_system_tells_it(here, whole, monkeypatch):
     assert same(run(study(), 2, out="a.nc"), whole)
 
 
+@pytest.mark.long
 def test_a_trial_that_fails_fails_alone(here, capsys):
     source = sc.Study.parse(STUDY).swarm.brain[0].source
     bad = source.replace(
@@ -474,6 +479,7 @@ def test_results_and_shards_hold_no_pickles(here):
     assert results.load("a.nc")["fingerprint"].dtype.kind in "UO"
 
 
+@pytest.mark.long
 def test_longer_settings_are_added_under_the_default_checkpoints(here):
     text = STUDY.replace("checkpoints = [10, 60]", "")
     run(study(text), 2, out="a.nc")
@@ -488,6 +494,7 @@ def test_longer_settings_are_added_under_the_default_checkpoints(here):
         run(shorter, 2, out="c.nc")
 
 
+@pytest.mark.long
 def test_decisions_that_only_some_merged_results_have_are_missed(here):
     one, two = study(STUDY.replace("[3, 20]", "3")), study(STUDY.replace("[3, 20]", "20").replace("[10,", "[10, 20,"))
     results.save(sc.merge([sc.run(one), sc.run(two)]), "m.nc")
@@ -595,6 +602,7 @@ def compile_as_shipped(compile_brain):
     return lambda _, *how, **more: compile_brain(sc.brains.load("minimalistic"), *how, **more)
 
 
+@pytest.mark.long
 def test_a_mended_brain_does_not_cost_the_others(here, capsys):
     source = sc.brains.load("minimalistic").source
     text = STUDY.replace("[swarm]", '[swarm]\nbrain = ["minimalistic", "mine.py"]').replace(
@@ -663,6 +671,7 @@ def test_a_link_where_a_run_keeps_its_work_is_refused(name, here):
     assert not Path("a.nc").exists()
 
 
+@pytest.mark.long
 def test_status_of_shares_and_of_what_was_merged(here):
     def lines(name):
         return status(name).lines[1:]
@@ -707,6 +716,7 @@ def test_status_of_the_stages_of_a_rule(here):
     assert len(status("a.nc").lines) == 1
 
 
+@pytest.mark.long
 def test_estimates_that_are_no_numbers_are_failures(here, monkeypatch):
     run_batch = tasks.run_batch
 

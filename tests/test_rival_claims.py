@@ -50,6 +50,7 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
     assert study.settings()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
 def test_all_settings_that_a_claim_asks_for_are_in_its_studies(claim, monkeypatch):
     asked = []
@@ -282,6 +283,7 @@ def test_the_page_has_what_the_command_prints():
     assert all(claim["explanation"] for claim in FOUND.values() if claim["verdict"] == FAILS)
 
 
+@pytest.mark.long
 def test_the_engine_still_gives_the_stored_numbers(tmp_path):
     data = {name: sc.run(sc.Study.load(STUDIES[name])) for name in QUICK}
     quick = [claim for claim in RIVALS.claims if set(claim.studies) <= set(QUICK)]

@@ -13,8 +13,8 @@ import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.results import shards
 from swarmcensus.runs.running import run
+from tests.long import in_two_sizes
 from tests.second import ADDS, ALL, STEER, TALKS
-from tests.slow import times
 
 pytestmark = pytest.mark.usefixtures("untraced_processes")
 
@@ -121,6 +121,7 @@ def same(one, other):
     return one.drop_attrs(deep=False).identical(other.drop_attrs(deep=False))
 
 
+@pytest.mark.long
 def test_they_do_what_they_are_to_try(known):
     """Some robots are silent, some decide, some are done, some swarms agree, some hear more than they say."""
     for data in known.values():
@@ -144,6 +145,7 @@ def test_where_few_rounds_are_kept_at_a_time(here, known, name, monkeypatch):
     assert same(sc.run(load(here, name), jobs=1), known[name])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", TEXTS)
 def test_after_a_cut(here, known, name, monkeypatch):
     monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
@@ -164,6 +166,7 @@ def test_after_a_cut(here, known, name, monkeypatch):
     assert same(sc.load(out), known[name])
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", TEXTS)
 def test_verified_and_merged(here, known, name):
     sc.save(known[name], f"{name}.nc")
@@ -177,11 +180,12 @@ def test_verified_and_merged(here, known, name):
         assert merged[variable].identical(known[name][variable]) or variable == "fingerprint"
 
 
+@in_two_sizes("step", 12, 5)
 @pytest.mark.parametrize("name", TEXTS)
-def test_replayed(here, known, name):
+def test_replayed(here, known, name, step):
     """The trace's last round is the dataset's, of the robots that count; who lies is in the trace too."""
     data = known[name]
-    for k in range(0, data.sizes["setting"], times(5, 12)):
+    for k in range(0, data.sizes["setting"], step):
         trace = sc.replay(data, k, 2)
         setting = load(here, name).settings()[k]
         honest = np.array([m == 0 or setting.members[m - 1].honest for m in setting.who(data.attrs["seed"], 2, 1)[0]])
@@ -193,6 +197,7 @@ def test_replayed(here, known, name):
         assert (np.isfinite(data["done_round"].values[k, 2, :n]) == ever).all()
 
 
+@pytest.mark.long
 def test_without_numba(here, known):
     """A study of few settings: the last bit of what CPython computes is that of machine code."""
     small = {
@@ -222,6 +227,7 @@ def test_local_estimates_are_those_of_whatever_else_a_study_runs(here, known):
             assert (one[name].values == alike[name].values)[~np.isnan(one[name].values)].all()
 
 
+@pytest.mark.long
 def test_on_a_cluster(here, known):
     cluster = distributed.LocalCluster(
         n_workers=1, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0", silence_logs="CRITICAL"

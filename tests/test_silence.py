@@ -32,6 +32,7 @@ def counts(source, trial=0, **world):
     return batch.counts[0, SENT].tolist(), batch.counts[0, HEARD].tolist()
 
 
+@pytest.mark.long(only=["world0-sent0-heard0-sums"])
 @pytest.mark.parametrize("source", [ODD, ADDS], ids=["each", "sums"])
 @pytest.mark.parametrize(
     ("world", "sent", "heard"),
@@ -62,6 +63,7 @@ def test_who_never_speaks_is_never_heard(topology):
     assert counts(MUTE, topology=topology) == ([0] * 5, [0] * 5)
 
 
+@pytest.mark.long
 def test_who_always_speaks_is_heard_by_all_its_neighbours():
     assert counts(LOUD, topology="ring", rounds=6) == ([6] * 5, [12] * 5)
     assert counts(LOUD, topology="full", rounds=6) == ([6] * 5, [24] * 5)
@@ -84,6 +86,7 @@ def test_trials_of_a_batch_are_counted_each():
     assert (batch.counts[0] != batch.counts[1]).any()
 
 
+@pytest.mark.long
 def test_nothing_is_heard_of_what_was_not_said():
     """A message of zeros would count as one: what is summed up is what was said, of who spoke in that very round."""
     speaks = changed(("me.ears += 1.0 + message[0] - message[0]", "me.ears += 1.0 + message[0]"), source=ODD)

@@ -56,6 +56,7 @@ def site(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_the_site_is_built_and_no_link_of_it_is_dead(site):
     """Also those that mkdocs does not see: of the theme, of generated pages, to anchors, to files."""
     pages = {page: Links(page.read_text(encoding="utf-8")) for page in site.rglob("*.html") if page.name != "404.html"}
@@ -91,6 +92,7 @@ def test_what_references_name_is_a_link(site):
     assert '<a href="../../data-format/">docs/data-format.md</a>' in page
 
 
+@pytest.mark.long
 def test_the_site_fetches_nothing_from_elsewhere(site):
     for page in site.rglob("*.html"):
         for target in Links(page.read_text(encoding="utf-8")).fetches:
@@ -99,6 +101,7 @@ def test_the_site_fetches_nothing_from_elsewhere(site):
         assert not re.search(r"(@import|url\(\s*['\"]?(\w+:)?//)", style.read_text(encoding="utf-8")), style
 
 
+@pytest.mark.long
 def test_every_command_and_option_is_on_its_page(site):
     page = (site / "reference" / "command-line" / "index.html").read_text(encoding="utf-8")
     assert {name for name in COMMANDS if f'id="{name}"' not in page} == set()
@@ -106,6 +109,7 @@ def test_every_command_and_option_is_on_its_page(site):
         assert f"<code>{option}</code>" in page
 
 
+@pytest.mark.long
 def test_every_key_of_a_study_is_on_its_page(site):
     page = (site / "reference" / "study-schema" / "index.html").read_text(encoding="utf-8")
     for table in (schema(), *schema()["$defs"].values()):
@@ -113,11 +117,13 @@ def test_every_key_of_a_study_is_on_its_page(site):
     assert all((site / "reference" / f"{what}.schema.json").is_file() for what in ("study", "mission"))
 
 
+@pytest.mark.long
 def test_what_a_page_leads_to_in_the_repository_is_on_the_site(site):
     page = (site / "source" / "studies" / "example" / "ranking.toml" / "index.html").read_text(encoding="utf-8")
     assert "Three brains in four worlds" in page
 
 
+@pytest.mark.long
 def test_a_dead_link_ends_the_build(site, tmp_path):
     """So what a strict build promises is so."""
     settings = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:")[0]
@@ -157,6 +163,7 @@ def hook():
     return runpy.run_path(str(ROOT / "docs_hooks" / "notebooks.py"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("page", TUTORIALS, ids=lambda page: page.stem)
 def test_tutorials_run(page, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"))
@@ -168,12 +175,14 @@ def test_tutorials_run(page, monkeypatch):
         assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
 
 
+@pytest.mark.long
 def test_a_cell_that_fails_is_told_of():
     found = hook()
     with pytest.raises(Exception, match="ZeroDivisionError"):
         found["executed"]("```python\n1 / 0\n```\n")
 
 
+@pytest.mark.long
 def test_a_notebook_is_shown_with_what_it_prints_and_draws():
     """A file that a cell writes is shown as such; what a cell says on stderr, its progress, is not."""
     found = hook()

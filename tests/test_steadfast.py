@@ -12,9 +12,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.conformance.machine_code import agrees
+from tests.long import in_two_sizes
 from tests.lying import worn
 from tests.second import fixed
-from tests.slow import times
 from tests.test_adversaries import lived
 
 STEADFAST = brains.load("steadfast").functions
@@ -158,6 +158,7 @@ def test_a_lie_fades_and_the_own_evidence_does_not():
     assert (twin.s, twin.v) == pytest.approx((0.7 * (500.0 - 1000.0 * 0.2), 0.49 * 1000.0))
 
 
+@pytest.mark.long(only=["noisy-mirror"])
 @pytest.mark.parametrize("name", ["opposite", "shouter", "noisy-mirror", "jammer"])
 def test_swarms_with_liars_live_as_by_brute_force(name):
     members = [{"robots": 2, "brain": {"file": name}, "honest": False}]
@@ -165,6 +166,7 @@ def test_swarms_with_liars_live_as_by_brute_force(name):
     lived(setting)
 
 
+@pytest.mark.long
 def test_a_worn_brain_is_the_same_in_machine_code():
     agrees(worn("shouter", by="steadfast"))
 
@@ -184,10 +186,10 @@ def errors(brain, kinds=(), share=0.2, trials=20, f=0.55, topology=GEOMETRIC):
 LIES = ("always-black", "always-white", "opposite", "random", "noisy-mirror", "shouter", "slow-liar", "forger")
 
 
-def test_a_fifth_of_liars_of_any_kind_costs_less_than_talking_gains():
+@in_two_sizes("lies", ("always-black", "opposite", "shouter"), LIES)
+def test_a_fifth_of_liars_of_any_kind_costs_less_than_talking_gains(lies):
     """Each kind's median is below that of a robot alone, commons' is above: 99 % of bootstraps of the trials agree."""
     alone = errors("alone")
-    lies = times(LIES, ("always-black", "opposite", "shouter"))  # each is compiled anew
     kinds = [kind for kind in lies if kind not in ("noisy-mirror", "random", "shouter")]  # who shouts breaks commons
     draw = np.random.default_rng(2).integers(0, 20, (1000, 20))
     told, lost = errors("steadfast", lies), errors("commons", kinds)

@@ -116,6 +116,7 @@ def steered(folder):
     return study, sc.run(study, jobs=2)
 
 
+@pytest.mark.long
 def test_a_brain_that_never_wants_anything_walks_at_random(folder):
     """To the bit: the same brain without `steer`, and one whose `steer` returns None."""
     results = sc.run(study_of(folder, "NEVER", brain='["minimalistic", "steered.py"]'))

@@ -21,6 +21,7 @@ def results():
     return sc.run(sc.Study.parse(text).with_(trials=TRIALS))
 
 
+@pytest.mark.long
 def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results):
     error = abs(results["final_estimate"] - results["true_fill_ratio"]).mean("robot")
     of = {

@@ -144,6 +144,7 @@ def test_show_is_of_some_settings(file, capsys):
     assert "rounds 8" in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_the_hint_to_the_others_is_a_command(file, capsys):
     assert main(["show", file]) == 0
     out = capsys.readouterr().out
@@ -161,6 +162,7 @@ def test_the_hint_to_the_others_is_a_command(file, capsys):
     assert "of 48 settings;" not in capsys.readouterr().out
 
 
+@pytest.mark.long
 def test_show_sorts(file, many, capsys):
     def shown(*options):
         assert main(["show", file, "--limit", "48", *options]) == 0

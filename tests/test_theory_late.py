@@ -106,6 +106,7 @@ def test_single_robots_have_their_own_variance(runs):
     assert (expected.max() / expected.min()) > 1.2
 
 
+@pytest.mark.long
 def test_it_is_explained(runs):
     """The share of 12 settings whose 95 % interval holds theory's value: fewer than 8 do in 0.02 % of the cases."""
     held = 0

@@ -95,6 +95,7 @@ def test_rounds_have_no_clock(topology):
             sc.Study(**STUDY | {"world": world, "schedule": schedule})
 
 
+@pytest.mark.long
 def test_times_come_out_as_they_go_in(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     moving = {"topology": "moving", "density": 1, "fill_ratio": 0.55, "body": {"tick": 0.5}}

@@ -157,6 +157,7 @@ def unheld(what):
     return any(phrase.startswith(f"{name}: ") for phrase in labels.unchecked(xr.Dataset(attrs={name: ""})))
 
 
+@pytest.mark.long(but=["rule"])
 @pytest.mark.parametrize("name", ["kinds", "measures", "rule", "merged", "everything", "liars"])
 def test_whatever_is_changed_is_noticed(name, request, files, quick, untraced):
     """Every variable, coordinate and attribute that is in the file, in each way; only what `verify` names is not."""
@@ -171,6 +172,7 @@ def test_whatever_is_changed_is_noticed(name, request, files, quick, untraced):
     assert [what for what in missed if not unheld(what)] == []
 
 
+@pytest.mark.long(but=["measures"])
 @pytest.mark.parametrize("name", ["measures", "everything"])
 def test_what_is_missing_or_infinite_has_one_form(name, request, files):
     """Other forms are refused wherever results are read, not only where trials are run again."""
@@ -185,6 +187,7 @@ def test_what_is_missing_or_infinite_has_one_form(name, request, files):
         sc.merge([data, ways[0][1]])
 
 
+@pytest.mark.long
 def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
     """Every attribute that HDF5 holds and every number that no reader shows: noticed, or bookkeeping without effect."""
     source = files / "pictures.nc"
@@ -342,6 +345,7 @@ class TestTrialsThatAreHidden:
         kept[:, ::2] = False
         assert "some are missing, and none is said to be" in sc.verify(hidden(data, kept), 1.0).labels[0]
 
+    @pytest.mark.long
     def test_behind_one_that_is_said_to_have_failed(self, files):
         data = sc.load(files / "rule.nc")
         kept = self.done(data)
@@ -554,6 +558,7 @@ class TestBrainFiles:
 class TestFormats:
     """Files of each format that was ever written: they are read for good."""
 
+    @pytest.mark.long
     @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
     def test_all_that_is_done_with_results_is_done_with_them(self, name, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
@@ -569,6 +574,7 @@ class TestFormats:
         assert said.count("48 of 48 trials run again: the ") == said.count("same to the last bit") == 2
         assert "48 of 48 trials done" in said
 
+    @pytest.mark.long
     def test_brains_of_the_second_edition_are_done_with_too(self, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
         for name in ("second-3.nc", "second.py", "teller.py"):

@@ -389,6 +389,7 @@ def args(tmp_path):
     return study_of(tmp_path, "a = 0.1, noise = 0.1"), ["a=0:1", "idle=1:9:log"]
 
 
+@pytest.mark.long
 def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_path, monkeypatch):
     whole = sc.tune(*args, budget=61, trials=2, out=tmp_path / "whole.toml")
     lines = (tmp_path / "whole.csv").read_bytes().splitlines(keepends=True)
@@ -409,6 +410,7 @@ def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_pa
     assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
 
 
+@pytest.mark.long
 def test_a_larger_budget_goes_on_and_replaces_the_evaluation(args, tmp_path):
     sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml")
     first = sc.load(tmp_path / "a.nc").attrs["title"]
@@ -439,6 +441,7 @@ def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
     assert kept == rows(tmp_path / "b.csv")[: len(kept)]
 
 
+@pytest.mark.long
 def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path):
     sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml")
     text = (tmp_path / "a.csv").read_text()

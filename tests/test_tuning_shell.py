@@ -35,6 +35,7 @@ def lines_of(path):
         return [row if row[0].startswith("#") else row[:-1] for row in csv.reader(file)]
 
 
+@pytest.mark.long
 def test_it_writes_a_fragment_a_log_and_results(here, capsys):
     assert main([*TUNE, "--budget", "37"]) == 0
     out = capsys.readouterr().out
@@ -119,6 +120,7 @@ def test_a_study_without_parameters_and_one_with_several(here, capsys):
     assert "several brains have parameters, tunable.py, other.py: name one" in capsys.readouterr().err
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "said"),
     [
@@ -149,6 +151,7 @@ def test_a_log_of_another_search_is_refused(change, said, here, capsys):
     assert main([*TUNE, "--budget", "13", *change, "--fresh"]) == 0
 
 
+@pytest.mark.long
 def test_another_version_s_log_is_refused_and_two_searches_do_not_share_one(here, capsys, monkeypatch):
     assert main([*TUNE, "--budget", "13"]) == 0
     monkeypatch.setattr("swarmcensus.tuning.plans.__version__", "9.9")
@@ -184,6 +187,7 @@ def wait_for(process, lines):
         time.sleep(0.002)
 
 
+@pytest.mark.long
 def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     moments = random.Random(5)
     kept = [0]
@@ -205,6 +209,7 @@ def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     ]  # fmt: skip
 
 
+@pytest.mark.long
 def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     process = begun(*LONG, "--out", "cut.toml")
     wait_for(process, 60)

@@ -296,6 +296,7 @@ def test_compiled_they_are_what_cpython_runs(brain):
     assert len(np.unique(fast["mended" if name == "asdf" else "mu"].values)) > 2
 
 
+@pytest.mark.long
 def test_the_local_functions_are_those_of_the_paper():
     """Written again in each file, and the same all the same."""
     chance = np.random.default_rng(10)

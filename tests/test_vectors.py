@@ -130,6 +130,7 @@ BEYOND = {
 }
 
 
+@pytest.mark.long(but=["before"])
 @pytest.mark.parametrize("what", BEYOND)
 def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, what):
     """In CPython the check names the line, and compiled a run ends with a sentence that does."""
@@ -275,6 +276,7 @@ def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path
     assert said in found[0]
 
 
+@pytest.mark.long
 def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '

@@ -30,7 +30,7 @@ from swarmcensus.watching.offers import offer_of
 from swarmcensus.watching.server import MOST_PAGES, listen, serve, serving
 from swarmcensus.watching.sessions import Session
 from swarmcensus.watching.shows import Show
-from tests.slow import times
+from tests.long import in_two_sizes
 
 # uvicorn itself still asks websockets for a part that is going out of use
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -234,10 +234,11 @@ def test_a_page_that_goes_stops_its_computing(served):
     assert sum(me.cpu_times()[:2]) - before < 0.25
 
 
-def test_random_bytes_on_every_route(served):
+@in_two_sizes(("requests", "pages"), (300, 50), (1000, 200))
+def test_random_bytes_on_every_route(served, requests, pages):
     """Answers, or a closed connection, and the page is there after all of it."""
     chance = random.Random(1)
-    for _ in range(times(1000, 300)):
+    for _ in range(requests):
         connection = http.client.HTTPConnection("127.0.0.1", served.port, timeout=10)
         connection.connect()
         method = chance.choice([b"GET ", b"POST ", b"PUT ", b"", b"\x16\x03\x01"])
@@ -251,7 +252,7 @@ def test_random_bytes_on_every_route(served):
             while connection.sock.recv(4096):
                 pass
         connection.close()
-    for _ in range(times(200, 50)):
+    for _ in range(pages):
         with contextlib.suppress(ConnectionClosed, InvalidStatus), talk(served) as page:
             for _ in range(10):
                 said = chance.randbytes(chance.randrange(200))

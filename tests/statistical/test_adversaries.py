@@ -30,6 +30,7 @@ def tosses(name, field, rounds=40, robots=200, **parameters):
     return drawn[:, ~np.isnan(drawn[0])]
 
 
+@pytest.mark.long
 def test_the_coin_is_fair_and_each_toss_its_own():
     drawn = tosses("random", "liar_said")
     assert set(np.unique(drawn)) == {0.0, 1.0}
@@ -44,11 +45,13 @@ def test_any_number_is_as_likely():
     assert stats.kstest(tosses("random", "liar_said", uniform=1.0).ravel(), "uniform").pvalue > 1e-3
 
 
+@pytest.mark.long
 def test_each_name_is_as_likely():
     drawn = tosses("forger", "liar_alias", names=20)
     assert stats.chisquare(np.bincount(drawn.astype(int).ravel(), minlength=20)).pvalue > 1e-3
 
 
+@pytest.mark.long(but=["0.75"])
 @pytest.mark.parametrize("often", [0.2, 0.75])
 def test_noise_is_as_frequent_as_it_is_told(often):
     """Of a pair the honest one hears the other but for the noise: a binomial number of 3,999 rounds after the first."""

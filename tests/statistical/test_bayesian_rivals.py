@@ -56,6 +56,7 @@ def simulated(mean, f, seed=SEED):
     return np.array(found)
 
 
+@pytest.mark.long(only=["0.5-0.5"])
 @pytest.mark.parametrize(
     ("mean", "f"), [("0.5", "0.5"), ("0.6", "0.6"), ("0.7", "0.3"), ("0.9", "0.1"), ("0.6", "0.4")]
 )
@@ -82,6 +83,7 @@ def lives(name, parameters, trial=0, **world):
     return fields, blacks
 
 
+@pytest.mark.long
 def test_soft_feedback_says_black_as_often_as_it_should():
     """Of 4,000 messages, given what each robot knew: within four standard errors, 0.006 %."""
     fields, blacks = lives("bayes-bots", {"every": 1, "feedback": 2, "prior": 1})

@@ -11,6 +11,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 
 
+@pytest.mark.long(but=["scale-free"])
 @pytest.mark.parametrize("topology", ["ring", "scale-free"])
 def test_the_oracles_error_is_as_small_as_can_be(topology):
     """The Cramer-Rao bound 1 / sqrt(sum I), sensors unequal: chi-square of the variance and z of the mean.
@@ -70,6 +71,7 @@ def mended(wrong, seed, trials=40):
     return study, results, np.median(abs(results["final_estimate"].values - 0.85), axis=2)
 
 
+@pytest.mark.long
 def test_asdf_mends_a_minority():
     """Two of twenty are wrong: it is nearer than the paper's brain in most trials (a sign test at 0.1 %), and the
     accuracies that the two mend are near to theirs.

@@ -79,6 +79,7 @@ def test_a_count_of_a_round_is_binomial(change, accuracy):
         assert stats.chisquare(*pooled).pvalue > WORST / len(rounds), k
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("change", "accuracy"), CASES[:2], ids=["switch", "drifts"])
 def test_what_moving_robots_meet_and_read_follows_the_tick(change, accuracy):
     """Tiles by the fill ratio and readings by the accuracy of the tick: binomial p-values, error rate 0.1 % each.

@@ -43,6 +43,7 @@ def judged(numbers, statistic="median"):
     return contests([Asked(one, statistic) for one in numbers], with_intervals=False)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("kind", "shape"),
     [
@@ -70,6 +71,7 @@ def test_equal_contenders_are_told_apart_in_at_most_5_percent_of_tables(kind, sh
         assert uncorrected > MOST  # the test would notice if nothing were corrected
 
 
+@pytest.mark.long
 def test_those_that_are_alike_are_not_told_apart_where_another_one_is():
     random, alarms, seen = np.random.default_rng(8), 0, 0
     for _ in range(TABLES):

@@ -103,6 +103,7 @@ def found():
     return dict(zip(MEASURED, np.transpose([measure(trial) for trial in range(TRIALS)]), strict=True))
 
 
+@pytest.mark.long(only=["displacement per tick, cm"])
 @pytest.mark.parametrize("name", MEASURED)
 def test_the_walk_is_that_of_the_physics_simulation(name, found):
     measured, tolerance = MEASURED[name]

@@ -31,6 +31,7 @@ def normals(rng, trials):
     return rng.normal(size=(trials, 1))
 
 
+@pytest.mark.long(only=["final_estimate mean +- 0.47-normals-0.0-6-4000"])
 @pytest.mark.parametrize(
     ("rule", "draw", "truth", "at_least", "times"),
     [

@@ -52,6 +52,7 @@ def test_lots_are_fair(brain, names):
     assert stats.chisquare(list(four.values())).pvalue > P
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("brain", "least", "told"),
     [("voter", 2, 4.0), ("majority", 2, 4.0), ("direct-comparison", 2, 4.0), ("cross-inhibition", 0, 4.0),
@@ -134,6 +135,7 @@ def fixed_point(wrong, quiet):
     return majority, lost / (1.0 + lost)
 
 
+@pytest.mark.long
 def test_cross_inhibition_stays_decided_though_messages_are_wrong():
     """15 of 100 messages are of the other opinion: within 4 standard errors and what a finite swarm loses, 0.02 %."""
     quiet = 2.0
@@ -150,6 +152,7 @@ def test_cross_inhibition_stays_decided_though_messages_are_wrong():
     assert np.maximum(switched, 1.0 - switched).max() < 0.75
 
 
+@pytest.mark.long
 def test_cross_inhibition_breaks_the_deadlock():
     """At f = 0.5 it comes to a consensus of all, in a time that grows as log N; direct switching's grows as N.
 
@@ -169,6 +172,7 @@ def test_cross_inhibition_breaks_the_deadlock():
         assert side * (grown - np.log(2.2)) > 4.0 * error
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("brain", ["weighted-voter", "three-state"])
 def test_dances_for_good_bins_are_copied(brain):
     """Bins by a narrow measure at f = 0.55: all agree, on the best bin in more than half of 60 swarms (p < 0.1 %)."""

@@ -39,6 +39,7 @@ def covariance(pull, rounds, looks, robots, f):
     return c
 
 
+@pytest.mark.long
 def test_consensus_and_innovations_scatter_as_computed():
     """The squared distance to the truth in units of its covariance: chi-square of 10 x 400, two-sided, 0.1 %.
 
@@ -69,6 +70,7 @@ def test_consensus_and_innovations_end_at_the_centralised_estimate():
     assert stats.kstest((found[:, 0] - 0.4) / (2 * deviation), "norm").pvalue < P
 
 
+@pytest.mark.long(but=["0.5"])
 @pytest.mark.parametrize("f", [0.1, 0.5])
 def test_the_information_filter_has_the_variance_of_all_informations(f):
     """Sensors of all kinds, a full network: the error times the root of all informations is normal, with variance 1.
@@ -98,6 +100,7 @@ def test_the_information_filter_has_the_variance_of_all_informations(f):
     assert p_value(scaled * 1.2) < P
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("name", "outvoted"), [("linear-consensus", 0), ("w-msr", 0)])
 def test_with_noise_a_liar_drags_the_mean_as_without(name, outvoted):
     """What is linear in the shares has their mean: x_k as computed with q, the share of black readings, in place of f.

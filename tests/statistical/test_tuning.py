@@ -2,11 +2,12 @@
 
 from dataclasses import replace
 
+import pytest
 from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.tuning import rounds, tuning
-from tests.slow import times
+from tests.long import in_two_sizes
 from tests.tunable import study_of
 
 
@@ -22,12 +23,13 @@ def called_better(folder, seeds):
     return sum(one.verdict == "better" for one in found)
 
 
-def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path):
+@in_two_sizes("studies", 25, 100)
+def test_what_does_nothing_is_called_better_in_at_most_5_percent(tmp_path, studies):
     """More studies than the bound are so with a chance of 0.1 % if 5 % are, and far less if 2.5 % are."""
-    studies = times(100, 25)
     assert called_better(tmp_path, studies) <= stats.binom.ppf(0.999, studies, 0.05)  # 13 or 5
 
 
+@pytest.mark.long
 def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
     """The same with the study's own seed in training and the luckiest candidate for winner: that test is no idle one.
 

@@ -1,0 +1,53 @@
+"""Tests that take long carry the marker `long`; something quicker beside each holds a promise of the same kind.
+
+`@pytest.mark.long(but=["ring"])` marks a test for all its parameters but those with these ids, and `only=` for none but
+those.
+"""
+
+import pytest
+
+LEFT_OUT = "long tests were left out: `pytest -n 2` runs them too"
+
+
+def in_two_sizes(name, quick, long):
+    """A parameter of a test, or several: small values, and large ones where there is time."""
+    if isinstance(name, str):
+        quick, long = (quick,), (long,)
+    sizes = [pytest.param(*quick, id="quick"), pytest.param(*long, id="long", marks=pytest.mark.long)]
+    return pytest.mark.parametrize(name, sizes)
+
+
+def is_meant(mark, item):
+    """Whether a marker is for this parameter of a test."""
+    if "only" in mark.kwargs:
+        return item.callspec.id in mark.kwargs["only"]
+    return not mark.kwargs or item.callspec.id not in mark.kwargs["but"]
+
+
+class Long:
+    """Takes the marker from the parameters that it is not for, and tells at the end of a run what was left out."""
+
+    def __init__(self, config):
+        self.config = config
+        self.left_out = 0
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_collection_modifyitems(self, items):
+        for item in items:
+            item.own_markers = [mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item)]
+
+    def pytest_deselected(self, items):
+        self.left_out += sum(item.get_closest_marker("long") is not None for item in items)
+
+    @pytest.hookimpl(optionalhook=True)
+    def pytest_testnodedown(self, node):
+        self.left_out = max(self.left_out, getattr(node, "workeroutput", {}).get("left_out", 0))
+
+    @pytest.hookimpl(wrapper=True, tryfirst=True)
+    def pytest_sessionfinish(self):
+        if hasattr(self.config, "workeroutput"):
+            self.config.workeroutput["left_out"] = self.left_out
+        yield
+        terminal = self.config.pluginmanager.get_plugin("terminalreporter")
+        if terminal and self.left_out:
+            terminal.write_line(f"{self.left_out} {LEFT_OUT}")
