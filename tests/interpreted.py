@@ -4,24 +4,24 @@ Compiling a brain takes seconds, and CPython lives a small swarm's life in a fra
 environment decides otherwise: all tests are compiled where it is 0, and none where it is 1.
 """
 
+import json
 import os
+import socket
 import subprocess
 import sys
 import tempfile
-from multiprocessing.connection import Client, Connection, Listener
 from typing import IO
 
 import pytest
 
-ADDRESS = "SWARMCENSUS_INTERPRETED_TESTS"  # where the process beside is told what to run
-KEY = b"tests"
-OPTIONS = ["-q", "-p", "no:xdist", "-p", "no:cacheprovider", "--no-cov"]
+PORT = "SWARMCENSUS_INTERPRETED_TESTS"  # of this machine, where the process beside is told what to run
+OPTIONS = ["-q", "-n", "0", "-p", "no:cacheprovider", "--no-cov"]
 WRAPS = "ignore:overflow encountered:RuntimeWarning"  # as the engine's whole numbers are meant to
 
 
 def register(config):
     """Take part in a run of pytest, on either side."""
-    if ADDRESS in os.environ:
+    if PORT in os.environ:
         config.addinivalue_line("filterwarnings", WRAPS)
         config.pluginmanager.register(Told(config))
     elif "NUMBA_DISABLE_JIT" not in os.environ:
@@ -35,7 +35,7 @@ class Beside:
 
     def __init__(self):
         self.process: subprocess.Popen | None = None
-        self.connection: Connection
+        self.line: IO[bytes]
         self.said: IO[bytes]
 
     @pytest.hookimpl(tryfirst=True)
@@ -54,35 +54,43 @@ class Beside:
         try:
             if not self.process:
                 self.begin(item.session)
-            self.connection.send((item.nodeid, nextitem.nodeid if nextitem and is_marked(nextitem) else None))
-            told = self.connection.recv()
-        except (EOFError, OSError):
+            tell(self.line, (item.nodeid, nextitem.nodeid if nextitem and is_marked(nextitem) else None))
+            told = heard(self.line)
+        except OSError:
             ended = self.process.wait()
+            self.process = None
             self.said.seek(0)
             said = f"the process that runs tests without Numba ended with {ended}:\n{self.said.read().decode()}"
-            self.process = None
             return [pytest.TestReport(item.nodeid, item.location, {}, "failed", said, "call")]
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one) for one in told]
 
     def begin(self, session):
-        """Begin the process, which collects the files that have marked tests."""
-        self.said = tempfile.TemporaryFile()  # noqa: SIM115
+        """Begin the process, which collects the files that have marked tests. Raises OSError where it ends at once."""
         files = sorted({str(item.path) for item in session.items if is_marked(item)})
-        with Listener(authkey=KEY) as listener:
-            told = {ADDRESS: str(listener.address), "NUMBA_DISABLE_JIT": "1"}
-            command = [sys.executable, "-m", "pytest", *OPTIONS, *files]
+        self.said = tempfile.TemporaryFile()  # noqa: SIM115
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            server.settimeout(0.1)
             self.process = subprocess.Popen(
-                command,
+                [sys.executable, "-m", "pytest", *OPTIONS, *files],
                 cwd=session.config.invocation_params.dir,
-                env=os.environ | told,
+                env=os.environ | {PORT: str(server.getsockname()[1]), "NUMBA_DISABLE_JIT": "1"},
                 stdout=self.said,
                 stderr=self.said,
             )
-            self.connection = listener.accept()
+            while True:
+                try:
+                    connection, _ = server.accept()
+                    break
+                except TimeoutError:
+                    if self.process.poll() is not None:
+                        raise
+        connection.settimeout(None)
+        self.line = connection.makefile("rwb")
+        connection.close()
 
     def pytest_sessionfinish(self):
         if self.process:
-            self.connection.close()
+            self.line.close()
             self.process.wait()
 
 
@@ -91,7 +99,8 @@ class Told:
 
     def __init__(self, config):
         self.config = config
-        self.connection = Client(os.environ[ADDRESS], authkey=KEY)
+        with socket.create_connection(("127.0.0.1", int(os.environ.pop(PORT)))) as connection:
+            self.line = connection.makefile("rwb")
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtestloop(self, session):
@@ -99,12 +108,12 @@ class Told:
         apart = Apart.from_parent(session, name="apart")
         while True:
             try:
-                name, following = self.connection.recv()
-            except EOFError:
+                name, following = heard(self.line)
+            except OSError:
                 return True
             self.reports = []
             session.config.hook.pytest_runtest_protocol(item=items[name], nextitem=items.get(following, apart))
-            self.connection.send(self.reports)
+            tell(self.line, self.reports)
 
     def pytest_runtest_logreport(self, report):
         self.reports.append(self.config.hook.pytest_report_to_serializable(config=self.config, report=report))
@@ -120,3 +129,17 @@ class Apart(pytest.Item):
 def is_marked(item):
     """Whether a test is run without Numba."""
     return item.get_closest_marker("interpreted") is not None
+
+
+def tell(line, what):
+    """Send something to the other process."""
+    line.write(json.dumps(what, default=str).encode() + b"\n")
+    line.flush()
+
+
+def heard(line):
+    """What the other process sends. Raises OSError where it is gone."""
+    said = line.readline()
+    if not said:
+        raise OSError
+    return json.loads(said)

@@ -37,6 +37,8 @@ class Long:
             item.own_markers = [mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item)]
 
     def pytest_deselected(self, items):
+        if "not long" not in self.config.option.markexpr:
+            return
         self.left_out += sum(item.get_closest_marker("long") is not None for item in items)
 
     @pytest.hookimpl(optionalhook=True)

@@ -1,0 +1,100 @@
+"""What the markers of tests do: nothing that fails is lost, and what is left out is told."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numba
+import pytest
+
+HERE = Path(__file__).parents[1]
+CONFTEST = """
+from tests import interpreted
+from tests.long import Long
+
+def pytest_configure(config):
+    config.addinivalue_line("markers", "long")
+    config.addinivalue_line("markers", "interpreted")
+    interpreted.register(config)
+    config.pluginmanager.register(Long(config))
+"""
+TESTS = """
+import os
+import numba
+import pytest
+
+made = []
+
+@pytest.fixture(scope="module")
+def shared():
+    made.append(1)
+
+@pytest.mark.interpreted
+@pytest.mark.parametrize("k", range(3))
+def test_beside(shared, k):
+    assert numba.config.DISABLE_JIT
+    assert made == [1]
+
+@pytest.mark.interpreted
+def test_fails():
+    assert [1, 2] == [1, 3]
+
+@pytest.mark.interpreted
+def test_ends_the_process():
+    os._exit(7)
+
+@pytest.mark.interpreted
+def test_goes_on(shared):
+    assert numba.config.DISABLE_JIT
+
+def test_here(shared):
+    assert not numba.config.DISABLE_JIT
+
+@pytest.mark.long
+def test_long():
+    pass
+
+@pytest.mark.long(but=["0"])
+@pytest.mark.parametrize("k", range(3))
+def test_often_long(k):
+    pass
+
+@pytest.mark.long(only=["0"])
+@pytest.mark.parametrize("k", range(3))
+def test_seldom_long(k):
+    pass
+"""
+
+
+@pytest.mark.interpreted
+def test_numba_is_off_unless_the_environment_says_otherwise():
+    assert bool(numba.config.DISABLE_JIT) is (os.environ["NUMBA_DISABLE_JIT"] != "0")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("workers", ["0", "2"])
+def test_a_run(tmp_path, workers):
+    (tmp_path / "conftest.py").write_text(CONFTEST)
+    (tmp_path / "test_some.py").write_text(TESTS)
+    environment = os.environ | {"PYTHONPATH": str(HERE)}
+    for name in [name for name in environment if name.startswith(("PYTEST_", "COV", "NUMBA_", "SWARMCENSUS_"))]:
+        del environment[name]
+    command = [sys.executable, "-m", "pytest", "-n", workers, "-v", "-p", "no:cacheprovider", "-m", "not long"]
+    done = subprocess.run(
+        command, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False, timeout=300
+    )
+    outcomes = {"PASSED": set(), "FAILED": set()}
+    for line in done.stdout.splitlines():
+        words = line.split()
+        outcome = next((word for word in words if word in outcomes), None)
+        if outcome and "::" in line and " - " not in line:
+            outcomes[outcome].add(next(word for word in words if "::" in word).partition("::")[2])
+    passed = {f"test_beside[{k}]" for k in range(3)} | {"test_goes_on", "test_here", "test_often_long[0]"}
+    assert outcomes == {
+        "PASSED": passed | {"test_seldom_long[1]", "test_seldom_long[2]"},
+        "FAILED": {"test_fails", "test_ends_the_process"},
+    }, done.stdout
+    assert "At index 1 diff: 2 != 3" in done.stdout
+    assert "the process that runs tests without Numba ended with 7" in done.stdout
+    assert done.stdout.splitlines()[-1] == "4 long tests were left out: `pytest -n 2` runs them too"
