@@ -420,6 +420,7 @@ def test_who_never_speaks_never_lies(untraced):
 
 
 @pytest.mark.interpreted
+@pytest.mark.long(only=["bayes-bots", "changing-floor"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""
@@ -552,8 +553,8 @@ def test_jammers_on_a_line_by_hand():
 )
 def test_on_the_move(name, rich):
     setting = moving(
-        brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7, body={"message_delay": 2},
-        faults=[{"at": 12, "robots": 2, "stop": "talking"}],
+        brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,
+        body={"message_delay": 2}, faults=[{"at": 12, "robots": 2, "stop": "talking"}],
     )  # fmt: skip
     ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))

@@ -100,7 +100,7 @@ def test_shipped_brains_conform(name, untraced_processes):
 
 
 @pytest.mark.interpreted
-@in_two_sizes(("accuracies", "long"), ((0.0, 0.75, 1.0), lives.LONG[:2]), (lives.ACCURACIES, lives.LONG))
+@in_two_sizes(("accuracies", "long"), ((0.0, 0.75), lives.LONG[:1]), (lives.ACCURACIES, lives.LONG))
 @pytest.mark.parametrize("name", brains.shipped())
 def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):
     """Quick runs make fewer kinds of sensors; all of them, and all that the suite makes, where there is time."""
@@ -573,6 +573,22 @@ def test_a_vector_indexed_beyond_its_end_is_told(tmp_path):
     assert "observe fails at line" in first
     assert "IndexError" in first
     assert set(others) == {"the same as above"}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("me.seen[1] = math.inf - math.inf", "observe (line 9) makes me.seen[1] NaN"),
+        ("me.seen[1] = 1 << 1023", "observe (line 9) makes me.seen[1] a whole number too large"),
+        ("me.seen[1] = None", "observe (line 9) makes me.seen[1] None, not a number"),
+        ("me.seen[0] = math.inf\n    me.seen[1] = -math.inf\n    me.seen[2] = 3", None),
+    ],
+    ids=["NaN", "large", "None", "infinite and whole"],
+)
+def test_a_vector_s_numbers_are_looked_at_one_by_one(line, said, tmp_path):
+    path = changed(tmp_path / "mine.py", ("MEMORY = {", 'MEMORY = {"seen": (0.0,) * 3, '), (OWN, f"{OWN}    {line}\n"))
+    fault = fault_in(path, "remembers numbers in MEMORY's fields, nothing else")
+    assert fault is None if said is None else said in fault
 
 
 EXAMPLES = Path(__file__).parents[1] / "studies" / "example"
