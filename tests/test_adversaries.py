@@ -394,15 +394,23 @@ def maybe(me):
 }
 
 
-@pytest.mark.long(only=["a number, and the record"])
-@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
-def test_however_silence_is_said_it_is_kept(ends, untraced):
+def forged(ends):
     """The lie is a parameter's: what alters the message has the record."""
-    used = worn("forger", by=brain(changed(("    return (estimate(me),)", ends))), value=0.25)
+    return worn("forger", by=brain(changed(("    return (estimate(me),)", ends))), value=0.25)
+
+
+@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
+def test_however_silence_is_said_it_is_kept(ends):
+    used = forged(ends)
     assert used.uses.silence
     assert used.functions.broadcast(robot(used, 1, 4)) is None
     assert used.functions.broadcast(robot(used, 3, 4)) == (0.25,)
-    agrees(used)
+
+
+@pytest.mark.long(but=["set by turns"])
+@pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)
+def test_however_silence_is_said_machine_code_keeps_it(ends, untraced):
+    agrees(forged(ends))
 
 
 def test_who_never_speaks_never_lies(untraced):
@@ -411,7 +419,8 @@ def test_who_never_speaks_never_lies(untraced):
     agrees(used)
 
 
-@pytest.mark.long(only=["bayes-bots", "bayes-cpf", "belief-sharing-indexed", "changing-floor", "sure"])
+@pytest.mark.interpreted
+@pytest.mark.long(only=["bayes-bots", "changing-floor"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""
@@ -485,12 +494,24 @@ def lived(setting, trial=1):
     return batch, honest
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_swarms_with_liars_live_as_by_brute_force(name, topology):
     for used in ("minimalistic", brain(RICH)):
-        (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
-        lived(setting)
+        lived(few_with(name, used, topology))
+
+
+@pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", True)])
+def test_compiled_swarms_with_liars_live_as_by_brute_force(name, rich):
+    """One that jams, and one that hears and has luck: that the others are the same in machine code is asked above."""
+    lived(few_with(name, brain(RICH) if rich else "minimalistic", "ring"))
+
+
+def few_with(name, used, topology):
+    """A small swarm with two liars."""
+    (setting,) = fixed(used, robots=7, rounds=10, looks=2, members=liars(name), topology=topology)
+    return setting
 
 
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
@@ -523,11 +544,17 @@ def test_jammers_on_a_line_by_hand():
         assert (batch.counts[0, SENT] == 6).all()
 
 
-@pytest.mark.parametrize("name", ["jammer", "slow-liar", "noisy-mirror"])
-def test_on_the_move(name):
+@pytest.mark.parametrize(
+    ("name", "rich"),
+    [
+        ("jammer", False),
+        *(pytest.param(name, True, marks=pytest.mark.interpreted) for name in ("jammer", "slow-liar", "noisy-mirror")),
+    ],
+)
+def test_on_the_move(name, rich):
     setting = moving(
-        brain(RICH), robots=7, ticks=25, members=liars(name), link_success=0.7, body={"message_delay": 2},
-        faults=[{"at": 12, "robots": 2, "stop": "talking"}],
+        brain(RICH) if rich else "minimalistic", robots=7, ticks=25, members=liars(name), link_success=0.7,
+        body={"message_delay": 2}, faults=[{"at": 12, "robots": 2, "stop": "talking"}],
     )  # fmt: skip
     ride, (batch,) = record_ride(setting, SEED, 1), run_ride([setting], SEED, 1, MEASURE, GO)
     life = reference_walks.lives(setting, SEED, 1, failing(setting, 1))

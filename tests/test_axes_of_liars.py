@@ -8,6 +8,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.coordinates import from_nobody, varies
 from swarmcensus.figures.panels import panels_of
 
+pytestmark = pytest.mark.interpreted
+
 CHANGES = [{"from": 0.9, "to": 0.55, "at": 5}, {"from": 0.6, "to": 0.15, "at": 5}]
 
 

@@ -78,6 +78,7 @@ class TestBeta:
         assert (below(0.5, 0.0, 0.0), below(0.5, 0.0, 3.0), below(0.5, 3.0, 0.0)) == (0.5, 1.0, 0.0)
 
 
+@pytest.mark.interpreted
 class TestBayesBots:
     @pytest.mark.parametrize("looks", [1, 5])
     @pytest.mark.parametrize("brain", [BAYES, CHANGING], ids=["bayes-bots", "changing-floor"])
@@ -135,6 +136,7 @@ class TestBayesBots:
                 functions.receive(me, (0.0 if name == 133.0 else 1.0, 1.0, name))
             assert (me.black, me.white, me.heard, me.who[5]) == (1.0, 1.0, 2.0, 133.0)
 
+    @pytest.mark.long(but=["bayes-bots-2.5", "changing-floor-1.5", "changing-floor-3.2"])
     @pytest.mark.parametrize("every", [1.0, 1.5, 2.0, 2.5, 3.2])
     @pytest.mark.parametrize("brain", ["bayes-bots", "changing-floor"])
     def test_no_observation_counts_twice_whatever_the_time_between_two(self, brain, every):
@@ -230,6 +232,7 @@ class TestBayesBots:
         assert (me.p, functions.decide(me), functions.estimate(me)) == (0.5, -1.0, 0.5)
 
 
+@pytest.mark.interpreted
 class TestChangingFloor:
     @pytest.mark.parametrize("side", [0.0, 1.0])
     @pytest.mark.parametrize("threshold", [0.95, 0.7])
@@ -364,6 +367,7 @@ class TestChangingFloor:
         assert list(me.tellers) == [9.0, 1e30, 1e30]
 
 
+@pytest.mark.interpreted
 class TestBeliefSharing:
     def test_one_exchange_of_two_gives_the_joint_posterior(self):
         """With lambda = mu = 1 and no floor; later exchanges would count the first again."""

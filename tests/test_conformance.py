@@ -11,10 +11,11 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli import shelves
-from swarmcensus.conformance import machine_code
+from swarmcensus.conformance import lives, machine_code
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.conformance.suite import check, checks
+from tests.long import in_two_sizes
 
 GOOD = brains.load("minimalistic").source
 PAGE = Path(__file__).parents[1] / "docs" / "brain-contract.md"
@@ -90,12 +91,32 @@ def faults_of(path):
     return {one.name: one.fault for one in conformance.examine(path, PROMISES) if one.fault}
 
 
-@pytest.mark.long(but=["commons", "minimalistic"])
-@pytest.mark.parametrize("name", brains.shipped())
-def test_shipped_brains_conform(name, untraced):
+@pytest.mark.parametrize("name", ["minimalistic"])
+def test_shipped_brains_conform(name, untraced_processes):
+    """All checks, in a process of their own; below they are made of each brain here."""
     found = check(name)
     assert len(found) == len(checks()) + 1
     assert [c.fault for c in found] == [None] * len(found)
+
+
+@pytest.mark.interpreted
+@in_two_sizes(("accuracies", "long"), ((0.0, 0.75), lives.LONG[:1]), (lives.ACCURACIES, lives.LONG))
+@pytest.mark.parametrize("name", brains.shipped())
+def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):
+    """Quick runs make fewer kinds of sensors; all of them, and all that the suite makes, where there is time."""
+    monkeypatch.setattr(lives, "ACCURACIES", accuracies)
+    monkeypatch.setattr(lives, "LONG", long)
+    lives.messages.cache_clear()
+    found = list(conformance.examine(name, PROMISES))
+    assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
+
+
+@pytest.mark.long(but=["commons", "leaver", "minimalistic"])
+@pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is compiled")
+@pytest.mark.parametrize("name", brains.shipped())
+def test_shipped_brains_live_the_same_lives_in_machine_code(name, untraced):
+    found = list(conformance.examine(name, COMPILED))
+    assert [one.fault for one in found] == [None] * (len(COMPILED) + 1)
 
 
 def test_a_brain_of_ones_own(tmp_path):
@@ -552,6 +573,22 @@ def test_a_vector_indexed_beyond_its_end_is_told(tmp_path):
     assert "observe fails at line" in first
     assert "IndexError" in first
     assert set(others) == {"the same as above"}
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("me.seen[1] = math.inf - math.inf", "observe (line 9) makes me.seen[1] NaN"),
+        ("me.seen[1] = 1 << 1023", "observe (line 9) makes me.seen[1] a whole number too large"),
+        ("me.seen[1] = None", "observe (line 9) makes me.seen[1] None, not a number"),
+        ("me.seen[0] = math.inf\n    me.seen[1] = -math.inf\n    me.seen[2] = 3", None),
+    ],
+    ids=["NaN", "large", "None", "infinite and whole"],
+)
+def test_a_vector_s_numbers_are_looked_at_one_by_one(line, said, tmp_path):
+    path = changed(tmp_path / "mine.py", ("MEMORY = {", 'MEMORY = {"seen": (0.0,) * 3, '), (OWN, f"{OWN}    {line}\n"))
+    fault = fault_in(path, "remembers numbers in MEMORY's fields, nothing else")
+    assert fault is None if said is None else said in fault
 
 
 EXAMPLES = Path(__file__).parents[1] / "studies" / "example"

@@ -96,6 +96,7 @@ def test_they_conform_with_short_phases_too(used, untraced):
     agrees(short)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["full", "ring"])
 @pytest.mark.parametrize(("drop", "lying"), [(None, 2), (0, 2), (1, 1), (2, 3), (30, 1)])
 def test_every_phase_is_as_the_equations_say(topology, drop, lying):
@@ -114,6 +115,7 @@ def test_every_phase_is_as_the_equations_say(topology, drop, lying):
     assert (held == held[:, :1]).all()  # nothing changes within a phase
 
 
+@pytest.mark.interpreted
 def test_w_msr_that_drops_nothing_is_linear_consensus():
     one, other = (used.with_parameters({"phase": 3}) for used in (LINEAR, WMSR.with_parameters({"drop": 0})))
     world = {"robots": 9, "rounds": 30, "topology": "scale-free", "link_success": 0.7}
@@ -121,6 +123,8 @@ def test_w_msr_that_drops_nothing_is_linear_consensus():
     assert not (lived(one, **world)[0] == lived(WMSR.with_parameters({"phase": 3}), **world)[0]).all()
 
 
+@pytest.mark.interpreted
+@pytest.mark.long(only=["used0-1-0-0.0", "used1-3-0-1.0", "used2-3-2-0.0", "used3-2-2-1.0"])
 @pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
 @pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
 def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, outvoted, fill_ratio):
@@ -158,6 +162,7 @@ def told(graph):
     return {"name": "graph", "edges": [list(pair) for pair in graph.edges]}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("says", [0.0, 1.0])
 def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_ring(says):
     """F = 1 and one liar. Sensors stop after two phases: what follows is consensus alone, on what was seen before."""
@@ -179,6 +184,7 @@ def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_r
     assert spread["ring"] > 0.2
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("drop", [1, 2])
 def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(drop):
     """As long as nobody hears more than F liars; noisy sensors, and F + 1 liars break it."""
@@ -198,6 +204,7 @@ def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(
         assert held == (lying == drop)
 
 
+@pytest.mark.interpreted
 def test_on_a_ring_two_liars_beside_a_robot_drag_it_out():
     """F = 1, perfect sensors on white: who has liars on both sides goes to 1/2, others stay near 0."""
     (setting,) = fixed(WMSR, robots=8, rounds=1, members=liars(2))
@@ -211,6 +218,7 @@ def test_on_a_ring_two_liars_beside_a_robot_drag_it_out():
     assert x[-1, np.flatnonzero(honest & (np.arange(8) != between))] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
 def test_the_gated_mean_is_as_its_rule_says(says, gate):
     phase, looks, robots = 5, 4, 7
@@ -229,6 +237,7 @@ def test_the_gated_mean_is_as_its_rule_says(says, gate):
             assert x[phase * (k + 1), i] == pytest.approx(mean, abs=1e-12)
 
 
+@pytest.mark.interpreted
 @each
 @pytest.mark.parametrize(("b", "w", "expected"), [(0.9, 0.6, 0.8), (0.2, 0.4, 0.0), (0.5, 0.5, 0.5), (1.0, 1.0, 0.8)])
 def test_a_debiased_share_is_the_corrected_one(used, b, w, expected):
@@ -241,6 +250,7 @@ def test_a_debiased_share_is_the_corrected_one(used, b, w, expected):
         assert used.functions.estimate(me) == pytest.approx(x, abs=1e-12)
 
 
+@pytest.mark.interpreted
 @each
 def test_of_many_senders_the_first_twenty_by_lot_count_once_with_their_last_word(used):
     """Against a dict of Python that remembers everybody; ten rounds of one phase, each in an order of its own."""
@@ -263,6 +273,7 @@ def test_of_many_senders_the_first_twenty_by_lot_count_once_with_their_last_word
     assert list(zip(me.key, me.said, strict=True)) == kept
 
 
+@pytest.mark.interpreted
 def test_no_two_names_have_one_place():
     """A shift and a cube lose nothing: PRIME is prime, and PRIME - 1 no multiple of 3."""
     functions = LINEAR.functions
@@ -276,6 +287,7 @@ def test_no_two_names_have_one_place():
     assert {used.functions.place(12.0, 34.0) for used in ALL} == {functions.place(12.0, 34.0)}
 
 
+@pytest.mark.interpreted
 @each
 def test_words_that_are_no_fill_ratio_count_as_the_nearest(used):
     me = used.with_parameters({"phase": 1.0, "gate": 9.0} if used is GATED else {"phase": 1.0}).robot(0.8, 0.8)
@@ -286,6 +298,7 @@ def test_words_that_are_no_fill_ratio_count_as_the_nearest(used):
     assert 0.0 <= me.x <= 1.0
 
 
+@pytest.mark.interpreted
 @each
 def test_moving_robots_speak_when_their_phase_says(used):
     """At 0.1 s a tick: linear consensus and W-MSR from the third phase on, the gated mean from the second."""

@@ -15,17 +15,20 @@ EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
 BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]
 
 
-@pytest.fixture(scope="module")
-def results():
-    """Both studies, with fewer trials and rounds."""
+def ran(name, **tables):
+    """A study's results, with fewer trials and rounds."""
     schedule = {"rounds": 200, "observations_per_round": 10}
-    return {
-        name: sc.run(sc.Study.load(EXAMPLE / f"{name}.toml").with_(trials=4, schedule=schedule), jobs=2)
-        for name in ("second-edition", "liars")
-    }
+    return sc.run(sc.Study.load(EXAMPLE / f"{name}.toml").with_(trials=4, schedule=schedule, **tables), jobs=2)
 
 
-@pytest.mark.long(but=["leader", "forgetful"])
+@pytest.fixture(scope="module")
+def quiet_and_sure():
+    """Two of the brains of the second edition's study."""
+    brain = [{"file": "quiet.py", "step": [0.005, 0.05]}, "sprt.py"]
+    return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
+
+
+@pytest.mark.long(but=["quiet", "forgetful"])
 @pytest.mark.parametrize("name", BRAINS)
 def test_they_conform(name, untraced):
     faults = [one for one in suite.examine(EXAMPLE / f"{name}.py", PROMISES) if one.fault]
@@ -46,9 +49,9 @@ def test_each_uses_what_it_is_there_to_show():
 
 
 @pytest.mark.long
-def test_all_believe_better_than_chance(results):
+def test_all_believe_better_than_chance():
     """Nearer to the truth than 0.5, which is believed before anything is seen; decisions are mostly right."""
-    data = results["second-edition"]
+    data = ran("second-edition")
     off = abs(data["final_estimate"] - data["fill_ratio"]).median(["trial", "robot"])
     assert (off < 0.05).all()
     better = data["brain"].isin(["minimalistic", "pairwise.py", "prior.py"]).values
@@ -59,24 +62,25 @@ def test_all_believe_better_than_chance(results):
     assert (right > 0.85).all()
 
 
-def test_the_quiet_speak_less_and_know_nearly_as_much(results):
-    data = results["second-edition"]
+def test_the_quiet_speak_less_and_know_nearly_as_much(quiet_and_sure):
+    data = quiet_and_sure
     quiet = data.sel(setting=(data["brain"] == "quiet.py").values)
     said = quiet["messages_sent"].mean(["trial", "robot"]).values
     coarse = quiet["step"].values == 0.05
     assert said[coarse].max() < 5 < said[~coarse].min() < said[~coarse].max() < 60
 
 
-def test_who_is_sure_looks_no_more(results):
-    data = results["second-edition"]
+def test_who_is_sure_looks_no_more(quiet_and_sure):
+    data = quiet_and_sure
     sprt = data.sel(setting=(data["brain"] == "sprt.py").values)
     assert (sprt["done_round"].values == sprt["decision_round"].values).all()
     assert np.median(sprt["done_round"]) < 100
     assert (sprt["messages_sent"] == 200).all()
 
 
-def test_the_more_liars_the_more_wrong(results):
-    data = results["liars"]
+@pytest.mark.long
+def test_the_more_liars_the_more_wrong():
+    data = ran("liars")
     assert set(data["members"].values) == {"", *(f"0.{k} liar.py, not honest" for k in (1, 2, 3))}
     for brain in ("my_brain.py", "pairwise.py", "quiet.py"):
         for topology in ("ring", "scale-free"):

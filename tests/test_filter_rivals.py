@@ -9,6 +9,8 @@ from swarmcensus import brains
 from swarmcensus.simulation.trials import record_trial
 from tests.second import SEED, fixed
 
+pytestmark = pytest.mark.interpreted
+
 INFORMATION, KALMAN, INNOVATIONS, INTERSECTION = (
     brains.load(name)
     for name in ("information-filter", "kalman-consensus", "consensus-innovations", "covariance-intersection")
@@ -82,6 +84,7 @@ class TestInformationFilter:
         _, curves, blacks, b, w = lived(INFORMATION, robots=9, accuracy=APART, rounds=1, looks=50, topology="full")
         assert curves[-1] == pytest.approx(most_likely(blacks[1], 50, b, w), abs=1e-6)
 
+    @pytest.mark.long
     def test_otherwise_it_nears_the_maximum_faster_than_the_truth(self):
         """Sensors of all kinds: it solves sum k (n - r q(f)) / R = 0 with R at earlier estimates, the maximum at f.
 
@@ -114,7 +117,6 @@ class TestInformationFilter:
 
 
 class TestKalmanConsensus:
-    @pytest.mark.long(only=["1.0-0.0-full"])
     @pytest.mark.parametrize("topology", ["full", "ring", "line"])
     @pytest.mark.parametrize(("pull", "noise"), [(1.0, 0.0), (3.0, 0.01), (0.0, 0.0), (50.0, 0.01)])
     def test_every_round_is_as_the_equations_say(self, topology, pull, noise):
@@ -244,6 +246,7 @@ class TestCovarianceIntersection:
         one, other = (lived(INTERSECTION, topology=t, **world) for t in ("full", {"name": "nobody", "edges": []}))
         assert (one[0]["x"] == other[0]["x"]).all()
 
+    @pytest.mark.long
     def test_variances_at_the_estimate_drag_a_swarm_to_an_end(self):
         """Who is far from 1/2 passes for sure and is copied: all end at 0 or 1, though a floor is 0.35 black."""
         used = INTERSECTION.with_parameters({"least_variance": 0.05})

@@ -17,6 +17,8 @@ from swarmcensus.runs import clusters
 from swarmcensus.runs.verifying import verify
 from tests.second import MEANS
 
+pytestmark = pytest.mark.interpreted
+
 MINE = '"""Grey: it says one half, and a little more each round."""\n\nPARAMETERS = {"more": 0.01}\nMEMORY = {"k": 0.0}\n\n\ndef lie(me, x):\n    return 0.5 + me.k\n\n\ndef plot(me):\n    me.k += me.more\n'  # noqa: E501
 STUDY = """
 name   = "liars"
@@ -264,7 +266,8 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.long
-def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes):
+def test_brains_shows_and_checks_adversaries(here, capsys, untraced_processes, monkeypatch):
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)  # the process that checks compiles
     assert main(["brains"]) == 0
     assert "slow-liar" in capsys.readouterr().out
     assert main(["brains", "--show", "grey.py", "--wearing", "legacy"]) == 0

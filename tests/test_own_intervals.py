@@ -112,14 +112,14 @@ WORLDS = {
 }
 
 
-@pytest.mark.long(only=["moving-nominal-True"])
+@pytest.mark.long(only=["moving-nominal-True", "moving-floor-False"])
 @pytest.mark.parametrize(
     ("world", "truth", "steers"),
     [
         ("a ring that changes", "nominal", False),
         ("moving", "nominal", True),
         ("moving", "floor", False),
-        ("moving, on its own floor", "floor", True),
+        pytest.param("moving, on its own floor", "floor", True, marks=pytest.mark.interpreted),
     ],
 )
 def test_held_against_the_truth_of_the_moment(world, truth, steers, here):

@@ -109,6 +109,7 @@ def test_the_search_begins_as_its_log_says(name, losses):
     assert (start, min(first), float(np.mean(first))) == pytest.approx(losses, abs=1e-9)
 
 
+@pytest.mark.long
 def test_on_settings_it_never_saw_it_is_nearer_than_a_robot_alone():
     """Not told its sensors, it is level where they are good; told of them, with weights trained so, it is nearer."""
     study = sc.Study.load(STUDIES / "recurrent-unseen.toml")

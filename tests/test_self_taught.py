@@ -113,6 +113,7 @@ def test_who_fits_again_puts_its_evidence_in_again():
     assert minds[0].given_v == pytest.approx(minds[1].given_v, rel=0.01)
 
 
+@pytest.mark.interpreted
 def test_mirrored_worlds_look_alike():
     """(f, b) and (1 - f, 1 - b) give the same readings: told so, all are sure, and nobody is out in either."""
     chance = np.random.default_rng(6)

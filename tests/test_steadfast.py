@@ -158,7 +158,7 @@ def test_a_lie_fades_and_the_own_evidence_does_not():
     assert (twin.s, twin.v) == pytest.approx((0.7 * (500.0 - 1000.0 * 0.2), 0.49 * 1000.0))
 
 
-@pytest.mark.long(only=["noisy-mirror"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize("name", ["opposite", "shouter", "noisy-mirror", "jammer"])
 def test_swarms_with_liars_live_as_by_brute_force(name):
     members = [{"robots": 2, "brain": {"file": name}, "honest": False}]
@@ -210,13 +210,14 @@ def test_without_liars_it_keeps_most_of_what_commons_gains(topology):
     assert steadfast < alone - (alone - commons) * 2.0 / 3.0
 
 
-def test_beside_liars_on_both_sides_a_robot_is_left_with_its_bound():
+@in_two_sizes("lies", ("always-black", "opposite", "shouter"), LIES)
+def test_beside_liars_on_both_sides_a_robot_is_left_with_its_bound(lies):
     """On a ring with a third of liars nobody is farther off than the bound, own readings' law of 4 standard errors."""
     found = sc.run(
         sc.Study(
             trials=20, seed=7, swarm={"brain": "steadfast", "robots": 20, "accuracy": 0.75},
             world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 300},
-            members=[{"robots": 0.3, "brain": list(LIES), "honest": False}],
+            members=[{"robots": 0.3, "brain": list(lies), "honest": False}],
         )
     )  # fmt: skip
     most = abs(found["final_estimate"] - 0.55).max().item()

@@ -8,6 +8,7 @@ import swarmcensus as sc
 from swarmcensus.engine.modes import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 
+pytestmark = pytest.mark.interpreted
 SEED = 11
 GO = np.zeros(1, np.uint8)
 

@@ -98,6 +98,7 @@ def test_soft_feedback_says_black_as_often_as_it_should():
     assert abs((said - blacks[1:]).sum()) > 4.0 * error  # what it would be without feedback
 
 
+@pytest.mark.long
 def test_positive_feedback_is_sooner():
     """On a ring, over 40 trials: the mean round of decision is less by more than four paired standard errors; 0.003 %.
 

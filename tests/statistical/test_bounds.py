@@ -94,6 +94,7 @@ def test_asdf_mends_a_minority():
     assert np.median(np.abs(off)) < 0.02
 
 
+@pytest.mark.long
 def test_asdf_makes_a_wrong_majority_no_better():
     """Fourteen of twenty are wrong, and the six that are right come to agree with them: no nearer, at 0.1 %."""
     _, _, errors = mended(14, seed=15)

@@ -78,6 +78,7 @@ def test_times_are_exponential_and_rounded_up(brain, least, told):
         assert stats.chisquare(found[1:], expected[1:]).pvalue > P
 
 
+@pytest.mark.long(but=["0.7"])
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
 def test_the_voters_exit_probability_is_the_first_share(share):
     """Without qualities, all in reach: each robot's first opinion is as likely to be everybody's last. 0.1 %."""
@@ -88,6 +89,7 @@ def test_the_voters_exit_probability_is_the_first_share(share):
     assert stats.binomtest(black, trials, share).pvalue > P
 
 
+@pytest.mark.long(but=["3"])
 @pytest.mark.parametrize("senders", [3, 4])
 def test_the_majority_amplifies_the_first_share(senders):
     """6 of 10 begin with black, and it wins in more than 60 % of trials, the voter's share; of 5 in a half: 0.1 %."""
@@ -111,6 +113,7 @@ def test_qualities_decide_among_voters():
     assert stats.binomtest(black, trials, 0.5, alternative="greater").pvalue < 1e-9
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("fill_ratio", "better"), [(0.7, 1.0), (0.3, 0.0)])
 def test_direct_comparison_finds_the_better(fill_ratio, better):
     """Of 300 readings, 0.7 and 0.3 are told apart but for one time in 10^11: nobody errs, in 200 swarms of 10."""
