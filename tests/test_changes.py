@@ -181,6 +181,7 @@ def test_walks_in_chunks_change_in_the_same_tick(change, monkeypatch):
     assert np.array_equal(whole.readings, parts.readings, equal_nan=True)
 
 
+@pytest.mark.long
 def test_results_are_resumed_verified_and_merged(tmp_path, capsys):
     text = changing([SLOW, 0.3], [0.9, {"start": "U(0.8, 0.9)", "drift": -0.002, "least": 0.6}]).text
     (tmp_path / "s.toml").write_text(text)

@@ -44,6 +44,7 @@ def test_on_the_move_and_in_a_mixed_swarm():
     assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
 
 
+@pytest.mark.long(only=["True"])
 @pytest.mark.parametrize("compiled", [True, False])
 def test_recorded_data(compiled):
     trace = sc.infer(np.ones((2, 3)), [[0, 1], [1, 2]], 0.8, 1, brain(HEARS), compiled=compiled)

@@ -131,13 +131,14 @@ def test_on_the_move(source, delay):
     assert (ride.fields["ears"][-1] == heard).all()
 
 
-def test_recorded_data():
+@pytest.mark.long(only=["True"])
+@pytest.mark.parametrize("compiled", [True, False])
+def test_recorded_data(compiled):
     """Three robots on a line that speak after odd readings, and one that makes none."""
     readings = np.ones((6, 3))
     readings[:, 2] = np.nan
-    for compiled in (True, False):
-        trace = sc.infer(readings, [[0, 1], [1, 2]], 0.8, 1, brain(ODD), compiled=compiled)
-        assert trace["ears"].values[-1].tolist() == [3.0, 3.0, 3.0]
+    trace = sc.infer(readings, [[0, 1], [1, 2]], 0.8, 1, brain(ODD), compiled=compiled)
+    assert trace["ears"].values[-1].tolist() == [3.0, 3.0, 3.0]
 
 
 @pytest.mark.interpreted

@@ -79,6 +79,7 @@ def test_what_they_cost_is_counted_number_by_number():
     assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
 
 
+@pytest.mark.long(only=["edges-counts", "messages-counts"])
 @pytest.mark.parametrize("source", [COUNTS, ALL, ADDS], ids=["counts", "all", "adds"])
 @pytest.mark.parametrize("talk", ["edges", "messages"])
 def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
@@ -180,7 +181,9 @@ def test_their_items_are_set_one_by_one(line, said):
 @pytest.mark.parametrize(
     ("message", "given", "said"),
     [
-        ('("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says"),
+        pytest.param(
+            '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
+        ),
         ('("seen",)', "(me.n,)", "it cannot be compiled"),
         ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
     ],
