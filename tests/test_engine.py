@@ -207,9 +207,10 @@ class TestDeterminism:
             readings = np.array([[0.0, 1.0], [1.0, 1.0], [0.0, np.nan]])
             results["told"] = (("k2", "i2"), sc.infer(readings, [[0, 1]], 0.8, 2)["estimate"].values)
         """)
-        slow = "import sys; np.seterr(over='ignore'); sc.save(results, sys.argv[1])"  # uint64 arithmetic is meant to wrap
+        # uint64 arithmetic is meant to wrap
+        begin, end = "import sys, numpy\nnumpy.seterr(over='ignore')", "sc.save(results, sys.argv[1])"
         subprocess.run(
-            [sys.executable, "-W", "ignore", "-c", f"{program}\n{slow}", str(tmp_path / "slow.nc")],
+            [sys.executable, "-W", "ignore", "-c", f"{begin}\n{program}\n{end}", str(tmp_path / "slow.nc")],
             env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, check=True,
         )  # fmt: skip
         here = {}

@@ -36,7 +36,7 @@ for name in sys.argv[1:]:
 """
 
 
-def study(name, trials=10, brains=len(BRAINS)):
+def study(name, trials=10, brains=None):
     swarm = {"brain": BRAINS[:brains], "robots": 6, "accuracy": ["U(0.525, 0.975)", {"black": 0.9, "white": 0.7}]}
     return sc.Study(name=name, seed=11, trials=trials, swarm=swarm, **WORLDS[name])
 
@@ -47,7 +47,7 @@ def same(one, other):
 
 
 @functools.cache
-def known(name, brains=len(BRAINS)):
+def known(name, brains=None):
     """What two threads make of a study of the first few brains."""
     return sc.run(study(name, brains=brains), jobs=2)
 

@@ -250,7 +250,7 @@ def test_replays_of_trials_that_fail_say_what_the_run_says(here):
 @pytest.mark.interpreted
 @pytest.mark.parametrize("seed", [2, 3, 4, 5])
 def test_a_run_of_any_brain_records_what_its_replays_show(seed, here, monkeypatch):
-    """In CPython, as each brain would be compiled once for each kind of swarm; so trials are no longer than 120 rounds."""
+    """In CPython, where no brain is compiled for each kind of swarm; so no trial is longer than 120 rounds."""
     hold(seed, [*brains.shipped(), *OWN], monkeypatch, longest=120)
 
 
