@@ -21,16 +21,19 @@ TRIALS = 2
 LIARS = tuple(adversary.DOOR.shipped)
 
 
-def drawn(rng, brain, liars=LIARS):
-    """A random valid study of this brain, perhaps with members of others that say the same, or of `liars`."""
+def drawn(rng, brain, liars=LIARS, longest=1500):
+    """A random valid study of this brain, perhaps with members of others that say the same, or of `liars`.
+
+    It has no more than `longest` rounds.
+    """
     while True:
         try:
-            return sc.Study(**_tables(rng, brain, liars))
+            return sc.Study(**_tables(rng, brain, liars, longest))
         except sc.InputError:  # its values do not go together
             continue
 
 
-def _tables(rng, brain, liars):
+def _tables(rng, brain, liars, longest):
     def one(values):
         return values[rng.integers(len(values))]
 
@@ -42,7 +45,7 @@ def _tables(rng, brain, liars):
 
     moving = chance(0.4)
     robots = 300 if chance(0.05) else whole(1, 9)
-    rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, 1500)]) if robots < 300 else one([1, 2])
+    rounds = one([1, 1, 1, 2, 3, whole(4, 60), whole(4, 60), whole(61, longest)]) if robots < 300 else one([1, 2])
     sensors = one(ACCURACIES) if chance(0.7) else [0.6, 0.8]  # two settings, of which one walk carries both
     swarm = {"robots": robots, "brain": _worn(rng, brain), "accuracy": sensors}
     if chance(0.2):

@@ -80,7 +80,6 @@ def test_who_starts_beyond_the_bound_stays_there():
 # ---- what it shares
 
 
-@pytest.mark.long(but=["fixed"])
 @pytest.mark.parametrize("world", [{}, {"topology": "moving", "density": 8}], ids=["fixed", "moving"])
 def test_until_it_changes_a_world_is_the_one_that_stays(world):
     """The same tiles, readings and messages; and after it none of the old floor's."""
@@ -119,7 +118,6 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 # ---- what is measured
 
 
-@pytest.mark.long(only=["False-nominal-switch"])
 @pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
 @pytest.mark.parametrize(("moves", "truth"), [(False, "nominal"), (True, "nominal"), (True, "floor")])
 def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
@@ -153,6 +151,7 @@ def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):
             assert one["recovery_time"][i] == (max(good[0] - last, 0) if good else np.inf)
 
 
+@pytest.mark.interpreted
 def test_a_consensus_is_right_where_it_is_that_of_the_end():
     source = 'MEMORY = {"t": 0.0, "n": 0.0}\nMESSAGE = ("x",)\n'
     bodies = {

@@ -58,7 +58,7 @@ def listed(table):
     return changed(OPTIONS) + "\n\ndef decide(me):\n" + "\n".join(lines) + "\n    return -1\n"
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_decisions_by_hand():
     """Three robots, six rounds: they once agree, change their minds, and take decisions back."""
     data = told(listed(TABLE))
@@ -69,7 +69,7 @@ def test_decisions_by_hand():
     assert (data["consensus_right"], data["right_option"]) == (1, 3)
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_no_decision_by_hand():
     """Robot 1 never decides, robot 0 but for a while: nobody agrees."""
     data = told(listed([[1, -1, 2], [1, -1, 2], [-1, -1, 2]] + [[-1, -1, 2]] * 3))
@@ -79,6 +79,7 @@ def test_no_decision_by_hand():
     assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (-1, NEVER, 0)
 
 
+@pytest.mark.interpreted
 def test_the_first_agreement_counts_though_a_better_one_follows():
     data = told(listed([[0, 0, 0], [3, 3, 3]] * 3))
     assert (data["consensus"], data["consensus_round"], data["consensus_right"]) == (0, 1, 0)
@@ -94,6 +95,7 @@ def test_the_right_option_is_the_bin_of_the_truth(options):
     assert right_option(1.0, options) == options - 1
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(("truth", "right"), [(0.45, 0), (0.55, 1), (0.0, 0), (1.0, 1), (0.5, np.nan)])
 def test_two_options_are_white_and_black(truth, right):
     data = told(DECIDES.replace("CHOICE", "1 if me.t > 2.0 else 0"), fill_ratio=truth)
@@ -103,7 +105,7 @@ def test_two_options_are_white_and_black(truth, right):
     assert data["consensus_right"].values == pytest.approx(expected, nan_ok=True)
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_who_is_done_looks_no_more_and_goes_on_talking():
     """By hand: after three looks of one a round, and after two rounds of two."""
     data = told(ENDS)
@@ -122,7 +124,7 @@ def test_who_is_done_looks_no_more_and_goes_on_talking():
         assert (batch.final[0] == estimates[rounds]).all()
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_who_is_done_may_begin_again():
     """Done at three looks, and no more once it has heard of it: the first time counts."""
     source = changed(
@@ -138,6 +140,7 @@ def test_who_is_done_may_begin_again():
     assert data["done_round"].values.tolist() == [3, 3, 3]
 
 
+@pytest.mark.interpreted
 def test_on_the_move():
     """A robot is done after its third reading, at whichever tick that is."""
     setting = moving(brain(ENDS + "\n\ndef decide(me):\n    return 1 if me.t >= 2.0 else -1\n"), ticks=40)
@@ -151,6 +154,7 @@ def test_on_the_move():
     assert batch.consensus[0, :2].tolist() == [1.0, second.max()]
 
 
+@pytest.mark.interpreted
 def test_what_nobody_decides_is_not_in_the_results():
     assert "decision" not in told(MEANS)
     assert "done_round" not in told(MEANS)
@@ -159,6 +163,7 @@ def test_what_nobody_decides_is_not_in_the_results():
     assert "done_estimate" in only
 
 
+@pytest.mark.interpreted
 def test_of_brains_of_which_one_decides_the_other_has_none():
     study = sc.Study(
         trials=1,
@@ -172,7 +177,6 @@ def test_of_brains_of_which_one_decides_the_other_has_none():
     assert data["decision"].values[1].tolist() == [[0, 2, 1]]
 
 
-@pytest.mark.long(but=["0.05"])
 @pytest.mark.parametrize("wrong", [0.01, 0.05])
 def test_the_sequential_test_is_wrong_no_more_often_than_it_says(wrong):
     """600 robots alone: Wald's bound on the share of wrong decisions, and four standard errors; error rate 0.01 %."""
@@ -203,7 +207,7 @@ WRONG = {
 }
 
 
-@pytest.mark.long(but=["math.inf - math.inf * me.t"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize("choice", WRONG)
 def test_what_is_no_option_is_told(choice):
     source = changed(("MEMORY =", "import math\n\nMEMORY ="), source=DECIDES.replace("CHOICE", choice))
@@ -246,7 +250,7 @@ def test_wrong_functions_are_refused(function, said):
         brain(MEANS + f"\n\n{function}\n")
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_brains_that_never_agree_are_compared(tmp_path, monkeypatch, capsys):
     """All of an interval is then infinite, and so it is said."""
     monkeypatch.chdir(tmp_path)
@@ -334,10 +338,11 @@ def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
         brain(changed(OPTIONS))
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["line", "full", "moving"])
 def test_who_is_done_before_the_first_round_was_done_in_round_0(topology):
     source = changed(("me.t >= 3.0", "me.t >= 0.0"), source=ENDS) + "\n\ndef decide(me):\n    return 1\n"
-    world = {"density": 1.0} if topology == "moving" else {}
+    world = {"density": 1.0, "body": {"tile": 0.05}} if topology == "moving" else {}
     schedule = {"schedule": {"ticks": 3}} if topology == "moving" else {"schedule": {"rounds": 3}}
     swarm = {"brain": brain(source), "robots": 3, "accuracy": 0.7}
     world = {"topology": topology, "fill_ratio": 0.8} | world

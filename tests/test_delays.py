@@ -33,6 +33,7 @@ WORLDS = {
 }
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("world", WORLDS)
 def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
     """Bit for bit, but to rounding where everyone hears everyone: sums are added in another order there."""
@@ -48,6 +49,7 @@ def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
             assert fields[name][-1] == pytest.approx([getattr(me, name) for me in minds.minds], rel=1e-9)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_noise_is_as_late_as_messages(topology):
     """Of jammers that now and then fail, with losses."""
@@ -79,8 +81,14 @@ def test_late_messages_meet_the_same_luck_and_losses():
     assert (counts[0][HEARD] - counts[1][HEARD] == first[0][HEARD]).all()
 
 
-@pytest.mark.long(but=["full-7"])
-@pytest.mark.parametrize(("topology", "robots"), [("ring", 6), ("full", 7), ("full", 33_000)])
+@pytest.mark.parametrize(
+    ("topology", "robots"),
+    [
+        pytest.param("ring", 6, marks=pytest.mark.interpreted),
+        pytest.param("full", 7, marks=pytest.mark.interpreted),
+        pytest.param("full", 33_000, marks=pytest.mark.long),
+    ],
+)
 def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
     """By hand: s(t) = D y(t) + O y(t - d), where y is what is said, and s(t) = y(t) as long as nothing is heard.
 
@@ -135,6 +143,7 @@ def test_room_for_late_messages_is_reckoned_with(monkeypatch):
     assert record - before >= 8 * (3 + 2) * len(late.brain.message)
 
 
+@pytest.mark.interpreted
 def test_an_oracle_hears_at_once():
     now, late = settings_of(6, "oracle", message_delay=[0, 5])
     assert (record_trial(now, SEED, 0)[1] == record_trial(late, SEED, 0)[1]).all()

@@ -125,6 +125,7 @@ def picked(row, word):
     return column if word << 4 & reference.MASK < int(row[column]) & ~15 else int(row[column]) & 15
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("looks", [1, PART - 1, PART, PART + 1, 2 * PART, 2 * PART + 4])
 def test_counts_of_black_readings_have_their_law_and_their_address(looks):
     """Each robot's own accuracies, each part of a long round, each round and trial."""
@@ -149,6 +150,7 @@ def test_counts_of_black_readings_have_their_law_and_their_address(looks):
                 assert blacks[tick, i] == sum(drawn)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("looks", [3, PART + 2])
 @pytest.mark.parametrize("change", [{"at": 3}, {"at": 2, "until": 4}], ids=["switch", "drift"])
 @pytest.mark.parametrize(
@@ -184,6 +186,7 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
             assert blacks[tick, i] == sum(drawn)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("b", "w", "fill_ratio", "p"), [(1.0, 1.0, 1.0, 1.0), (1.0, 1.0, 0.0, 0.0), (0.0, 0.0, 1.0, 0.0)]
 )

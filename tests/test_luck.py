@@ -36,6 +36,7 @@ def test_never_zero_and_never_one():
     assert chance(np.uint64(2**63)) == reference.chance(2**63)
 
 
+@pytest.mark.interpreted
 def test_each_call_has_its_own():
     """Of 5 robots on a ring, 8 rounds: all that was seen, heard and fused by differs."""
     fields = lives(LUCKY)
@@ -43,6 +44,7 @@ def test_each_call_has_its_own():
     assert len(np.unique(every)) == every.size == 120
 
 
+@pytest.mark.interpreted
 def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     """A full network of three: the last message heard is that of the last robot, by its own luck."""
     source = changed(
@@ -61,7 +63,7 @@ def test_of_several_messages_each_has_its_own_that_depends_on_who_says_it():
     assert (lives(source, robots=3, topology=one)["fused"][:, [1, 2]] == 0).all()
 
 
-@pytest.mark.long(only=["ring"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     "world", [{}, {"topology": "full"}, {"link_success": 0.5, "faults": FAULTS}], ids=["ring", "full", "lossy"]
 )
@@ -78,6 +80,7 @@ def test_it_changes_nothing_else(world):
             assert (one[name] == other[name]).all()
 
 
+@pytest.mark.interpreted
 def test_two_brains_have_the_same():
     """So that they differ by what they are, and not by chance: whatever one of them does not ask for."""
     both, fused = lives(LUCKY), lives(changed(("me.seen = me.luck", "me.seen = 0.0"), source=LUCKY))
@@ -86,6 +89,7 @@ def test_two_brains_have_the_same():
     assert (lives(LUCKY, accuracy=0.9)["fused"] == both["fused"]).all()
 
 
+@pytest.mark.interpreted
 def test_robots_trials_seeds_and_networks_have_others():
     ring = lives(LUCKY)["fused"]
     for other in (lives(LUCKY, trial=1), lives(LUCKY, topology="line"), lives(LUCKY, robots=6)):
@@ -94,6 +98,7 @@ def test_robots_trials_seeds_and_networks_have_others():
     assert not np.isin(record_trial(setting, SEED + 1, 0)[0]["fused"][1:], ring[1:]).any()
 
 
+@pytest.mark.interpreted
 def test_a_round_without_a_reading_costs_none():
     """A sensor that fails changes no other luck."""
     failed = lives(LUCKY, faults=[{"at": 3, "robots": 2, "stop": "sensing"}])
@@ -103,7 +108,6 @@ def test_a_round_without_a_reading_costs_none():
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
 
 
-@pytest.mark.long(but=["lucky"])
 @pytest.mark.parametrize("source", [LUCKY, ALL, ADDS], ids=["lucky", "all", "adds"])
 def test_recorded_data_in_cpython_and_in_machine_code(source):
     readings = np.random.default_rng(5).integers(0, 2, (30, 4)).astype(float)
@@ -117,6 +121,7 @@ def test_recorded_data_in_cpython_and_in_machine_code(source):
             assert (fast["fused"].values[1:] < 1.0).all()
 
 
+@pytest.mark.interpreted
 def test_on_the_move_and_of_robots_that_steer():
     """A brain whose steering is by lot has the same luck elsewhere as one that walks at random."""
     walks, steers = (record_ride(moving(brain(s)), SEED, 0).fields for s in (LUCKY, LUCKY + STEER))
@@ -124,7 +129,7 @@ def test_on_the_move_and_of_robots_that_steer():
     assert len(np.unique(walks["fused"][1:])) == 25 * 6
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
     (mixed,) = fixed(brain(LUCKY), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     who = mixed.who(SEED, 0, 1)[0]
@@ -169,6 +174,7 @@ def test_sums_have_none():
         brain(changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("heard",)'), source=source))
 
 
+@pytest.mark.interpreted
 def test_a_field_of_ones_own_may_be_called_luck():
     own = changed(("MEMORY = {", 'MEMORY = {"luck": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.luck += 1.0"))
     assert not brain(own).uses.luck

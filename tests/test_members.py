@@ -89,6 +89,7 @@ def test_each_robot_is_as_likely_in_each_trial():
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
 def test_what_is_measured_is_of_the_honest(topology):
     """Every number of a batch against plain NumPy on the trace of all robots; who lies is in the trace too."""
@@ -119,6 +120,7 @@ def test_what_is_measured_is_of_the_honest(topology):
     assert batch.counts.shape == (3, 2, 6)
 
 
+@pytest.mark.interpreted
 def test_the_same_of_robots_that_move():
     setting = moving(brain(ENDS), robots=9, ticks=80, members=liars(3))
     (batch,), ride = run_ride([setting], SEED, 1, MEASURE, GO), record_ride(setting, SEED, 1)
@@ -134,7 +136,7 @@ def test_the_same_of_robots_that_move():
     assert (batch.verdicts[0, :, 0] == ride.fields["decided"][-1, honest]).all()
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_results_have_as_many_robots_as_are_honest():
     study = sc.Study(
         trials=2,
@@ -151,7 +153,7 @@ def test_results_have_as_many_robots_as_are_honest():
     assert np.isnan(data["messages_sent"].values[1, :, 8:]).all()
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_robots_that_lie_are_heard():
     """By hand: a liar at one end of a pair; the honest one hears one minus what the liar sees."""
     hears = changed(
@@ -241,6 +243,7 @@ def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
         assert fields["p"][-1][group == number] == pytest.approx(assumed)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("steers", [False, True])
 def test_members_are_as_fast_as_they_are_said_to_be(steers):
     """A robot that goes straight on does its speed in a tick, and nobody is faster, but who is pushed."""
@@ -256,6 +259,7 @@ def test_members_are_as_fast_as_they_are_said_to_be(steers):
         assert (abs(mine - pace) < 1e-9).mean() > 0.2
 
 
+@pytest.mark.interpreted
 def test_robots_of_one_speed_walk_as_if_they_were_no_members():
     plain, same = moving(brain(MEANS)), moving(brain(MEANS), members=[{"robots": 3, "accuracy": 0.9}])
     faster = moving(brain(MEANS), members=[{"robots": 3, "speed": 0.3}])
@@ -264,6 +268,7 @@ def test_robots_of_one_speed_walk_as_if_they_were_no_members():
     assert (rides[0].poses == rides[1].poses).all()
 
 
+@pytest.mark.interpreted
 def test_only_some_steer():
     """Robots whose brain does not steer walk at random; the others stand still here."""
     stands = MEANS + "\n\ndef steer(me):\n    return 0.0, 0.0\n"

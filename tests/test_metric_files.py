@@ -95,7 +95,6 @@ def fixed():
     return sc.run(study())
 
 
-@pytest.mark.long(but=["moving"])
 @pytest.mark.parametrize("text", [STUDY, MOVING], ids=["fixed", "moving"])
 def test_shipped_metrics_are_what_they_say_of_the_curves_of_a_run(text):
     results = sc.run(study(text))
@@ -422,6 +421,7 @@ def test_a_brain_that_fails_is_blamed_and_no_metric(tmp_path, monkeypatch):
         sc.run(sc.Study(**asked))
 
 
+@pytest.mark.interpreted
 def test_any_name_will_do_for_a_metric_that_is_not_of_the_results(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("swarmcensus.results.shards.AT_LEAST", 0.0)
@@ -447,6 +447,7 @@ def test_a_metric_file_may_be_given_to_verify(tmp_path, monkeypatch, capsys):
     assert main(["verify", "a.nc", "--brain", "sub/mine.py"]) == 2
 
 
+@pytest.mark.interpreted
 def test_a_result_that_is_to_be_had_in_the_end_alone_is_not_asked_for_before(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(watches, "MOST_CHECKED", 9)
@@ -494,6 +495,7 @@ def test_what_differs_after_some_rounds_only_is_seen_too(body, message, tmp_path
     assert message in str(error.value)
 
 
+@pytest.mark.interpreted
 def test_a_result_beyond_its_bounds_is_refused(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("mine.py").write_text(MINE.replace("def begin", "BOUNDS = (0.0, 0.1)\n\n\ndef begin"))

@@ -22,20 +22,20 @@ HEARS = changed(
 )
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_names_are_the_robots_numbers():
-    """By hand: on a line of 300 robots, of which blocks of the engine hold 256, each hears its neighbours' names."""
+    """By hand: on a line of 260 robots, of which blocks of the engine hold 256, each hears its neighbours' names."""
     for topology in ("line", "full"):
-        (setting,) = fixed(brain(HEARS), robots=300, rounds=2, topology=topology)
+        (setting,) = fixed(brain(HEARS), robots=260, rounds=2, topology=topology)
         fields, *_ = record_trial(setting, SEED, 0)
-        names = np.arange(300.0)
+        names = np.arange(260.0)
         assert (fields["own"][1] == names).all()
         near = np.append(names[1:], 0) + np.insert(names[:-1], 0, 0)
         assert (fields["sum"][-1] == 2 * (near if topology == "line" else names.sum() - names)).all()
         assert "name" not in fields
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_on_the_move_and_in_a_mixed_swarm():
     setting = moving(brain(HEARS), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
     fields = record_ride(setting, SEED, 1).fields
@@ -44,6 +44,7 @@ def test_on_the_move_and_in_a_mixed_swarm():
     assert (fields["own"][-1][who == 0] == np.flatnonzero(who == 0)).all()
 
 
+@pytest.mark.long(only=["True"])
 @pytest.mark.parametrize("compiled", [True, False])
 def test_recorded_data(compiled):
     trace = sc.infer(np.ones((2, 3)), [[0, 1], [1, 2]], 0.8, 1, brain(HEARS), compiled=compiled)
@@ -51,6 +52,7 @@ def test_recorded_data(compiled):
     assert trace["sum"].values[-1].tolist() == [2.0, 4.0, 2.0]
 
 
+@pytest.mark.interpreted
 def test_news_of_the_leader_come_a_robot_further_each_round():
     """The example by hand: on a line, robot i believes in round k what robot 0 had seen in round k - i."""
     (setting,) = fixed(LEADER, robots=5, rounds=9, topology="line")
@@ -62,6 +64,7 @@ def test_news_of_the_leader_come_a_robot_further_each_round():
             assert fields["leader"][k, i] == 0.0
 
 
+@pytest.mark.interpreted
 def test_results_say_who_is_anonymous():
     study = sc.Study(
         trials=1, swarm={"brain": ["minimalistic", LEADER], "robots": 3, "accuracy": 0.7}, schedule={"rounds": 2},
@@ -70,6 +73,7 @@ def test_results_say_who_is_anonymous():
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
 
 
+@pytest.mark.interpreted
 def test_a_swarm_of_which_some_know_their_names_is_not_anonymous():
     study = sc.Study(
         trials=1,
@@ -81,6 +85,7 @@ def test_a_swarm_of_which_some_know_their_names_is_not_anonymous():
     assert sc.run(study)["anonymous"].values.tolist() == [1, 0]
 
 
+@pytest.mark.interpreted
 def test_a_field_of_ones_own_may_be_called_name():
     """Then it is that field, and nothing is given."""
     own = changed(("MEMORY = {", 'MEMORY = {"name": 7.0, '), ("me.n += blacks", "me.n += blacks\n    me.name += 1.0"))

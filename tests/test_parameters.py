@@ -46,6 +46,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.interpreted
 def test_every_combination_is_a_setting_with_its_values_as_coordinates(here):
     data = sc.run(sc.Study.load("s.toml"), jobs=1)
     told = list(zip(data["brain"].values, data["prior"].values, data["among"].values, strict=True))
@@ -57,6 +58,7 @@ def test_every_combination_is_a_setting_with_its_values_as_coordinates(here):
     assert len(set(data["fingerprint"].values.tolist())) == 7
 
 
+@pytest.mark.interpreted
 def test_the_values_are_what_the_brain_reads(here):
     """By hand: the estimate is what the formula makes of the counts of the brain that has no prior."""
     data = sc.run(sc.Study.load("s.toml"), jobs=1)
@@ -67,6 +69,7 @@ def test_the_values_are_what_the_brain_reads(here):
         assert data["final_estimate"].values[k] == pytest.approx(expected, rel=1e-14)
 
 
+@pytest.mark.interpreted
 def test_a_swept_value_is_the_same_as_one_written_in_the_file(here):
     swept = sc.run(sc.Study.load("s.toml"), jobs=1)
     (here / "prior.py").write_text(changed(('"prior": 10.0', '"prior": 40.0'), source=PRIOR))
@@ -91,7 +94,7 @@ def test_other_values_need_no_other_machine_code():
     assert (compiler.blank(swept) == [0, 0, 3, 0.5, 0.5, 0, 0]).all()
 
 
-@pytest.mark.long(only=["ring"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
 def test_receive_may_read_them_though_it_only_adds(topology):
     """What a message adds is found by a mind of zeros, which has the parameters all the same."""

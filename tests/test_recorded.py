@@ -24,7 +24,6 @@ from tests.second import ADDS, ALL, STEER, TALKS, WALD
 pytestmark = [pytest.mark.usefixtures("untraced"), pytest.mark.filterwarnings("ignore::UserWarning")]
 
 OWN = {"all.py": ALL, "adds.py": ADDS, "talks.py": TALKS, "steers.py": ALL + STEER, "wald.py": WALD}
-A_BRAIN = 3  # studies of each that a long test draws
 
 
 def worked_out(study, setting, trace):
@@ -204,12 +203,12 @@ def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
 
-def all_differences(seed, names, monkeypatch, liars=LIARS):
+def all_differences(seed, names, monkeypatch, liars=LIARS, **drawing):
     """Those of a random study for each of these names, and how many trials were compared and how many studies short."""
     rng = np.random.default_rng(seed)
     found, compared, short = [], 0, 0
     for name in names:
-        study = drawn(rng, name, liars)
+        study = drawn(rng, name, liars, **drawing)
         some = int(rng.integers(1, 20))  # estimates are kept for so many rounds at a time, or for all of them
         monkeypatch.setattr(trials, "ROWS_BYTES", int(rng.choice([1, 8_000_000])))
         monkeypatch.setattr(trials, "ROWS_OF_A_CROWD", some)
@@ -217,6 +216,13 @@ def all_differences(seed, names, monkeypatch, liars=LIARS):
         found, compared = found + more, compared + here
         short += study.settings()[0].rounds == 1
     return found, compared, short
+
+
+def hold(seed, names, monkeypatch, **drawing):
+    found, compared, short = all_differences(seed, names, monkeypatch, **drawing)
+    assert not found, "\n".join(found)
+    assert compared >= 1.8 * len(names)
+    assert short >= len(names) / 5
 
 
 def test_a_run_records_what_its_replays_show(here, monkeypatch):
@@ -241,10 +247,14 @@ def test_replays_of_trials_that_fail_say_what_the_run_says(here):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", [2, 3, 4])
+@pytest.mark.interpreted
+@pytest.mark.parametrize("seed", [2, 3, 4, 5])
 def test_a_run_of_any_brain_records_what_its_replays_show(seed, here, monkeypatch):
-    names = sorted([*brains.shipped(), *OWN]) * A_BRAIN
-    found, compared, short = all_differences(seed, names, monkeypatch)
-    assert not found, "\n".join(found)
-    assert compared >= 1.8 * len(names)
-    assert short >= len(names) / 5
+    """In CPython, where no brain is compiled for each kind of swarm; so no trial is longer than 120 rounds."""
+    hold(seed, [*brains.shipped(), *OWN], monkeypatch, longest=120)
+
+
+@pytest.mark.long
+def test_a_compiled_run_records_what_its_replays_show(here, monkeypatch):
+    """Of brains that have all that a brain can have, and of long trials."""
+    hold(5, ["minimalistic", "commons", "voter", "oracle", *OWN] * 3, monkeypatch)

@@ -32,7 +32,7 @@ def counts(source, trial=0, **world):
     return batch.counts[0, SENT].tolist(), batch.counts[0, HEARD].tolist()
 
 
-@pytest.mark.long(only=["world0-sent0-heard0-sums"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize("source", [ODD, ADDS], ids=["each", "sums"])
 @pytest.mark.parametrize(
     ("world", "sent", "heard"),
@@ -52,23 +52,26 @@ def test_who_speaks_in_odd_rounds_by_hand(source, world, sent, heard):
     assert counts(source, rounds=4, **world) == (sent, heard)
 
 
+@pytest.mark.interpreted
 def test_who_speaks_by_its_name_by_hand():
     """Robot 1 of a line of four speaks in each of four rounds, the others in the third."""
     assert counts(NAMED, rounds=4, robots=4, topology="line") == ([1, 4, 1, 1], [4, 2, 5, 1])
     assert counts(NAMED, rounds=4, robots=4, topology="full") == ([1, 4, 1, 1], [6, 3, 6, 6])
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_who_never_speaks_is_never_heard(topology):
     assert counts(MUTE, topology=topology) == ([0] * 5, [0] * 5)
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_who_always_speaks_is_heard_by_all_its_neighbours():
     assert counts(LOUD, topology="ring", rounds=6) == ([6] * 5, [12] * 5)
     assert counts(LOUD, topology="full", rounds=6) == ([6] * 5, [24] * 5)
 
 
+@pytest.mark.interpreted
 def test_losses_lose_what_is_heard_and_not_what_is_said():
     """Of 5 robots times 2 neighbours times 200 rounds, half get through: within four standard errors, 0.01 %."""
     for source, said in ((ODD, 200), (LOUD, 400)):
@@ -78,6 +81,7 @@ def test_losses_lose_what_is_heard_and_not_what_is_said():
         assert len(set(heard)) > 1
 
 
+@pytest.mark.interpreted
 def test_trials_of_a_batch_are_counted_each():
     (setting,) = fixed(brain(ODD), topology="scale-free", robots=9, link_success=0.7)
     batch = run_batch(setting, SEED, 0, 3, MEASURE, GO)
@@ -86,7 +90,7 @@ def test_trials_of_a_batch_are_counted_each():
     assert (batch.counts[0] != batch.counts[1]).any()
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_nothing_is_heard_of_what_was_not_said():
     """A message of zeros would count as one: what is summed up is what was said, of who spoke in that very round."""
     speaks = changed(("me.ears += 1.0 + message[0] - message[0]", "me.ears += 1.0 + message[0]"), source=ODD)
@@ -108,6 +112,7 @@ def test_nothing_is_heard_of_what_was_not_said():
         assert ears[0] == pytest.approx(ears[1], rel=1e-12)
 
 
+@pytest.mark.interpreted
 @pytest.mark.parametrize("source", [ODD, ADDS, LOUD], ids=["each", "sums", "loud"])
 @pytest.mark.parametrize("delay", [0, 2])
 def test_on_the_move(source, delay):
@@ -126,15 +131,17 @@ def test_on_the_move(source, delay):
     assert (ride.fields["ears"][-1] == heard).all()
 
 
-def test_recorded_data():
+@pytest.mark.long(only=["True"])
+@pytest.mark.parametrize("compiled", [True, False])
+def test_recorded_data(compiled):
     """Three robots on a line that speak after odd readings, and one that makes none."""
     readings = np.ones((6, 3))
     readings[:, 2] = np.nan
-    for compiled in (True, False):
-        trace = sc.infer(readings, [[0, 1], [1, 2]], 0.8, 1, brain(ODD), compiled=compiled)
-        assert trace["ears"].values[-1].tolist() == [3.0, 3.0, 3.0]
+    trace = sc.infer(readings, [[0, 1], [1, 2]], 0.8, 1, brain(ODD), compiled=compiled)
+    assert trace["ears"].values[-1].tolist() == [3.0, 3.0, 3.0]
 
 
+@pytest.mark.interpreted
 def test_results_have_the_counts_and_missing_ones_where_there_is_no_robot():
     study = sc.Study(
         trials=2,

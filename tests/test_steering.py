@@ -273,7 +273,8 @@ def test_in_cpython_and_on_fixed_networks(folder):
 
     Not even a brain whose `steer` is broken is stopped by it; and the loop of those that steer gives the same bits.
     """
-    short = study_of(folder, "SEEN", robots=3, ticks=12, checkpoints="[12]", trials=1, density=6)
+    world = {"density": 6, "message_delay": "0\ntile = 0.05"}  # few tiles: CPython paints each
+    short = study_of(folder, "SEEN", robots=3, ticks=12, checkpoints="[12]", trials=1, **world)
     for name, text in (("fixed", FIXED), ("short", short.text)):
         (folder / f"{name}.toml").write_text(text)
     environment = os.environ | {"NUMBA_DISABLE_JIT": "1"}
@@ -295,14 +296,17 @@ def test_a_wish_that_is_no_number_ends_the_run_with_a_message(folder, monkeypatc
         monkeypatch.setattr(rides, "MOST_TILES", 0)
 
 
+LONG = pytest.mark.long  # each takes a second, and there are many
+
+
 @pytest.mark.parametrize(
     ("steer", "said"),
     [
         ("def steer(me):\n    return 1e308 * 10.0, 0.0", "gives (inf, 0.0), neither two finite numbers"),
-        ("def steer(me):\n    return 0.1, 0.0, 0.0", "gives (0.1, 0.0, 0.0), neither two finite numbers"),
-        ("def steer(me):\n    return 'left'", "gives 'left', neither two finite numbers, a speed and"),
-        ("def steer(me):\n    return 0.1", "gives 0.1, neither two finite numbers"),
-        ("def steer(me):\n    return True, 0.0", "gives (True, 0.0), neither two finite numbers"),
+        pytest.param("def steer(me):\n    return 0.1, 0.0, 0.0", "gives (0.1, 0.0, 0.0), neither two", marks=LONG),
+        pytest.param("def steer(me):\n    return 'left'", "gives 'left', neither two finite numbers", marks=LONG),
+        pytest.param("def steer(me):\n    return 0.1", "gives 0.1, neither two finite numbers", marks=LONG),
+        pytest.param("def steer(me):\n    return True, 0.0", "gives (True, 0.0), neither two finite", marks=LONG),
         ("def steer(me):\n    me.x = 0.0\n    return None", "changes me.x from 0.5 to 0.0: it may only read"),
         ("def steer(me):\n    return 1.0 / me.t, 0.0", "ZeroDivisionError"),
         ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 are right"),

@@ -296,25 +296,24 @@ def test_compiled_they_are_what_cpython_runs(brain):
     assert len(np.unique(fast["mended" if name == "asdf" else "mu"].values)) > 2
 
 
-@pytest.mark.long
 def test_the_local_functions_are_those_of_the_paper():
     """Written again in each file, and the same all the same."""
-    chance = np.random.default_rng(10)
+    alone, chance = brains.load("alone"), np.random.default_rng(10)
     for _ in range(300):
         b, w = chance.choice([0.0, 0.3, 0.5, 0.75, 1.0, chance.random()], 2)
         t = float(chance.integers(1, 50))
         n = float(chance.integers(0, int(t) + 1))
         paper = robot(PAPER, b, w)
         PAPER.functions.observe(paper, n, t)
-        alone = robot(brains.load("alone"), b, w)
-        brains.load("alone").functions.observe(alone, n, t)
+        lonely = robot(alone, b, w)
+        alone.functions.observe(lonely, n, t)
         mends = robot(ASDF, b, w)
         ASDF.functions.observe(mends, n, t)
         follows = robot(CPF, b, w, window=1e6)
         CPF.functions.observe(follows, n, t)
         for me in (mends, follows):
             assert (me.x_hat, me.alpha) == pytest.approx((paper.x_hat, paper.alpha), rel=2e-4, abs=1e-4)
-        assert alone.x == pytest.approx(paper.x_hat, abs=1e-9)
+        assert lonely.x == pytest.approx(paper.x_hat, abs=1e-9)
 
 
 def test_the_page_names_every_parameter():

@@ -31,6 +31,7 @@ COUNTS = changed(
 )
 
 
+@pytest.mark.interpreted
 def test_their_items_are_numbers_of_their_own():
     """By hand: three robots on a line, two rounds of two looks each."""
     (setting,) = fixed(brain(COUNTS), robots=3, rounds=2, looks=2, topology="line")
@@ -44,6 +45,7 @@ def test_their_items_are_numbers_of_their_own():
     assert (fields["heard"][1:] == heard).all()
 
 
+@pytest.mark.interpreted
 def test_a_message_is_what_it_was_when_it_was_said():
     """A robot that changes its vector while it listens does not change what it has said."""
     source = changed(("me.heard[k] += message[0][k]", "me.seen[k] += message[0][k]"), source=COUNTS)
@@ -54,6 +56,7 @@ def test_a_message_is_what_it_was_when_it_was_said():
         assert (fields["seen"][1, 0] == ring).all()
 
 
+@pytest.mark.interpreted
 def test_a_vector_may_be_made_up_for_a_message_and_held_beside_numbers():
     source = changed(
         ('MESSAGE = ("seen",)', 'MESSAGE = {"n": 0.0, "pair": (0.0, 0.0), "t": 0.0}'),
@@ -76,6 +79,7 @@ def test_what_they_cost_is_counted_number_by_number():
     assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
 
 
+@pytest.mark.long(only=["edges-counts", "messages-counts"])
 @pytest.mark.parametrize("source", [COUNTS, ALL, ADDS], ids=["counts", "all", "adds"])
 @pytest.mark.parametrize("talk", ["edges", "messages"])
 def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
@@ -90,6 +94,7 @@ def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
         assert (fast[name].values == slow[name].values).all()
 
 
+@pytest.mark.interpreted
 def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("counts.py").write_text(COUNTS)
@@ -107,6 +112,7 @@ def test_a_trace_and_its_file_have_them(tmp_path, monkeypatch):
         assert (kept["seen"].values == trace["seen"].values).all()
 
 
+@pytest.mark.interpreted
 def test_a_belief_over_ten_bins_is_bayes_rule():
     """The example by hand: a robot's weights are the logarithms of binomial likelihoods, up to a constant."""
     used = brains.load(EXAMPLE / "histogram.py")
@@ -175,7 +181,9 @@ def test_their_items_are_set_one_by_one(line, said):
 @pytest.mark.parametrize(
     ("message", "given", "said"),
     [
-        ('("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says"),
+        pytest.param(
+            '("seen",)', "((1.0, 2.0, 3.0),)", "vector of another length than MESSAGE says", marks=pytest.mark.long
+        ),
         ('("seen",)', "(me.n,)", "it cannot be compiled"),
         ('{"n": 0.0}', "(me.seen,)", "it cannot be compiled"),
     ],
@@ -211,6 +219,7 @@ def test_a_message_names_a_vector_once():
         brain(changed(('("seen",)', '("seen", "seen")'), ("(me.seen,)", "me.seen, me.seen"), source=COUNTS))
 
 
+@pytest.mark.interpreted
 def test_an_estimate_may_use_math_on_items():
     source = changed(
         ("return me.n / me.t if me.t > 0.0 else 0.5", "return math.exp(-me.seen[0])"),
@@ -276,7 +285,7 @@ def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path
     assert said in found[0]
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_names_of_fields_and_of_their_items_do_not_meet(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     declared = '"seen": (0.0, 0.5), "item_seen": (1.0, 2.0, 3.0), '
