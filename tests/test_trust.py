@@ -1,6 +1,7 @@
 """Whatever is changed in a results file is noticed; nothing is opened or run that only such a file names."""
 
 import contextlib
+import functools
 import json
 import shutil
 from pathlib import Path
@@ -466,11 +467,20 @@ class TestNothingElseIsOpened:
             monkeypatch.setattr(module, name, lambda path: pytest.fail(f"{path} was opened"))
         return tmp_path
 
-    def changed(self, files, old, new):
-        data = sc.load(files / "kinds.nc")
-        text = data.attrs["study"].replace(old, new)
-        assert text != data.attrs["study"]
-        sc.save(data.assign_attrs(study=text), "x.nc")
+    @pytest.fixture(scope="class")
+    def changed(self, files, tmp_path_factory):
+        """A file whose study names other files than it was run with, made once."""
+        data, there = sc.load(files / "kinds.nc"), tmp_path_factory.mktemp("changed")
+
+        @functools.cache
+        def made(old, new):
+            text = data.attrs["study"].replace(old, new)
+            assert text != data.attrs["study"]
+            path = there / f"{len(list(there.iterdir()))}.nc"
+            sc.save(data.assign_attrs(study=text), path)
+            return path
+
+        return made
 
     @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "plot x.nc --kind curves",
                                          "plot x.nc --kind arena", "merge x.nc --out y.nc"])  # fmt: skip
@@ -482,9 +492,9 @@ class TestNothingElseIsOpened:
             ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not here"),
         ],
     )
-    def test_in_any_command(self, command, old, new, said, files, here, capsys):
+    def test_in_any_command(self, command, old, new, said, changed, here, capsys):
         (here / "mine.py").write_text("raise SystemExit('was run')")
-        self.changed(files, old, new)
+        shutil.copy(changed(old, new), "x.nc")
         assert main(command.split()) == 2
         assert f"{said}, and no file is opened that is only named here" in capsys.readouterr().err
 
