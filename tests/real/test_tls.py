@@ -61,7 +61,7 @@ def scheduler(right):
     with open(right / "log", "w") as log, contextlib.ExitStack() as stack:
         for program, *options in (
             ("dask_scheduler", "--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"),
-            ("dask_worker", "--nworkers", "1", "--nthreads", "2", "--no-dashboard", "--local-directory", str(right)),
+            ("dask_worker", "--no-nanny", "--nthreads", "2", "--no-dashboard", "--local-directory", str(right)),
         ):
             process = subprocess.Popen(
                 [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(file)],
