@@ -104,6 +104,12 @@ def processes(count):
     )
 
 
+@pytest.fixture(scope="module")
+def threads():
+    """What threads give of the long study."""
+    return sc.run(sc.Study.parse(LONG), jobs=2)
+
+
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     """A folder with what the studies name: a brain file (a shipped brain's source), an edge list, an image."""
@@ -197,7 +203,7 @@ def test_a_large_image_travels(here, scheduler):
 
 
 @pytest.mark.long
-def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
+def test_a_worker_that_is_killed_costs_nothing(here, scheduler, threads):
     with distributed.Client(scheduler, set_as_default=False) as client:
         victims = sorted(client.run(os.getpid).values())
         kill = Once(lambda: [os.kill(pid, signal.SIGKILL) for pid in victims])  # all that hold anything
@@ -206,7 +212,7 @@ def test_a_worker_that_is_killed_costs_nothing(here, scheduler):
         client.wait_for_workers(2, timeout=30)
         assert not set(client.run(os.getpid).values()) & set(victims)
     assert "failed" not in killed.attrs
-    assert same(killed, sc.run(study(LONG), jobs=2))
+    assert same(killed, threads)
 
 
 @pytest.mark.long
@@ -249,7 +255,7 @@ def test_a_trial_that_fails_fails_alone(here, scheduler):
 
 
 @pytest.mark.long
-def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
+def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler, threads):
     def stop():
         raise KeyboardInterrupt
 
@@ -257,15 +263,15 @@ def test_what_is_done_is_kept_when_it_is_stopped(here, scheduler):
         run(study(LONG), cluster=scheduler, progress=Once(stop), out="s.nc")
     assert 0 < stopped.value.done < 800
     assert sc.load("s.nc").attrs["trials_done"] == stopped.value.done
-    assert same(run(study(LONG), cluster=scheduler, out="s.nc"), sc.run(study(LONG), jobs=2))
+    assert same(run(study(LONG), cluster=scheduler, out="s.nc"), threads)
 
 
 @pytest.mark.long
-def test_what_is_done_is_kept_when_the_scheduler_goes(here):
+def test_what_is_done_is_kept_when_the_scheduler_goes(here, threads):
     with processes(1) as cluster, pytest.raises(InputError, match="the cluster is gone"):
         run(study(LONG), cluster=cluster.scheduler_address, progress=Once(cluster.close), out="s.nc")
     assert list(Path("s.nc.parts").glob("*.npz"))
-    assert same(run(study(LONG), jobs=2, out="s.nc"), sc.run(study(LONG), jobs=2))
+    assert same(run(study(LONG), jobs=2, out="s.nc"), threads)
 
 
 @pytest.mark.long
@@ -337,7 +343,7 @@ def ends(group):
 
 
 @pytest.mark.long
-def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
+def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch, threads):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
     monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
@@ -345,7 +351,7 @@ def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch):
     data = run(study(LONG), cluster="slurm.toml", progress=end)
     assert end.done
     assert len(slurm()) == 2
-    assert same(data, sc.run(study(LONG), jobs=2))
+    assert same(data, threads)
 
 
 def refusing(folder, when="true"):

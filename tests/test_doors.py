@@ -236,12 +236,14 @@ def leaf(folder):
 
 @pytest.fixture(scope="module")
 def done(package, tmp_path_factory):
-    """A folder with two studies and their results, made from the command line."""
+    """A folder with three studies and their results, made from the command line."""
     folder = tmp_path_factory.mktemp("doors")
     leaf(folder)
-    for name, text in (("fixed", FIXED), ("moving", MOVING)):
+    for name, text in (("fixed", FIXED), ("moving", MOVING), ("measured", MEASURED)):
         (folder / f"{name}.toml").write_text(text)
-        assert swarmcensus(package, "run", folder / f"{name}.toml", "--out", folder / f"{name}.nc")[0] == 0
+    files = sorted(folder.glob("*.toml"))
+    found = one_by_one(package, *(("run", file, "--out", file.with_suffix(".nc")) for file in files))
+    assert [code for code, _ in found] == [0, 0, 0]
     return folder
 
 
@@ -484,7 +486,7 @@ def test_a_file_that_was_changed_under_way_is_told(installed, package):
 
 # ---- brains, metrics and figures
 
-SMALL = """
+MEASURED = """
 trials = 3
 [swarm]
 brain = ["legacy", "stubborn"]
@@ -500,18 +502,8 @@ metrics = ["lowest", "first-right"]
 """
 
 
-@pytest.fixture(scope="module")
-def measured(package, tmp_path_factory):
-    """A folder with a study of another package's brain and metric, and its results."""
-    folder = tmp_path_factory.mktemp("measured")
-    (folder / "s.toml").write_text(SMALL)
-    assert swarmcensus(package, "run", folder / "s.toml", "--out", folder / "s.nc")[0] == 0
-    return folder
-
-
-@pytest.mark.long
-def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
-    results = sc.load(measured / "s.nc")
+def test_a_brain_and_a_metric_do_what_their_files_say(installed, done):
+    results = sc.load(done / "measured.nc")
     assert results["brain"].values.tolist() == ["legacy", "stubborn"]
     assert (results["final_estimate"][0] == results["final_estimate"][1]).all()
     assert results["lowest"].attrs["long_name"] == "lowest estimate"
@@ -522,7 +514,7 @@ def test_a_brain_and_a_metric_do_what_their_files_say(installed, measured):
 
 
 @pytest.mark.long
-def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, measured, tmp_path):
+def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(package, done, tmp_path):
     shutil.copytree(package, tmp_path / "site")
     for file, said_of_run, said_of_verify in (
         (
@@ -535,24 +527,23 @@ def test_a_brain_and_a_metric_that_were_changed_are_not_mixed_with_others(packag
         path = tmp_path / "site" / "meadow" / f"{file}.py"
         before = path.read_text()
         path.write_text(before + "# a word more\n")
-        shutil.copy(measured / "s.nc", tmp_path / "x.nc")
+        shutil.copy(done / "measured.nc", tmp_path / "x.nc")
         old = tmp_path / "x.nc"
-        commands = [("run", measured / "s.toml", "--out", old), ("verify", old, "--sample", 1)]
-        found = one_by_one(tmp_path / "site", *commands)
+        commands = [("run", done / "measured.toml", "--out", old), ("verify", old, "--sample", 1)]
+        given = tmp_path / f"{file}.py"
+        given.write_text(before)
+        *found, last = one_by_one(tmp_path / "site", *commands, ("verify", old, "--sample", 1, "--brain", given))
         for (code, said), due in zip(found, (said_of_run, said_of_verify), strict=True):
             assert (code, said.count("\n")) == (2, 1)
             assert due in said
-        given = tmp_path / f"{file}.py"
-        given.write_text(before)
-        ((code, said),) = one_by_one(tmp_path / "site", ("verify", old, "--sample", 1, "--brain", given))
-        assert (code, said) == (0, "")
+        assert last == [0, ""]
         path.write_text(before)
 
 
 @pytest.mark.long
-def test_without_the_package_its_results_are_looked_at(measured, monkeypatch, tmp_path, capsys):
+def test_without_the_package_its_results_are_looked_at(done, monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
-    results = measured / "s.nc"
+    results = done / "measured.nc"
     assert main(["show", str(results)]) == main(["plot", str(results), "--kind", "lines", "--y", "lowest"]) == 0
     capsys.readouterr()
     assert main(["replay", str(results), "--setting", "0", "--trial", "0"]) == 0  # of a brain of ours
@@ -564,11 +555,11 @@ def test_without_the_package_its_results_are_looked_at(measured, monkeypatch, tm
 
 
 @pytest.mark.long
-def test_a_figure_of_another_package_is_drawn_from_both_doors(package, installed, measured, tmp_path):
-    figure = sc.plot.violins(sc.load(measured / "s.nc"), y="lowest", x="brain")
+def test_a_figure_of_another_package_is_drawn_from_both_doors(package, installed, done, tmp_path):
+    figure = sc.plot.violins(sc.load(done / "measured.nc"), y="lowest", x="brain")
     assert figure.axes[0].get_ylabel() == "lowest (1)"
     assert "violins" in dir(sc.plot)
-    shutil.copy(measured / "s.nc", tmp_path / "s.nc")
+    shutil.copy(done / "measured.nc", tmp_path / "s.nc")
     command = ("plot", "s.nc", "--kind", "violins", "--y", "lowest", "--x", "brain", "--out", "v.png")
     assert swarmcensus(package, *command) == (0, "")
     sc.plot.save(figure, "w.png")
@@ -586,7 +577,7 @@ def test_a_figure_of_another_package_is_drawn_from_both_doors(package, installed
     ],
 )
 def test_a_name_that_is_misspelled_is_told(before, after, said, installed, capsys):
-    Path("s.toml").write_text(SMALL.replace(before, after))
+    Path("s.toml").write_text(MEASURED.replace(before, after))
     assert main(["run", "s.toml"]) == 2
     assert said in capsys.readouterr().err
 
@@ -618,7 +609,7 @@ def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_p
 # ---- every door
 
 
-def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(package, measured):
+def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(package):
     done = subprocess.run(
         [sys.executable, "-m", "swarmcensus", "list"],
         env=os.environ | {"PYTHONPATH": os.pathsep.join([str(package), *sys.path]), "COLUMNS": "200"},

@@ -225,7 +225,7 @@ def test_a_plan_is_the_same_again_with_any_jobs_and_in_its_file(tmp_path):
 
 
 def test_a_brain_that_takes_too_long_to_simulate_has_theory_alone():
-    tables = changed(RING, robots=200)
+    tables = changed(RING, robots=50)
     [row] = sc.plan(tables | {"known": {"accuracy": 0.51}, "wanted": {"half_width": 0.0002}}, **QUIET).rows
     assert row.answer == "not simulated"
     assert row.minutes == row.theory.mixed

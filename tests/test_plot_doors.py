@@ -62,9 +62,10 @@ def unknown(results, *, size: "Missing" = 1):
 '''
 
 
-@pytest.fixture
-def elsewhere(tmp_path, small_file, untraced_processes):
+@pytest.fixture(scope="module")
+def elsewhere(tmp_path_factory, small_file):
     """Runs Python where another package is installed that has kinds of its own."""
+    tmp_path = tmp_path_factory.mktemp("elsewhere")
     info = tmp_path / "site" / "others_figures-1.0.dist-info"
     info.mkdir(parents=True)
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others-figures\nVersion: 1.0\n")
@@ -74,18 +75,39 @@ def elsewhere(tmp_path, small_file, untraced_processes):
     (info / "entry_points.txt").write_text("[swarmcensus.figures]\n" + "\n".join(lines) + "\n")
     (tmp_path / "site" / "others_figures.py").write_text(GOOD)
     path = os.pathsep.join([str(tmp_path / "site"), *filter(None, [os.environ.get("PYTHONPATH")])])
-    here = tmp_path / "here"
-    here.mkdir()
-    (here / "small.nc").write_bytes(small_file.read_bytes())
+    folder = tmp_path / "here"
+    folder.mkdir()
+    (folder / "small.nc").write_bytes(small_file.read_bytes())
 
     def run(*command):
         return subprocess.run(
-            [sys.executable, *map(str, command)], cwd=here, env=os.environ | {"PYTHONPATH": path}, capture_output=True,
-            text=True, check=False,
+            [sys.executable, *map(str, command)], cwd=folder, env=os.environ | {"PYTHONPATH": path},
+            capture_output=True, text=True, check=False,
         )  # fmt: skip
 
-    run.folder, run.site = here, tmp_path / "site"
+    run.folder = folder
     return run
+
+
+TOLD = """
+import contextlib, io, json, os, sys
+from swarmcensus.cli.commands import main
+said = []
+for command in json.loads(sys.argv[1]):
+    with contextlib.redirect_stderr(io.StringIO()) as error:
+        code = main(command)
+    said.append((code, error.getvalue(), sorted(os.listdir())))
+json.dump(said, sys.stderr)
+"""
+
+
+@pytest.fixture(scope="module")
+def told_elsewhere(elsewhere):
+    """What each command says there, its exit code, and which files are there then: of one process, in this order."""
+    commands = [["plot", "small.nc", "--kind", kind, *options] for kind, options, _ in WRONG]
+    done = elsewhere("-c", TOLD, json.dumps([*commands, BOXES]))
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stderr)
 
 
 def robots(counts=(10, 100, 1000), trials=12, **coordinates) -> xr.Dataset:
@@ -132,7 +154,7 @@ def test_swarmcensus_itself_imports_no_matplotlib_and_help_looks_for_no_packages
 
 
 @pytest.mark.long
-def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere):
+def test_another_package_s_kind_is_drawn_by_python_and_by_the_shell(elsewhere, untraced_processes):
     code = """
 import json, swarmcensus as sc
 results = sc.load("small.nc")
@@ -152,34 +174,34 @@ print(json.dumps([dir(sc.plot), figure.axes[0].get_title(), [str(p) for p in sc.
     assert elsewhere("-m", "swarmcensus", "plot", "small.nc").returncode == 0  # `scatter` stays ours
 
 
-@pytest.mark.long(
-    only=[
-        "box-plot-options2---kind box-plot: whiskers = 'wide': should be a valid number",
-        "fails-options5-figure 'fails', others_figures:fails: KeyError: 'no such",
-        "nothing-options6-figure 'nothing' returned NoneType: should be a matplotlib Figure",
-    ]
-)
-@pytest.mark.parametrize(
-    ("kind", "options", "said"),
-    [
-        ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
-        ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
-        ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
-        ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
-        ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
-        ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
-        ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
-        ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
-        ("unknown", [], "the keys of others_figures.unknown cannot be told: NameError"),
-        ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
-    ],
-)
-def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(kind, options, said, elsewhere):
-    done = elsewhere("-m", "swarmcensus", "plot", "small.nc", "--kind", kind, *options)
-    assert done.returncode == 2
-    assert said in done.stderr
-    assert done.stderr.count("\n") == 1
-    assert [p.name for p in elsewhere.folder.iterdir()] == ["small.nc"]
+BOXES = ["plot", "small.nc", "--kind", "box-plot", "--color", "topology", "--set", "whiskers=3", "--out", "b.svg"]
+WRONG = [
+    ("box-plot", ["--x", "robots"], "--x goes with --kind heatmap or lines, not with box-plot"),
+    ("box-plot", ["--set", "whisker=1"], "--kind box-plot has no key whisker: "),
+    ("box-plot", ["--set", "whiskers=wide"], "--kind box-plot: whiskers = 'wide': should be a valid number"),
+    ("box-plot", ["--set", "whiskers"], "--set 'whiskers': should be such as scale=linear"),
+    ("box-plott", [], "no figure 'box-plott': did you mean 'box-plot'?"),
+    ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
+    ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
+    ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
+    ("unknown", [], "the keys of others_figures.unknown cannot be told: NameError"),
+    ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
+]
+
+
+@pytest.mark.parametrize("k", range(len(WRONG)), ids=lambda k: f"{WRONG[k][0]} {' '.join(WRONG[k][1])}".strip())
+def test_what_is_wrong_with_another_package_s_kind_is_told_in_a_line(k, told_elsewhere):
+    code, error, files = told_elsewhere[k]
+    assert code == 2
+    assert WRONG[k][2] in error
+    assert error.count("\n") == 1
+    assert files == ["small.nc"]
+
+
+def test_another_package_s_kind_is_drawn(elsewhere, told_elsewhere):
+    *_, (code, error, files) = told_elsewhere
+    assert (code, error, files) == (0, "", ["b.svg", "small.nc"])
+    assert "topology 3 None" in (elsewhere.folder / "b.svg").read_text()
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,8 @@ from swarmcensus.runs import clusters
 from tests.real.one_node import until
 from tests.test_clusters import LONG, same, study
 
+SHORT = LONG.replace("trials = 200", "trials = 20")
+
 pytestmark = pytest.mark.skipif(shutil.which("openssl") is None, reason="no openssl here, which makes the certificates")
 ROLES = ("client", "scheduler", "worker")
 
@@ -53,13 +55,13 @@ def right(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def scheduler(right):
-    """The address of a scheduler with two workers."""
+    """The address of a scheduler with a worker of two threads."""
     file = right / "scheduler.json"
     environment = os.environ | {"DASK_CONFIG": str(right), "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     with open(right / "log", "w") as log, contextlib.ExitStack() as stack:
         for program, *options in (
             ("dask_scheduler", "--protocol", "tls", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"),
-            ("dask_worker", "--nworkers", "2", "--nthreads", "1", "--no-dashboard", "--local-directory", str(right)),
+            ("dask_worker", "--no-nanny", "--nthreads", "2", "--no-dashboard", "--local-directory", str(right)),
         ):
             process = subprocess.Popen(
                 [sys.executable, "-m", f"distributed.cli.{program}", *options, "--scheduler-file", str(file)],
@@ -81,14 +83,14 @@ def ended(process):
 
 def test_a_scheduler_with_certificates_gives_the_bits_of_threads(scheduler, right, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    Path("long.toml").write_text(LONG)
+    Path("short.toml").write_text(SHORT)
     assert scheduler.startswith("tls://")
     done = subprocess.run(
-        [sys.executable, "-m", "swarmcensus", "run", "long.toml", "--scheduler", scheduler],
+        [sys.executable, "-m", "swarmcensus", "run", "short.toml", "--scheduler", scheduler],
         env=os.environ | {"DASK_CONFIG": str(right)}, capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert same(sc.load("long.nc"), sc.run(study(LONG), jobs=2))
+    assert same(sc.load("short.nc"), sc.run(study(SHORT), jobs=2))
 
 
 def of_another_authority(folder):
@@ -123,11 +125,11 @@ def test_who_has_no_right_certificate_is_told_in_one_sentence(
 ):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(clusters, "CONNECT", "3s")
-    Path("long.toml").write_text(LONG)
+    Path("short.toml").write_text(SHORT)
     settings = known(tmp_path / "other") if known else {}
     address = scheduler.replace("tls", protocol)
     with dask.config.set(dask.config.merge(dask.config.config, settings)):
-        assert main(["run", "long.toml", "--scheduler", address]) == 2
+        assert main(["run", "short.toml", "--scheduler", address]) == 2
     [line] = capsys.readouterr().err.splitlines()
     assert line.startswith("swarmcensus: " + said.format(address))
-    assert not Path("long.nc").exists()
+    assert not Path("short.nc").exists()

@@ -1,5 +1,6 @@
 """A brain file, read and held against the contract: see docs/brain-contract.md."""
 
+import ast
 import functools
 import types
 from dataclasses import dataclass, field
@@ -149,16 +150,21 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 
 def parse(source: str, name: str, path: Path) -> Brain:
     """Check a brain's source against the contract and run it once. Raises InputError."""
-    tree, constants = plain.checked(source, "brain", path)
-    says = contents(tree, constants, path)
+    tree, says = _read(source, path)
     return Brain(name, path, source, says, plain.loaded(tree, "brain", path))
+
+
+@functools.lru_cache(maxsize=32)
+def _read(source: str, path: Path) -> tuple[ast.Module, Contents]:
+    """What a source holds and says. The check takes tens of milliseconds, and each study asks for the same few."""
+    tree, constants = plain.checked(source, "brain", path)
+    return tree, contents(tree, constants, path)
 
 
 def unread(name: str, source: str) -> Brain:
     """A brain of which nothing is run, and what it says is taken from its source, where that keeps the contract."""
     try:
-        tree, constants = plain.checked(source, "brain", Path(name))
-        says = contents(tree, constants, Path(name))
+        _, says = _read(source, Path(name))
     except InputError:
         says = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False)
     return Brain(name, Path(name), source, says, types.ModuleType(UNREAD))
