@@ -1,5 +1,6 @@
 """Pictures of robots that move show the floor they saw, and the robots and links that the trace holds."""
 
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -262,6 +263,7 @@ faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = [
 """
 
 
+@functools.cache
 def faulty_scene(faults):
     text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
     found = sc.Study.parse(faults + text)
@@ -292,10 +294,16 @@ def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
         np.testing.assert_array_equal(kept["stops"], trace["stops"])
 
 
-@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
-def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(tick):
+@pytest.fixture(scope="module")
+def faulty_arena():
     _, trace, floor = faulty_scene(FAULTS)
-    arena = Arena(trace, floor)
+    return Arena(trace, floor)
+
+
+@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
+def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_arena, tick):
+    _, trace, _ = faulty_scene(FAULTS)
+    arena = faulty_arena
     arena.show(tick)
     place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
     expected = set()

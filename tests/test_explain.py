@@ -136,9 +136,7 @@ def test_under_robots_that_move_the_floor_has_its_part():
 NOWHERE = {ALONE, NEAR, MIXED, SWARM}
 
 
-@pytest.mark.long(
-    only=["changes3-absent3-parts of robots fail", "changes4-absent4-some robots are done before the end"]
-)
+@pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("changes", "absent", "why"),
     [
