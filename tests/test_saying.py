@@ -150,6 +150,7 @@ def test_traces(both):
     assert [[f"{row[n]:.4f}" if n != "round" else str(row[n]) for n in names] for row in found["rounds"]] == lines
 
 
+@pytest.mark.long(only=["list brains"])
 @pytest.mark.parametrize("command", ["list", "list brains", "studies", "brains"])
 def test_lists(command, both):
     found, table = both(command)
