@@ -181,7 +181,7 @@ def test_tutorials_run(page, monkeypatch):
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "src"))
     notebook = hook()["executed"](page.read_text(encoding="utf-8"))
     cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
-    assert len(cells) > 4
+    assert len(cells) >= 4
     assert all(cell.execution_count for cell in cells)
     if page.stem == "cluster":
         assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
