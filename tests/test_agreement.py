@@ -135,21 +135,21 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
-@pytest.mark.long(only=["commons-tables7-some robots lie"])
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
-        ("swift", {}, "no closed form is known of swift"),
+        pytest.param("swift", {}, "no closed form is known of swift", marks=pytest.mark.interpreted),
         ("minimalistic", {}, "of what minimalistic makes of what it hears"),
         ("commons", {"world": {"topology": "ring", "fill_ratio": 0.55, "link_success": 0.5}}, "messages are lost"),
         ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
         ("commons", {"schedule": {"rounds": 1, "observations_per_round": 3}}, "too early: cutting estimates"),
         ("alone", {"trials": 20}, "fewer than 50 trials"),
         ("alone", {"accuracy": 1.0, "world": {"topology": "ring", "fill_ratio": 1.0}}, "readings are certain"),
-        (
+        pytest.param(
             "commons",
             {"members": [{"robots": 2, "brain": "opposite", "honest": False}]},
             "some robots lie",
+            marks=pytest.mark.interpreted,
         ),
     ],
 )
@@ -170,7 +170,7 @@ def test_a_brain_of_the_same_name_is_not_taken_for_ours(monkeypatch):
 @pytest.fixture(scope="module")
 def stored(tmp_path_factory):
     path = tmp_path_factory.mktemp("agreement") / "some.nc"
-    sc.save(run(["commons", "swift"], accuracy=[0.7, 0.8]), path)
+    sc.save(run(["commons", "minimalistic"], accuracy=[0.7, 0.8]), path)
     return path
 
 
@@ -182,7 +182,7 @@ def test_the_table_and_its_last_line(stored, capsys):
     cells = next(line.split() for line in lines if line.split()[:3] == ["0", "commons", "0.7"])
     assert cells[3:6] == [f"{first.measured:.5f}", f"{first.expected:.5f}", f"{first.ratio[0]:.3f}"]
     assert cells[-1] == "agrees"
-    assert "[1] no verdict: no closed form is known of swift" in lines
+    assert any(line.startswith("[1] no verdict: of what minimalistic makes of what it hears") for line in lines)
     assert lines[-1] == (
         "2 of 2 settings where theory is exact agree, at 1 in 1,000 each "
         "(0.002 expected to differ by chance; that any does: at most 0.2 %)"
@@ -194,7 +194,7 @@ def test_some_settings_few_rows_and_nothing_exact(stored, capsys):
     out = capsys.readouterr().out
     assert f"1 of 4 settings; all of them: swarmcensus explain {stored} --limit 0" in out
     assert "2 of 2 settings where theory is exact agree" in out
-    assert main(["explain", str(stored), "--where", 'brain == "swift"']) == 0
+    assert main(["explain", str(stored), "--where", 'brain == "minimalistic"']) == 0
     assert "no verdict in any of these settings: theory is not exact there" in capsys.readouterr().out.splitlines()[-1]
 
 
@@ -224,7 +224,7 @@ def test_nothing_that_ran_is_said(stored):
         sc.explain(data)
 
 
-@pytest.mark.long
+@pytest.mark.interpreted
 def test_a_swarm_of_several_brains_has_no_closed_form_and_is_shown(tmp_path, monkeypatch, capsys):
     """Members with parameters, which are no coordinates of settings."""
     monkeypatch.chdir(tmp_path)

@@ -1,5 +1,6 @@
 """Pictures of robots that move show the floor they saw, and the robots and links that the trace holds."""
 
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -102,10 +103,14 @@ def test_floors_hold_the_fill_ratio_and_differ_from_trial_to_trial(results):
 # ---- snapshots
 
 
+@pytest.fixture(scope="module")
+def arena(scene):
+    return Arena(*scene, robot=3)
+
+
 @pytest.mark.parametrize("tick", [0, 1, 17, 40])
-def test_discs_headings_and_links_are_where_the_trace_says(scene, tick):
-    trace, floor = scene
-    arena = Arena(trace, floor, robot=3)
+def test_discs_headings_and_links_are_where_the_trace_says(scene, arena, tick):
+    trace, _ = scene
     arena.show(tick)
     now = trace.sel(round=tick)
     np.testing.assert_array_equal(arena.discs.get_offsets(), now.position)
@@ -167,6 +172,7 @@ def test_what_is_drawn_is_to_scale_and_in_its_place(scene):
     assert 0.75 < dark[0] < light[0] - 0.1
 
 
+@pytest.mark.long(but=["0.3", "1.0"])
 @pytest.mark.parametrize("f", [0.0, 0.3, 0.5, 0.95, 1.0])
 def test_colours_are_centred_on_the_truth_and_darken_with_the_estimate(scene, f):
     trace, floor = scene
@@ -262,6 +268,7 @@ faults = [{at = 10, robots = 3, stop = "moving"}, {at = 20, robots = 4, stop = [
 """
 
 
+@functools.cache
 def faulty_scene(faults):
     text = STUDY.replace("[1, 9]", "9").replace('["ring", "moving"]', '"moving"').replace("rounds = 40\n", "")
     found = sc.Study.parse(faults + text)
@@ -292,10 +299,16 @@ def test_a_trace_says_when_parts_of_robots_stop(tmp_path: Path):
         np.testing.assert_array_equal(kept["stops"], trace["stops"])
 
 
-@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
-def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(tick):
+@pytest.fixture(scope="module")
+def faulty_arena():
     _, trace, floor = faulty_scene(FAULTS)
-    arena = Arena(trace, floor)
+    return Arena(trace, floor)
+
+
+@pytest.mark.parametrize("tick", [9, 10, 19, 20, 40])
+def test_robots_that_have_failed_by_a_tick_have_a_stroke_for_each_part(faulty_arena, tick):
+    _, trace, _ = faulty_scene(FAULTS)
+    arena = faulty_arena
     arena.show(tick)
     place, radius = trace["position"].sel(round=tick).values, trace.attrs["radius"]
     expected = set()
@@ -343,6 +356,7 @@ def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
 # ---- films
 
 
+@pytest.mark.long(only=["mp4"])
 @pytest.mark.parametrize("suffix", ["mp4", "gif"])
 def test_a_film_has_its_frames_and_they_are_snapshots(scene, tmp_path: Path, suffix):
     trace, floor = scene

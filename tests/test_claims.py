@@ -23,6 +23,22 @@ SPEED = {"full": 0.2, "ring": 1.0, "line": 1.0, "scale-free": 1.1, "moving": 1.2
 ONES = {"K": 1.0, "error": 1.0, "local": 1.0, "spread": 0.0, "right": 1.0, "noise": 0.05, "wrong": 0}
 
 
+@pytest.fixture(scope="module", autouse=True)
+def medians_once():
+    """Most settings are the same in many worlds: their medians are computed once."""
+    found, medians = {}, statistics.medians
+
+    def kept(values, counts):
+        key = values.shape, values.tobytes(), counts.shape  # of so many trials, the same resamples
+        if key not in found:
+            found[key] = medians(values, counts)
+        return found[key]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(statistics, "medians", kept)
+        yield
+
+
 def as_it_is(**setting):
     return {}
 
@@ -44,26 +60,15 @@ def dataset(study, twist, trials):
         for a in measures.ALL
         for f in measures.FILLS
     ]
-    shape = (len(settings), trials, 100)
-    data = {name: np.full(shape, np.nan) for name in (*VARIABLES, *LOCAL)}
-    correct = np.full((len(settings), len(CHECKPOINTS), trials), np.nan)
+    data = {name: np.full((len(settings), trials, 100), np.nan) for name in (*VARIABLES, *LOCAL)}
+    correct = np.empty((len(settings), len(CHECKPOINTS), trials))
     for i, setting in enumerate(settings):
-        now = ONES | twist(**setting)
-        quality, n = QUALITY[setting["accuracy"]], setting["robots"]
-        rng = np.random.default_rng(i % 22)  # settings that differ in topology alone meet the same luck
-        luck = np.exp(now["noise"] * (rng.normal(size=(trials, 1)) + 0.2 * rng.normal(size=(trials, n))))
-        easy = (0.8 if setting["f"] == 0.95 else 1) * (0.9 if setting["density"] == 10 else 1)
-        slow = np.exp(-4 * (quality - 0.5)) * SPEED[setting["topology"]] * easy
-        unit = {"same-observations": 10, "same-rounds": 1.5, "moving": 10}.get(study, 1)
-        error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * luck
-        data["convergence_round"][i, :, :n] = 400 * slow * unit * now["K"] * luck
-        data["convergence_error"][i, :, :n] = error * now["error"]
-        data["final_estimate"][i, :, :n] = setting["f"] + now["spread"] * np.linspace(0, 1, n)
-        data["final_estimate"][i, :, : now["wrong"]] = 0.05  # in no bin of f
-        data["local_convergence_step"][i, :, :n] = 4000 * slow * 10 * luck
-        data["local_convergence_error"][i, :, :n] = error * 1.5 * now["local"]
-        wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * slow
-        correct[i] = now["right"] * (1 - np.round(wrong * n * luck.mean(1)[:, None]) / n).T
+        now = tuple((ONES | twist(**setting)).items())
+        given = (setting[key] for key in ("study", "topology", "robots", "density", "accuracy", "f"))
+        # settings that differ in topology alone meet the same luck
+        columns, correct[i] = lived(i % 22, trials, now, *given)
+        for name, column in columns.items():
+            data[name][i, :, : setting["robots"]] = column
     columns = {"topology": "topology", "robots": "robots", "density": "density", "accuracy": "accuracy"}
     coords = {n: ("setting", [s[key] for s in settings]) for n, key in (columns | {"fill_ratio": "f"}).items()}
     kept = VARIABLES + (LOCAL if study == "local" else ())
@@ -72,6 +77,28 @@ def dataset(study, twist, trials):
         | {"correct": (("setting", "checkpoint", "trial"), correct)},
         coords | {"checkpoint": CHECKPOINTS * (10 if study in ("moving", "same-observations") else 1)},
     )
+
+
+@functools.cache
+def lived(seed, trials, now, study, topology, n, density, accuracy, f):
+    """What a setting's robots have, (trial, robot), and how many are right, (checkpoint, trial)."""
+    now, quality = dict(now), QUALITY[accuracy]
+    rng = np.random.default_rng(seed)
+    luck = np.exp(now["noise"] * (rng.normal(size=(trials, 1)) + 0.2 * rng.normal(size=(trials, n))))
+    easy = (0.8 if f == 0.95 else 1) * (0.9 if density == 10 else 1)
+    slow = np.exp(-4 * (quality - 0.5)) * SPEED[topology] * easy
+    unit = {"same-observations": 10, "same-rounds": 1.5, "moving": 10}.get(study, 1)
+    error = 0.04 * np.exp(-5 * (quality - 0.5)) * easy * luck
+    final = np.broadcast_to(f + now["spread"] * np.linspace(0, 1, n), (trials, n)).copy()
+    final[:, : now["wrong"]] = 0.05  # in no bin of f
+    wrong = np.array([0.5, 0.2, 0.1, 0.05, 0.01, 0]) * slow
+    return {
+        "convergence_round": 400 * slow * unit * now["K"] * luck,
+        "convergence_error": error * now["error"],
+        "final_estimate": final,
+        "local_convergence_step": 4000 * slow * 10 * luck,
+        "local_convergence_error": error * 1.5 * now["local"],
+    }, now["right"] * (1 - np.round(wrong * n * luck.mean(1)[:, None]) / n).T
 
 
 VARIABLES = ("convergence_round", "convergence_error", "final_estimate")

@@ -686,7 +686,7 @@ def assert_fits(figure: Figure) -> None:
             assert other is caption or not boxes[id(caption)].overlaps(boxes[id(other)]), (caption, other)
 
 
-@pytest.mark.long(only=["4"])
+@pytest.mark.long(but=["1"])
 @pytest.mark.parametrize("count", [1, 4, 8])
 def test_long_names_stay_in_their_panels(count):
     results = study(["0.6", "black=U(0.525,0.975) white=N(0.75,0.1)"], robots=2)

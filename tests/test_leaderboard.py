@@ -208,21 +208,16 @@ def test_who_is_ranked_is_said(small, capsys):
     assert places["alone"].strip("| ") in ("1", "2")
 
 
-def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, capsys):
-    assert main(["leaderboard", "mine.py", "votes.py", "--out", "out", "--trials", "3"]) == 0
+def printed_as_kept(small, capsys, *mine):
+    """What a board prints, its page stands for and its JSON has is the same; the page's text."""
+    command = ["leaderboard", *mine, "--out", "out", "--trials", "3"]
+    assert main(command) == 0
     shown = capsys.readouterr().out
     assert shown.splitlines()[-1] == "out/leaderboard.md"
-    for name in ("minimalistic", "legacy", "mine.py", "votes.py"):
-        assert name in shown
     text = (small / "out" / "leaderboard.md").read_text()
     assert "](leaderboard.png)" in text
     assert (small / "out" / "leaderboard.png").stat().st_size > 10_000
-    table = text[text.index("## How near") : text.index("## Who is right")]
-    assert "votes.py" not in table
-    sides = text[text.index("## Who is right") : text.index("## What they cost")]
-    assert sides.count("votes.py") == 1
-    assert "## Where votes.py loses" in text
-    assert main(["leaderboard", "mine.py", "votes.py", "--out", "out", "--trials", "3", "--json"]) == 0
+    assert main([*command, "--json"]) == 0
     told = capsys.readouterr()
     found = json.loads(told.out, parse_constant=pytest.fail)
     assert "out/leaderboard.md" in told.err
@@ -232,7 +227,29 @@ def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, 
         if row["final_error"] is not None:
             assert words[:3] == [str(row["place"]), row["brain"], f"{row['rank']:.1f}"]
             assert words[3] == cell(row["final_error"], True)
-    assert [loss["name"] for loss in found["losses"]] == ["mine.py", "votes.py"]
+    assert [loss["name"] for loss in found["losses"]] == [*mine]
+    for name in mine:
+        assert f"## Where {name} loses" in text
+        assert name in shown
+    return text
+
+
+def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, capsys):
+    """Of two brains that are one and of no liars, so that the machine compiles little."""
+    honest = SMALL.replace(', "legacy"', "").partition("[[members]]")
+    (small / "leaderboard.toml").write_text(honest[0] + honest[2][honest[2].index("[[case]]") :])
+    printed_as_kept(small, capsys, "mine.py")
+
+
+@pytest.mark.long
+def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
+    text = printed_as_kept(small, capsys, "mine.py", "votes.py")
+    table = text[text.index("## How near") : text.index("## Who is right")]
+    assert "votes.py" not in table
+    for name in ("minimalistic", "legacy", "mine.py"):
+        assert name in table
+    sides = text[text.index("## Who is right") : text.index("## What they cost")]
+    assert sides.count("votes.py") == 1
 
 
 @pytest.mark.parametrize(

@@ -124,23 +124,26 @@ def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeyp
 
 
 RUN = """
+import os, sys
 import swarmcensus as sc
 study = sc.Study(name="mine", trials=2, swarm={"robots": 2, "accuracy": 0.8},
                  world={"topology": "ring", "fill_ratio": 0.55}, schedule={"rounds": 5})
-sc.run(study%s)
+sc.run(study)  # into pipes
+del os.environ["FORCE_COLOR"]
+for stream in (1, 2):
+    os.dup2(int(sys.argv[1]), stream)
+sc.run(study)
+print("now without", flush=True)
+sc.run(study, progress=False)
 """
 
 
-@pytest.mark.long(only=["True-, progress=False"])
-@pytest.mark.parametrize(("terminal", "option"), [(True, ""), (True, ", progress=False"), (False, "")])
-def test_a_bar_is_on_terminals_only(terminal, option, untraced_processes):
-    command = [sys.executable, "-c", RUN % option]
-    if not terminal:
-        done = subprocess.run(command, capture_output=True, check=True, env=os.environ | {"FORCE_COLOR": "1"})
-        assert done.stdout == done.stderr == b""
-        return
+def test_a_bar_is_on_terminals_only(untraced_processes):
     ours, theirs = pty.openpty()
-    with subprocess.Popen(command, stdout=theirs, stderr=theirs, env=os.environ | {"TERM": "xterm"}) as process:
+    command = [sys.executable, "-c", RUN, str(theirs)]
+    told = os.environ | {"FORCE_COLOR": "1", "TERM": "xterm"}
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    with subprocess.Popen(command, pass_fds=[theirs], env=told, **pipes) as process:
         os.close(theirs)
         said = b""
         while True:
@@ -151,9 +154,13 @@ def test_a_bar_is_on_terminals_only(terminal, option, untraced_processes):
             if not part:
                 break
             said += part
+        piped = process.communicate()
     os.close(ours)
     assert process.returncode == 0
-    assert (b"mine" in said) == (not option)
+    assert piped == (b"", b"")
+    with_bar, without = said.split(b"now without\r\n")
+    assert b"mine" in with_bar
+    assert without in (b"", b"\x1b[0m")  # colours as they were
 
 
 def test_a_program_s_own_function_is_called_in_place_of_a_bar(small_study, display, monkeypatch):

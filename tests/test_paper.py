@@ -3,6 +3,7 @@
 import dataclasses
 import html.parser
 import io
+import itertools
 import json
 import re
 
@@ -61,6 +62,7 @@ def a_page(tmp_path, *outcomes):
     return page.html(paper.Reproduction(tmp_path, "swarmcensus reproduce", {}, [], outcomes, {}))
 
 
+@pytest.mark.long
 def test_all_files_are_there(done):
     expected = [f"data/{n}.nc" for n in ("local", "moving", "same-observations", "same-rounds", "topologies")]
     expected += [f"figures/{n}.{kind}" for n in ("fig2", "fig3", "fig4", "fig5") for kind in ("png", "svg")]
@@ -71,6 +73,7 @@ def test_all_files_are_there(done):
     assert list(done.seconds) == ["compile", "simulate", "figures", "claims", "page"]
 
 
+@pytest.mark.long
 def test_datasets_are_what_the_study_files_say(done):
     data = sc.load(done.out / "data" / "topologies.nc")
     assert data.sizes["trial"] == 2
@@ -85,6 +88,7 @@ def test_the_studies_hold_all_runs_of_the_paper():
     assert sum(len(study.settings()) * study.trials for study in studies) == 6600
 
 
+@pytest.mark.long
 def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks(done):
     rounds, ticks = (done.datasets[name] for name in ("topologies", "moving"))
     assert (10 * rounds.checkpoint.values == ticks.checkpoint.values).all()
@@ -92,6 +96,7 @@ def test_moving_robots_are_asked_after_as_many_observations_as_those_on_networks
     assert set(ticks.observations_per_round.values) == {1}
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", ["fig4", "fig5"])
 def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, name):
     (figure,) = (f for f in PAPER.figures if f.name == name)
@@ -103,6 +108,7 @@ def test_axes_say_ticks_where_robots_move_and_rounds_where_they_do_not(done, nam
     assert {view.study for view in figure.views} >= {"moving"}
 
 
+@pytest.mark.long
 def test_robots_meet_the_same_readings_alone_and_in_company(done):
     """The local study and the study of topologies share trials, so that their difference is communication's."""
     shared = [
@@ -120,21 +126,29 @@ def test_a_table_of_claims_is_printed_where_some_were_checked(tmp_path, monkeypa
     assert capsys.readouterr().out == f"{tmp_path / 'index.html'}\n"
 
 
+@pytest.mark.long
 def test_the_page_needs_nothing_from_outside(done):
+    text = needs_nothing_from_outside(done)
+    assert "--trials 2" in text
+
+
+def needs_nothing_from_outside(done):
+    """The text of a page that holds its figures and leads to files beside it alone."""
     text = done.page.read_text(encoding="utf-8")
     read = Reader(text)
     assert "http" not in text.replace("http-equiv", "")
     assert "url(" not in text
     assert not {"script", "link", "iframe", "object"} & set(read.tags)
-    assert len(read.sources) == 4
+    assert len(read.sources) == len(done.figures)
     assert all(source.startswith("data:image/png;base64,") for source in read.sources)
     assert all(len(alt) > 100 for alt in read.alts)
     for link in read.links:
         assert link[1:] in read.ids if link.startswith("#") else (done.out / link).is_file()
     assert len(set(read.ids)) == len(read.ids)
-    assert "--trials 2" in text
+    return text
 
 
+@pytest.mark.long
 def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
     for figure in PAPER.figures:
         assert "95 %" not in figure.said(done.datasets)  # of 2 trials there is none
@@ -191,7 +205,7 @@ def test_a_part_runs_only_what_it_needs(tmp_path):
     assert list(done.datasets) == ["moving"]
     assert {p.name for p in done.files} == {"moving.nc", "fig5.png", "fig5.svg"}
     assert not (tmp_path / "claims.json").exists()
-    assert "--trials 1 --seed 5 --only fig5" in done.page.read_text(encoding="utf-8")
+    assert "--trials 1 --seed 5 --only fig5" in needs_nothing_from_outside(done)
     assert [line.partition(":")[0] for line in said] == ["compile", "simulate", "figures", "page"]
     text = done.page.read_text(encoding="utf-8")
     told = re.search(r"<dt>Wall-clock time<dd>(.*?);", text)[1].split(", ")
@@ -308,11 +322,19 @@ def test_a_drawing_marks_every_setting_by_shape_too():
     assert not strip(outcome(HOLDS, *[Detail("", 1.0, None, YES)] * 9))
 
 
+VERDICTS = ((HOLDS, YES), (FAILS, NO), ("not decided by 2 trials", OPEN))
+MEASURED = {said: Detail("scale-free, f = 0.55, U(0.525,0.975)", 12.34, (11.5, 123.5), said) for _, said in VERDICTS}
+CHECKED = [
+    Outcome(claim, verdict, (MEASURED[said],) * 44, "", MEASURED[said])
+    for claim, (verdict, said) in zip(claims.CLAIMS, itertools.cycle(VERDICTS), strict=False)
+]
+
+
 @pytest.mark.parametrize("encoding", ["utf-8", "ascii"])
-def test_the_table_fits_narrow_and_plain_terminals(done, encoding):
+def test_the_table_fits_narrow_and_plain_terminals(encoding):
     raw = io.BytesIO()
     with io.TextIOWrapper(raw, encoding=encoding, write_through=True) as stream:
-        report.show(done.claims, Console(file=stream, width=80))
+        report.show(CHECKED, Console(file=stream, width=80))
         text = raw.getvalue().decode(encoding)
     assert max(map(len, text.splitlines())) <= 80
     assert "Ring and line are alike" in text
@@ -320,8 +342,8 @@ def test_the_table_fits_narrow_and_plain_terminals(done, encoding):
     assert ("✓" in text) == (encoding == "utf-8")
 
 
-def test_the_table_is_not_folded_outside_a_terminal(done, capsys):
-    report.show(done.claims)
+def test_the_table_is_not_folded_outside_a_terminal(capsys):
+    report.show(CHECKED)
     lines = capsys.readouterr().out.splitlines()
-    assert all(any(one.claim.title in line for line in lines) for one in done.claims)
+    assert all(any(one.claim.title in line for line in lines) for one in CHECKED)
     assert max(map(len, lines)) > 80

@@ -133,28 +133,33 @@ def test_every_figure_in_the_prose_is_one_that_the_command_prints():
     assert set(re.findall(r"\d+\.\d+|\d+ %", rest)) <= {*NUMBERS, "0.55", "0.95"} | defined
 
 
+def again(name, *changes):
+    """A few settings of a study of the paper, with all their trials, as the engine runs them now."""
+    text = (shipped_study("paper") / f"{name}.toml").read_text(encoding="utf-8")
+    for old, new in changes:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    return sc.run(sc.Study.parse(text))
+
+
 @pytest.fixture(scope="module")
-def again():
-    """What the engine says now of the claims that a few of the paper's settings suffice for, with all their trials."""
-    fewer = {
-        "topologies": [("[10, 100]", "100"), (', "ring", "line", "scale-free"', "")],
-        "moving": [("[1, 10]", "1"), ("0.525, 0.575, 0.625, 0.675, 0.725, 0.775, 0.825, 0.875, ", "")],
-    }
-    data = {}
-    for name, changes in fewer.items():
-        text = (shipped_study("paper") / f"{name}.toml").read_text(encoding="utf-8")
-        for old, new in changes:
-            assert text.count(old) == 1
-            text = text.replace(old, new)
-        data[name] = sc.run(sc.Study.parse(text))
+def moving():
+    return again("moving", ("[1, 10]", "1"), ("0.525, 0.575, 0.625, 0.675, 0.725, 0.775, 0.825, 0.875, ", ""))
+
+
+@pytest.fixture(scope="module")
+def claims_again(moving):
+    """What is said now of the claims that these settings suffice for."""
+    topologies = again("topologies", ("[10, 100]", "100"), (', "ring", "line", "scale-free"', ""))
+    data = {"topologies": topologies, "moving": moving}
     outcomes = claims.check(data, [claim for claim in claims.CLAIMS if claim.studies])
     about = json.loads(report.as_json(outcomes, data, PAPER.source))
-    return data, {claim["id"]: claim for claim in about["claims"] if claim["settings"]}
+    return {claim["id"]: claim for claim in about["claims"] if claim["settings"]}
 
 
 @pytest.mark.long
-def test_the_engine_gives_the_numbers_of_the_page(again):
-    _, found = again
+def test_the_engine_gives_the_numbers_of_the_page(claims_again):
+    found = claims_again
     assert set(found) == {"blacker-first-full", "mixed-consensus-moving"}
     for name in sorted(found):
         if "moving" not in name or OUR_C_LIBRARY:
@@ -162,8 +167,7 @@ def test_the_engine_gives_the_numbers_of_the_page(again):
 
 
 @pytest.mark.skipif(not OUR_C_LIBRARY, reason="a walk goes another way where a sine differs in its last bit")
-def test_settings_of_one_walk_are_correlated_as_the_page_on_moving_robots_says(again):
-    moving = again[0]["moving"]
+def test_settings_of_one_walk_are_correlated_as_the_page_on_moving_robots_says(moving):
     of = {a: (moving.accuracy == a).values & (moving.fill_ratio == 0.55).values for a in ("0.925", "0.975")}
     one, other = (moving.final_estimate.values[k][0][:, :25].mean(axis=1) for k in of.values())
     page = " ".join((DOCS / "moving-robots.md").read_text(encoding="utf-8").split())

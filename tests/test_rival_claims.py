@@ -8,7 +8,7 @@ import json
 import math
 from collections import Counter
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
@@ -50,7 +50,12 @@ def test_studies_are_named_as_their_files_and_have_30_trials_or_more(path):
     assert study.settings()
 
 
-@pytest.mark.long
+@cache
+def settings_of(study):
+    """The coordinates of a study's settings."""
+    return [{"liars": 0} | setting.coordinates for setting in sc.Study.load(STUDIES[study]).settings()]
+
+
 @pytest.mark.parametrize("claim", RIVALS.claims, ids=KNOWN)
 def test_all_settings_that_a_claim_asks_for_are_in_its_studies(claim, monkeypatch):
     asked = []
@@ -58,8 +63,7 @@ def test_all_settings_that_a_claim_asks_for_are_in_its_studies(claim, monkeypatc
     list(replaced(claim).measure(blank(), claim.right))
     for study, where in asked:
         assert study in claim.studies
-        known = [{"liars": 0} | setting.coordinates for setting in sc.Study.load(STUDIES[study]).settings()]
-        assert sum(where.items() <= one.items() for one in known) == 1, (study, where)
+        assert sum(where.items() <= one.items() for one in settings_of(study)) == 1, (study, where)
 
 
 # The rules, on numbers that are made up

@@ -1,6 +1,7 @@
 """Schemas and loaders say the same of each key of study and mission files, value by value."""
 
 import copy
+import functools
 import itertools
 
 import jsonschema
@@ -201,6 +202,11 @@ def read_once():
     return {name: brains.load(name) for name in ("minimalistic", "commons", "steadfast")}
 
 
+@functools.cache
+def checker_of(files):
+    return jsonschema.Draft7Validator(files.schema())
+
+
 def by_table(places):
     """Keys of tables table by table, and those that are in none."""
     ordered = sorted(places, key=table_of)
@@ -213,13 +219,13 @@ def table_of(place):
 
 @pytest.mark.parametrize("places", by_table(study_places()))
 def test_of_studies_the_schema_says_what_the_loader_says(folder, read_once, places):
-    checker = jsonschema.Draft7Validator(of_studies.schema())
+    checker = checker_of(of_studies)
     right = checked_by(Tables, {"base": folder, "brains": read_once})
     assert list(disagreements(places, checker, right, lambda tables: sc.Study(**tables))) == []
 
 
 @pytest.mark.parametrize("places", by_table(mission_places()))
 def test_of_missions_the_schema_says_what_the_loader_says(folder, read_once, places):
-    checker = jsonschema.Draft7Validator(of_missions.schema())
+    checker = checker_of(of_missions)
     right = checked_by(Mission, {"base": folder, "brains": read_once})
     assert list(disagreements(places, checker, right, mission_of)) == []
