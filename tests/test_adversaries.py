@@ -413,10 +413,14 @@ def test_however_silence_is_said_machine_code_keeps_it(ends, untraced):
     agrees(forged(ends))
 
 
-def test_who_never_speaks_never_lies(untraced):
+def test_who_never_speaks_never_lies():
     used = worn("always-black", by="alone")
     assert used.functions.broadcast(robot(used, 3, 4)) is None
-    agrees(used)
+
+
+@pytest.mark.long
+def test_who_never_speaks_is_the_same_in_machine_code(untraced):
+    agrees(worn("always-black", by="alone"))
 
 
 @pytest.mark.interpreted
@@ -502,7 +506,8 @@ def test_swarms_with_liars_live_as_by_brute_force(name, topology):
         lived(few_with(name, used, topology))
 
 
-@pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", True)])
+@pytest.mark.long(only=["noisy-mirror-True"])
+@pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", False), ("noisy-mirror", True)])
 def test_compiled_swarms_with_liars_live_as_by_brute_force(name, rich):
     """One that jams, and one that hears and has luck: that the others are the same in machine code is asked above."""
     lived(few_with(name, brain(RICH) if rich else "minimalistic", "ring"))

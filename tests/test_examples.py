@@ -28,7 +28,7 @@ def quiet_and_sure():
     return ran("second-edition", swarm={"brain": brain, "robots": 50, "accuracy": 0.7})
 
 
-@pytest.mark.long(but=["quiet", "forgetful"])
+@pytest.mark.long(but=["quiet"])
 @pytest.mark.parametrize("name", BRAINS)
 def test_they_conform(name, untraced):
     faults = [one for one in suite.examine(EXAMPLE / f"{name}.py", PROMISES) if one.fault]

@@ -60,6 +60,7 @@ def here(tmp_path, monkeypatch):
     return tmp_path
 
 
+@pytest.mark.interpreted
 def test_by_hand():
     """Each robot says other numbers, by its name and its readings; the truth is 0.8, and ends belong to intervals."""
     lines = {
@@ -184,7 +185,7 @@ def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch)
         assert np.isfinite(with_.intervals).all()
 
 
-@pytest.mark.long(but=["moving"])
+@pytest.mark.interpreted
 @pytest.mark.parametrize("world", ["ring", "moving"])
 def test_only_honest_robots_that_have_one_are_counted(world):
     """A liar's would not even be one; of brains without there is nothing to count."""

@@ -62,6 +62,7 @@ def test_consensus_and_innovations_scatter_as_computed():
     assert covariance(0.25, 2000, 20, 10, 0.4)[0, 0] == pytest.approx(pooled * 60 / 2000, rel=0.02)  # it gets there
 
 
+@pytest.mark.long
 def test_consensus_and_innovations_end_at_the_centralised_estimate():
     """The network's mean is normal about the truth, with the variance of all readings pooled: KS, error rate 0.1 %."""
     found, _ = finals(brains.load("consensus-innovations"), trials=400, rounds=60, looks=20)
