@@ -257,6 +257,7 @@ def test_the_page_s_table_has_every_kind_and_all_its_options():
     assert {kind: sorted(options) for kind, options in told.items()} == {k: sorted(v) for k, v in takes.items()}
 
 
+@pytest.mark.long
 def test_the_page_s_images_are_what_its_commands_draw(tmp_path, monkeypatch):
     """Its numbers, that is: letters are drawn by a library of the machine."""
     page = ROOT / "docs" / "plotting.md"

@@ -81,6 +81,7 @@ def ended(process):
         process.wait()
 
 
+@pytest.mark.long
 def test_a_scheduler_with_certificates_gives_the_bits_of_threads(scheduler, right, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     Path("short.toml").write_text(SHORT)
@@ -110,24 +111,33 @@ def lost(folder):
     return found
 
 
+NEEDS = "{} needs certificates, which Dask's configuration should name (distributed.comm.tls)"
+REFUSED = "no Dask scheduler answers at {}: "
+
+
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("known", "protocol", "said"),
-    [
-        (of_another_authority, "tls", "no Dask scheduler answers at {}: TLS certificate does not match"),
-        (lost, "tls", "no Dask scheduler answers at {}: [Errno 2] No such file or directory"),
-        (half, "tls", "{} needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
-        (None, "tls", "{} needs certificates, which Dask's configuration should name (distributed.comm.tls)"),
-        (None, "tcp", "no Dask scheduler answers at {}: "),
-    ],
+    [(of_another_authority, "tls", REFUSED + "TLS certificate does not match"), (None, "tcp", REFUSED)],
 )
-def test_who_has_no_right_certificate_is_told_in_one_sentence(
+def test_whose_certificate_the_scheduler_does_not_take_is_told_in_one_sentence(
     scheduler, tmp_path, monkeypatch, capsys, known, protocol, said
 ):
+    assert_told(tmp_path, monkeypatch, capsys, known, scheduler.replace("tls", protocol), said)
+
+
+@pytest.mark.parametrize(
+    ("known", "said"), [(lost, REFUSED + "[Errno 2] No such file or directory"), (half, NEEDS), (None, NEEDS)]
+)
+def test_who_has_no_certificate_is_told_before_any_scheduler_is_asked(tmp_path, monkeypatch, capsys, known, said):
+    assert_told(tmp_path, monkeypatch, capsys, known, "tls://127.0.0.1:1", said)
+
+
+def assert_told(tmp_path, monkeypatch, capsys, known, address, said):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(clusters, "CONNECT", "3s")
     Path("short.toml").write_text(SHORT)
     settings = known(tmp_path / "other") if known else {}
-    address = scheduler.replace("tls", protocol)
     with dask.config.set(dask.config.merge(dask.config.config, settings)):
         assert main(["run", "short.toml", "--scheduler", address]) == 2
     [line] = capsys.readouterr().err.splitlines()
