@@ -1,6 +1,6 @@
 """Random inputs, valid and broken, at every door: never a traceback, never a hang, never half a file.
 
-Some 800 cases, and 4,700 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
+Some 800 cases, and 6,000 in the long tests, the same in every run. SWARMCENSUS_FUZZ=20 runs twenty times as many,
 other ones each time; a case that fails is printed as hypothesis has shrunk it.
 """
 
@@ -39,7 +39,7 @@ from swarmcensus.worlds.bodies import Body
 pytestmark = pytest.mark.usefixtures("untraced")
 
 TIMES = int(os.environ.get("SWARMCENSUS_FUZZ", "1"))
-QUICK, LONG = 1, 6  # twelfths of the cases that each test is worth
+QUICK, LONG = 1, 8  # twelfths of the cases that each test is worth
 HANGS = 300.0  # seconds of one case after which the process is ended and says where it was
 STUDIES = sorted(Path("studies").resolve().rglob("*.toml"))
 BRAIN = brains.load("minimalistic").source

@@ -191,7 +191,7 @@ def wait_for(process, lines):
 def test_kill_9_at_random_moments_and_the_same_winner_and_log(long, capsys):
     moments = random.Random(5)
     kept = [0]
-    for _ in range(2):
+    for _ in range(3):
         process = begun(*LONG, "--out", "cut.toml")
         wait_for(process, kept[-1] + moments.randint(3, 120))
         process.send_signal(signal.SIGKILL)

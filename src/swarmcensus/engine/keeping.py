@@ -1,4 +1,4 @@
-"""Machine code on disk, made by one process at a time and kept under a seal: a hash of it, so that damage is noticed."""
+"""Machine code on disk, made by one process at a time, under a seal: a hash of it, so that damage is noticed."""
 
 import contextlib
 import functools
