@@ -8,6 +8,7 @@ import sys
 import threading
 
 import hypothesis
+import numba
 import numpy as np
 import pytest
 from numba.core import event
@@ -29,6 +30,20 @@ hypothesis.settings.load_profile("here")
 def pytest_configure(config):
     interpreted.register(config)
     config.pluginmanager.register(Long(config))
+
+
+LOOPS = ({"topology": "ring"}, {"topology": "moving", "density": 5})  # worlds that need them
+
+
+def pytest_collection_finish(session):
+    """Of all tests, each worker compiles some of the engine's loops, before one would wait for those of the other."""
+    worker = getattr(session.config, "workerinput", {}).get("workerid", "")
+    if len(session.items) < 1000 or not worker or numba.config.DISABLE_JIT:
+        return
+    world = LOOPS[int(worker.removeprefix("gw")) % len(LOOPS)]
+    length = {"ticks": 2} if world["topology"] == "moving" else {"rounds": 2, "observations_per_round": 1}
+    swarm = {"robots": 4, "accuracy": 0.7}
+    sc.run(sc.Study(trials=1, seed=1, swarm=swarm, world=world | {"fill_ratio": 0.5}, schedule=length), jobs=1)
 
 
 class Untraced(event.Listener):

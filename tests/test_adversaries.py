@@ -506,7 +506,7 @@ def test_swarms_with_liars_live_as_by_brute_force(name, topology):
         lived(few_with(name, used, topology))
 
 
-@pytest.mark.long(only=["noisy-mirror-True"])
+@pytest.mark.long(only=["noisy-mirror-True", "noisy-mirror-False"])
 @pytest.mark.parametrize(("name", "rich"), [("jammer", False), ("noisy-mirror", False), ("noisy-mirror", True)])
 def test_compiled_swarms_with_liars_live_as_by_brute_force(name, rich):
     """One that jams, and one that hears and has luck: that the others are the same in machine code is asked above."""

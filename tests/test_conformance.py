@@ -111,7 +111,7 @@ def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch)
     assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
 
 
-@pytest.mark.long(but=["commons", "leaver", "minimalistic"])
+@pytest.mark.long(but=["commons", "minimalistic"])
 @pytest.mark.skipif(bool(os.environ.get("NUMBA_DISABLE_JIT")), reason="nothing is compiled")
 @pytest.mark.parametrize("name", brains.shipped())
 def test_shipped_brains_live_the_same_lives_in_machine_code(name, untraced):

@@ -49,6 +49,7 @@ def test_shipped_brains_hear_late_messages_as_in_the_reference(world):
             assert fields[name][-1] == pytest.approx([getattr(me, name) for me in minds.minds], rel=1e-9)
 
 
+@pytest.mark.long(only=["full"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_noise_is_as_late_as_messages(topology):

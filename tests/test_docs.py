@@ -71,6 +71,8 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     only=[
         "beyond-changing.md",
         "beyond-unknown-sensors.md",
+        "comparing.md",
+        "moving-robots.md",
         "rivals-bayesian.md",
         "rivals-consensus.md",
         "rivals-opinions.md",

@@ -89,6 +89,7 @@ def test_the_more_liars_the_more_wrong():
             assert (np.diff(off) > 0).all()
 
 
+@pytest.mark.long
 def test_who_forgets_notices_that_the_floor_is_another():
     """Of rounds from the change on: the sooner it forgets the sooner, and who remembers all does not in this time."""
     study = sc.Study.load(EXAMPLE / "changing.toml").with_(trials=4)

@@ -131,6 +131,7 @@ def test_many_short_trials_are_tried_whole_and_together(tried, caplog):
     assert pace == pytest.approx(3.0 + 1.0 / task.cost)
 
 
+@pytest.mark.long
 def test_the_pace_is_that_of_the_brain():
     """By the real clock: the rule that a network of neurons computes in each round costs several times the paper's."""
     made = study(rounds=400_000, swarm={"brain": ["minimalistic", "recurrent"]})

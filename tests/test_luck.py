@@ -108,6 +108,7 @@ def test_a_round_without_a_reading_costs_none():
     assert (failed["seen"] == whole["seen"]).all(axis=0).sum() == 3
 
 
+@pytest.mark.long(only=["all"])
 @pytest.mark.parametrize("source", [LUCKY, ALL, ADDS], ids=["lucky", "all", "adds"])
 def test_recorded_data_in_cpython_and_in_machine_code(source):
     readings = np.random.default_rng(5).integers(0, 2, (30, 4)).astype(float)

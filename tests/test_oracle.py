@@ -86,7 +86,7 @@ def test_it_is_the_same_in_every_network_and_whatever_robots_assume():
     assert len(set(results["link_success"].values.tolist())) == 2
 
 
-@pytest.mark.long(but=["moving"])
+@pytest.mark.long
 @pytest.mark.parametrize("topology", ["ring", "moving"])
 def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch):
     """A liar's brain is not even run; a robot that stops talking is heard all the same."""

@@ -51,6 +51,7 @@ def test_two_liars_cost_linear_consensus_much_and_w_msr_hardly_anything(results)
     assert (of["linear-consensus", 5] > of["w-msr", 5]).sum() >= TRIALS - 1
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(few):
     figure = sc.plot.lines(few, y="final_error", x="liars", color="brain", panels=["topology"], statistic="mean")

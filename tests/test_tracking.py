@@ -91,6 +91,7 @@ def test_chance_stays_within_the_bound():
     assert np.var(drawn) / bound == pytest.approx(exact, rel=0.09)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("topology", ["ring", "full"])
 def test_on_a_floor_that_stays_it_is_commons_but_for_rare_mistakes(topology):
     """At most 8 of 100 full swarms begin anew by mistake in 400 rounds (3 % do in 1,000), and next to no ring does.

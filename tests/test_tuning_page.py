@@ -19,6 +19,7 @@ def ran(tmp_path_factory):
     return folder
 
 
+@pytest.mark.long
 def test_the_search_prints_and_writes_what_the_page_shows(ran, monkeypatch, capsys):
     """But for how long it took."""
     monkeypatch.chdir(ran)

@@ -198,6 +198,7 @@ def test_what_is_believed_is_the_mean_of_a_truncated_normal():
             assert CPF.functions.believed(plain) == min(max(mu, 0.5), 1.0)
 
 
+@pytest.mark.long
 def test_of_a_wrong_consensus_right_robots_learn_what_is_wrong():
     """Six of twenty believe in 0.95: the others' 0.75 is moved to what explains their readings by what is agreed on."""
     study = sc.Study(

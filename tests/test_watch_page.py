@@ -113,6 +113,7 @@ def number(text):
     return float(text.replace(",", ""))
 
 
+@pytest.mark.long(only=["0"])
 @pytest.mark.parametrize("setting", [0, 1])
 def test_a_robot_is_what_replay_says(page, served, setting):
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), setting, 2)
@@ -122,6 +123,7 @@ def test_a_robot_is_what_replay_says(page, served, setting):
         assert number(shown[name]) == pytest.approx(float(trace[name].values[120, 5]), rel=1e-6)
 
 
+@pytest.mark.long
 def test_what_a_robot_looked_at_is_where_its_sensor_was(page, served):
     trace = sc.replay(sc.run(sc.Study.parse(STUDY), jobs=1), 0, 2).isel(robot=5, round=slice(120 + 1))
     come(
@@ -164,6 +166,7 @@ def test_it_plays_and_is_wound_to_and_fro(page, served):
     at(page, 300)
 
 
+@pytest.mark.long
 def test_a_robot_is_clicked(page, served):
     come(page, served.address("setting=1"), 0)
     page.keyboard.press("ArrowRight")
@@ -178,6 +181,7 @@ def test_a_robot_is_clicked(page, served):
     assert "Heard in this round" in page.inner_text("#told")
 
 
+@pytest.mark.long
 def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
     come(page, served.address("setting=1&tick=1"), 1)
     box = page.locator("#stages .stage").bounding_box()
@@ -205,6 +209,7 @@ def test_one_goes_nearer_to_what_is_pointed_at_and_drags_it_along(page, served):
     assert page.input_value("#which") == "0"
 
 
+@pytest.mark.long
 def test_curves_have_a_logarithmic_time(page, served):
     come(page, served.address("setting=1&tick=300"), 300)
     page.keyboard.press("l")
@@ -216,6 +221,7 @@ def test_curves_have_a_logarithmic_time(page, served):
     playwright.expect(page.locator("#clock")).to_have_text(re.compile(r"^round 1[45]\d of"))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("way", ["End", "slider"])
 def test_after_a_leap_all_of_the_curves_and_the_last_looks_are_there(page, served, way):
     come(page, served.address("trial=1&rounds=2000&robot=2"), 0)
@@ -232,6 +238,7 @@ def test_after_a_leap_all_of_the_curves_and_the_last_looks_are_there(page, serve
     until(page, "state.stages[0].before.map(frame => frame.tick).sort((a, b) => a - b)", list(range(1701, 2001)))
 
 
+@pytest.mark.long
 def test_changes_in_a_row_all_count_and_what_is_refused_changes_nothing(page, served):
     come(page, served.address(), 0)
     page.evaluate(f"{{ {PUT} put('robots', '20'); put('accuracy', '0.9'); put('trial', '2'); }}")
@@ -244,6 +251,7 @@ def test_changes_in_a_row_all_count_and_what_is_refused_changes_nothing(page, se
     assert page.input_value("#control-accuracy") == "0.9"
 
 
+@pytest.mark.long
 def test_who_types_on_is_not_interrupted(page, served):
     come(page, served.address(), 0)
     page.focus("#control-robots")
@@ -257,6 +265,7 @@ def test_who_types_on_is_not_interrupted(page, served):
     assert page.evaluate("document.activeElement.id") == "control-accuracy"
 
 
+@pytest.mark.long
 def test_old_curves_and_swarms_are_let_go(page, served):
     """Each change makes new ones."""
     session = page.context.new_cdp_session(page)
@@ -279,6 +288,7 @@ def test_old_curves_and_swarms_are_let_go(page, served):
     assert change(range(5, 21)) < before + 8 * 30
 
 
+@pytest.mark.long
 def test_a_brain_that_fails_is_asked_once(page, folder):
     text = sc.brains.load("minimalistic").source
     mine = folder / "fails.py"
@@ -292,6 +302,7 @@ def test_a_brain_that_fails_is_asked_once(page, folder):
         assert page.evaluate("window.asked") < 10
 
 
+@pytest.mark.long
 def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
     come(page, served.address("setting=1&robots=500&tick=2"), 2)
     assert "each square a robot" in page.inner_text("#legend-text")
@@ -301,6 +312,7 @@ def test_a_crowd_is_a_picture_whose_robots_are_clicked(page, served):
     told(page, 47, 2)
 
 
+@pytest.mark.long
 def test_a_change_begins_again_and_the_address_holds_the_moment(page, served):
     come(page, served.address("tick=40"), 40)
     page.fill("#control-robots", "20")
@@ -329,6 +341,7 @@ def test_what_is_wrong_is_said_and_nothing_is_lost(page, served):
     playwright.expect(page.locator("#error")).to_contain_text("robots = many: should be a whole number")
 
 
+@pytest.mark.long
 def test_quick_changes_while_something_is_computed_lose_no_server(page, folder, monkeypatch):
     """The server wants a sign of life five times a second, in place of every 20; what is compiled is said meanwhile."""
     often = functools.partial(uvicorn.Config, ws_ping_interval=0.2, ws_ping_timeout=0.2)
@@ -355,6 +368,7 @@ def test_quick_changes_while_something_is_computed_lose_no_server(page, folder, 
         page.goto("about:blank")  # a page whose server goes would say so
 
 
+@pytest.mark.long
 def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     """After the second time; what was there before can be watched on."""
     begun, wishes = Session.answer, []
@@ -375,6 +389,7 @@ def test_a_wish_that_ends_the_connection_is_given_up(page, served, monkeypatch):
     assert len(wishes) == 2
 
 
+@pytest.mark.long
 def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(browser, folder, monkeypatch):
     page = browser.new_page()
     first = listen(offer_of(folder / "study.toml"))
@@ -398,6 +413,7 @@ def test_a_server_that_comes_back_is_found_and_one_that_does_not_is_told_of(brow
     page.close()
 
 
+@pytest.mark.long
 def test_two_brains_go_in_step(page, served):
     come(page, served.address("beside=commons&tick=60"), 60)
     assert page.locator("#stages .stage").count() == 2
@@ -405,6 +421,7 @@ def test_two_brains_go_in_step(page, served):
     assert [title.split(":")[0] for title in titles] == ["minimalistic", "commons"]
 
 
+@pytest.mark.long(only=["0"])
 @pytest.mark.parametrize("setting", [0, 1])
 def test_an_export_opens_from_disk(page, folder, setting):
     path = folder / f"run-{setting}.html"
@@ -421,6 +438,7 @@ def test_an_export_opens_from_disk(page, folder, setting):
     at(page, 300)
 
 
+@pytest.mark.long
 def test_the_command_writes_an_export(folder, monkeypatch, capsys):
     monkeypatch.chdir(folder)
     assert main(["watch", "study.toml", "--set", "rounds=50", "--export", "some.html"]) == 0
@@ -428,6 +446,7 @@ def test_the_command_writes_an_export(folder, monkeypatch, capsys):
     assert "tick 50" not in (folder / "some.html").read_text()
 
 
+@pytest.mark.long(only=["dark"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_stands_out(page, served, scheme):
     """Each text by at least 4.5 to 1 from what lies behind it, as WCAG asks."""
@@ -454,6 +473,7 @@ def test_text_stands_out(page, served, scheme):
         assert (high + 0.05) / (low + 0.05) >= 4.5, (text, behind, words)
 
 
+@pytest.mark.long(only=["640", "1280"])
 @pytest.mark.parametrize("width", [360, 640, 1280])
 def test_nothing_sticks_out_sideways(page, served, width):
     """At 640 a page of 1280 is read at 200 %."""
@@ -464,6 +484,7 @@ def test_nothing_sticks_out_sideways(page, served, width):
     assert page.locator("html").evaluate("root => root.scrollWidth") <= width
 
 
+@pytest.mark.long
 def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
     come(page, served.address(), 0)
     names = page.locator("button, input, select").evaluate_all(

@@ -154,6 +154,7 @@ def test_pages_are_independent_of_each_other(served):
         assert frames(one, 5, 7) == first
 
 
+@pytest.mark.long
 def test_fifty_pages(served):
     """All are answered, as each would be alone, and one more than there is room for is sent away."""
     with talk(served) as page:

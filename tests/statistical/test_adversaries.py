@@ -42,6 +42,7 @@ def test_the_coin_is_fair_and_each_toss_its_own():
     assert stats.chisquare(np.bincount(beside, minlength=4)).pvalue > 1e-3
 
 
+@pytest.mark.long
 def test_any_number_is_as_likely():
     assert stats.kstest(tosses("random", "liar_said", uniform=1.0).ravel(), "uniform").pvalue > 1e-3
 

@@ -115,6 +115,7 @@ def test_readings_say_nothing_of_it(trials):
         assert apart(fields[name][:-1], blacks[1:]) > P
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("topology", ["line", "full"])
 def test_losses_say_nothing_of_it(topology):
     """Which messages get through depends on the same addresses, under another key: 0.08 % in all."""
@@ -144,6 +145,7 @@ def test_all_purposes_are_independent():
     assert together(values[LUCK_FUSE], (keyed >> np.uint64(12)) / 2.0**52) > P
 
 
+@pytest.mark.long
 def test_walks_say_nothing_of_it():
     """Whether a robot turns or goes straight, whether it looks, and on which tile it stands: 0.12 % in all."""
     setting = moving(brain(LUCKY), robots=12, ticks=1500, density=3)

@@ -89,7 +89,7 @@ def test_the_voters_exit_probability_is_the_first_share(share):
     assert stats.binomtest(black, trials, share).pvalue > P
 
 
-@pytest.mark.long(but=["3"])
+@pytest.mark.long
 @pytest.mark.parametrize("senders", [3, 4])
 def test_the_majority_amplifies_the_first_share(senders):
     """6 of 10 begin with black, and it wins in more than 60 % of trials, the voter's share; of 5 in a half: 0.1 %."""

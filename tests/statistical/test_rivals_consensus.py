@@ -71,7 +71,7 @@ def test_consensus_and_innovations_end_at_the_centralised_estimate():
     assert stats.kstest((found[:, 0] - 0.4) / (2 * deviation), "norm").pvalue < P
 
 
-@pytest.mark.long(but=["0.5"])
+@pytest.mark.long
 @pytest.mark.parametrize("f", [0.1, 0.5])
 def test_the_information_filter_has_the_variance_of_all_informations(f):
     """Sensors of all kinds, a full network: the error times the root of all informations is normal, with variance 1.
