@@ -35,18 +35,24 @@ class Beside:
 
     def __init__(self):
         self.process: subprocess.Popen | None = None
+        self.last: pytest.Item  # that was run, here or there
         self.line: IO[bytes]
         self.said: IO[bytes]
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item, nextitem):
+        self.last = item
         if not is_marked(item):
             return None
         item.ihook.pytest_runtest_logstart(nodeid=item.nodeid, location=item.location)
-        for report in self.reports(item, nextitem):
+        reports = self.reports(item, nextitem)
+        try:
+            item.session._setupstate.teardown_exact(nextitem)  # what the test before this one left for its neighbours
+        except Exception as error:
+            reports.append(failed(item, f"what an earlier test left could not be taken down: {error!r}", "teardown"))
+        for report in reports:
             item.ihook.pytest_runtest_logreport(report=report)
         item.ihook.pytest_runtest_logfinish(nodeid=item.nodeid, location=item.location)
-        item.session._setupstate.teardown_exact(nextitem)  # what the test before this one left for its neighbours
         return True
 
     def reports(self, item, nextitem):
@@ -56,12 +62,11 @@ class Beside:
                 self.begin(item.session)
             tell(self.line, (item.nodeid, nextitem.nodeid if nextitem and is_marked(nextitem) else None))
             told = heard(self.line)
-        except OSError:
-            ended = self.process.wait()
-            self.process = None
-            self.said.seek(0)
-            said = f"the process that runs tests without Numba ended with {ended}:\n{self.said.read().decode()}"
-            return [pytest.TestReport(item.nodeid, item.location, {}, "failed", said, "call")]
+        except OSError as error:
+            return [failed(item, self.ended() if self.process else repr(error), "call")]
+        for one in told:
+            if one["outcome"] == "skipped" and isinstance(one["longrepr"], list):
+                one["longrepr"] = tuple(one["longrepr"])  # JSON has none, and pytest asks for one
         return [item.config.hook.pytest_report_from_serializable(config=item.config, data=one) for one in told]
 
     def begin(self, session):
@@ -88,10 +93,22 @@ class Beside:
         self.line = connection.makefile("rwb")
         connection.close()
 
-    def pytest_sessionfinish(self):
-        if self.process:
-            self.line.close()
-            self.process.wait()
+    def ended(self):
+        """Wait for the process; what it says if it failed."""
+        code, self.process = self.process.wait(), None
+        self.said.seek(0)
+        told = self.said.read().decode(errors="replace")
+        return f"the process that runs tests without Numba ended with {code}:\n{told}" if code else ""
+
+    @pytest.hookimpl(wrapper=True, trylast=True)  # before coverage is put together
+    def pytest_runtestloop(self):
+        try:
+            return (yield)
+        finally:
+            if self.process:
+                self.line.close()
+                if said := self.ended():
+                    self.last.ihook.pytest_runtest_logreport(report=failed(self.last, said, "teardown"))
 
 
 class Told:
@@ -118,6 +135,10 @@ class Told:
     def pytest_runtest_logreport(self, report):
         self.reports.append(self.config.hook.pytest_report_to_serializable(config=self.config, report=report))
 
+    @pytest.hookimpl(trylast=True)
+    def pytest_sessionfinish(self, session):
+        session.exitstatus = 0  # what failed is told; what fails from here on is not
+
 
 class Apart(pytest.Item):
     """A test in no file: only fixtures of a session are kept for it."""
@@ -131,6 +152,11 @@ def is_marked(item):
     return item.get_closest_marker("interpreted") is not None
 
 
+def failed(item, said, when):
+    """The report of a test that failed, with these words."""
+    return pytest.TestReport(item.nodeid, item.location, {}, "failed", said, when)
+
+
 def tell(line, what):
     """Send something to the other process."""
     line.write(json.dumps(what, default=str).encode() + b"\n")
@@ -140,6 +166,6 @@ def tell(line, what):
 def heard(line):
     """What the other process sends. Raises OSError where it is gone."""
     said = line.readline()
-    if not said:
-        raise OSError
+    if not said.endswith(b"\n"):
+        raise OSError("the other process is gone")
     return json.loads(said)

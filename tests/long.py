@@ -33,8 +33,17 @@ class Long:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items):
+        unknown = {}
         for item in items:
+            for mark in item.iter_markers("long"):
+                named = {name for names in mark.kwargs.values() for name in names}
+                if named:
+                    test = item.nodeid.removesuffix(f"[{item.callspec.id}]")
+                    unknown[test] = unknown.get(test, named) - {item.callspec.id}
             item.own_markers = [mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item)]
+        unknown = {test: names for test, names in unknown.items() if names}
+        if unknown and not any("::" in word for word in self.config.args):
+            raise pytest.UsageError(f"long tests are named by parameters that they have not: {unknown}")
 
     def pytest_deselected(self, items):
         if "not long" not in self.config.option.markexpr:

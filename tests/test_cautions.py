@@ -62,7 +62,6 @@ def test_shares_are_of_the_robots_that_were_run(small_results):
         warn_of_start(data)
 
 
-@pytest.mark.long
 def test_truths_on_the_edge_of_a_bin_are_warned_of(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     text = STUDY.replace("[0.5, 0.7]", "[0.2, 0.55, 0.7, 1.0]") + "[measure]\nestimates = true\n"

@@ -202,7 +202,6 @@ def test_a_large_image_travels(here, scheduler):
     assert same(run(study(MOVING), cluster=scheduler), sc.run(study(MOVING), jobs=2))
 
 
-@pytest.mark.long
 def test_a_worker_that_is_killed_costs_nothing(here, scheduler, threads):
     with distributed.Client(scheduler, set_as_default=False) as client:
         victims = sorted(client.run(os.getpid).values())

@@ -64,11 +64,18 @@ def test_metrics_of_a_run_are_those_of_its_curves(mixed):
             assert results["correct"].values[k, c, 1] == right
 
 
-@pytest.mark.parametrize("compiled", [True, False], ids=["compiled", "CPython"])
-def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, compiled):
+@pytest.mark.parametrize(
+    ("compiled", "step"),
+    [
+        pytest.param(True, 11, id="compiled"),
+        pytest.param(True, 5, id="more compiled", marks=pytest.mark.long),
+        pytest.param(False, 23, id="CPython"),
+    ],
+)
+def test_a_run_is_what_the_brain_file_makes_of_the_same_observations(mixed, compiled, step):
     """Bit for bit; but to rounding in a full network, where the engine adds in another order."""
     study, results = mixed
-    for k, setting in some(study, 11 if compiled else 23):
+    for k, setting in some(study, step):
         if setting.link_success < 1.0:
             continue
         readings, edges = recording(results, k, 1)
@@ -181,6 +188,7 @@ class TestDeterminism:
             for name in ("convergence", "error", "final", "correct"):
                 assert np.array_equal(getattr(whole, name), getattr(parts, name))
 
+    @pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
     def test_python_runs_the_engine_to_the_same_bits(self, tmp_path):
         """The whole engine without Numba, random numbers and all, in a process of its own."""
         program = textwrap.dedent("""

@@ -47,7 +47,7 @@ def folder(tmp_path_factory):
         yield root / modules._digest(FILES)
 
 
-@pytest.mark.long
+@pytest.mark.long(but=["*.1.nbc-flip"])
 @pytest.mark.parametrize(
     ("name", "damage"),
     [("tiny.py", "flip"), ("tiny.py", "cut"), ("*.nbi", "empty"), ("*.nbi", "other"), ("*.1.nbc", "flip"),
@@ -78,6 +78,23 @@ print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
     assert [process.stdout.readline() for process in begun] == ["ready\n"] * 3
     (tmp_path / "go").touch()
     assert sorted(process.communicate()[0] for process in begun) == ["42 0\n", "42 0\n", "42 1\n"]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no fork here")
+def test_a_process_that_was_forked_compiles_too(tmp_path):
+    code = f"""
+import os
+from swarmcensus.engine import modules
+tiny = modules.module({FILES!r}, "tiny")
+tiny.double(21)
+child = os.fork()
+if not child:
+    os._exit(int(tiny.double(1.5)))
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+"""
+    kept = os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / "cache")}
+    done = subprocess.run([sys.executable, "-c", code], env=kept, capture_output=True, text=True, check=True)
+    assert done.stdout == "3\n"
 
 
 def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):

@@ -51,6 +51,19 @@ def test_goes_on(shared):
 def test_here(shared):
     assert not numba.config.DISABLE_JIT
 
+@pytest.mark.interpreted
+def test_skips():
+    pytest.skip("not here")
+
+@pytest.fixture(scope="session")
+def breaks_at_the_end():
+    yield
+    raise AssertionError("too late")
+
+@pytest.mark.interpreted
+def test_is_the_last(breaks_at_the_end):
+    pass
+
 @pytest.mark.long
 def test_long():
     pass
@@ -92,9 +105,11 @@ def test_a_run(tmp_path, workers):
             outcomes[outcome].add(next(word for word in words if "::" in word).partition("::")[2])
     passed = {f"test_beside[{k}]" for k in range(3)} | {"test_goes_on", "test_here", "test_often_long[0]"}
     assert outcomes == {
-        "PASSED": passed | {"test_seldom_long[1]", "test_seldom_long[2]"},
+        "PASSED": passed | {"test_seldom_long[1]", "test_seldom_long[2]", "test_is_the_last"},
         "FAILED": {"test_fails", "test_ends_the_process"},
     }, done.stdout
     assert "At index 1 diff: 2 != 3" in done.stdout
+    assert "too late" in done.stdout
+    assert "1 skipped" in done.stdout
     assert "the process that runs tests without Numba ended with 7" in done.stdout
     assert done.stdout.splitlines()[-1] == "4 long tests were left out: `pytest -n 2` runs them too"

@@ -62,7 +62,6 @@ def a_page(tmp_path, *outcomes):
     return page.html(paper.Reproduction(tmp_path, "swarmcensus reproduce", {}, [], outcomes, {}))
 
 
-@pytest.mark.long
 def test_all_files_are_there(done):
     expected = [f"data/{n}.nc" for n in ("local", "moving", "same-observations", "same-rounds", "topologies")]
     expected += [f"figures/{n}.{kind}" for n in ("fig2", "fig3", "fig4", "fig5") for kind in ("png", "svg")]
@@ -158,7 +157,6 @@ def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
     assert "95 %" not in figures
 
 
-@pytest.mark.long
 def test_claims_are_all_there_and_valid_json(done):
     text = (done.out / "claims.json").read_text(encoding="utf-8")
     read = json.loads(text, parse_constant=pytest.fail)

@@ -187,7 +187,6 @@ def test_tutorials_run(page, monkeypatch):
         assert [cell.outputs[0].data["text/plain"] for cell in cells if cell.source.endswith(")")][:2] == ["True"] * 2
 
 
-@pytest.mark.long
 def test_a_cell_that_fails_is_told_of():
     found = hook()
     with pytest.raises(Exception, match="ZeroDivisionError"):

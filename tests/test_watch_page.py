@@ -484,7 +484,6 @@ def test_nothing_sticks_out_sideways(page, served, width):
     assert page.locator("html").evaluate("root => root.scrollWidth") <= width
 
 
-@pytest.mark.long
 def test_each_control_has_a_name_and_is_reached_by_keys(page, served):
     come(page, served.address(), 0)
     names = page.locator("button, input, select").evaluate_all(

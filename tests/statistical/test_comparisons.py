@@ -43,7 +43,7 @@ def judged(numbers, statistic="median"):
     return contests([Asked(one, statistic) for one in numbers], with_intervals=False)
 
 
-@pytest.mark.long
+@pytest.mark.long(but=["continuous-(1, 1, 2, 6)"])
 @pytest.mark.parametrize(
     ("kind", "shape"),
     [

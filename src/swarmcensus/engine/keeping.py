@@ -1,17 +1,20 @@
 """Machine code on disk, made by one process at a time, under a seal: a hash of it, so that damage is noticed."""
 
 import contextlib
-import functools
 import hashlib
+import os
 import types
 from pathlib import Path
 from typing import Any
 
-from filelock import FileLock
+from filelock import FileLock, Timeout
 
 from swarmcensus.basics.files import whole
 
 WAIT = 300.0  # seconds after which a process compiles what another one seems to compile for ever
+_WAITED_FOR: set[Path] = set()  # folders of which that was so
+# one for each folder, for a thread that compiles may compile something else on the way; a forked process has its own
+_LOCKS: dict[tuple[Path, int], FileLock] = {}
 
 
 def sealed(made: Any, function: types.FunctionType) -> Any:
@@ -52,8 +55,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
 
     def compile_once(signature: Any) -> Any:
         with contextlib.ExitStack() as held:
-            with contextlib.suppress(OSError, NotImplementedError):  # Timeout too, and disks that lock nothing
-                held.enter_context(_lock(place.parent))
+            _take(held, place.parent)
             return compile_it(signature)
 
     kept.load_overload, kept.save_overload = load_whole, save_sealed
@@ -61,7 +63,13 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     return made
 
 
-@functools.cache
-def _lock(folder: Path) -> FileLock:
-    """The one lock of a folder: a thread that compiles a function of it may compile another one on the way."""
-    return FileLock(folder / "lock", timeout=WAIT)
+def _take(held: contextlib.ExitStack, folder: Path) -> None:
+    """Keep other processes from compiling what is in this folder; where it cannot be locked, compile all the same."""
+    if folder in _WAITED_FOR:
+        return
+    lock = _LOCKS.setdefault((folder, os.getpid()), FileLock(folder / "lock", timeout=WAIT))
+    with contextlib.suppress(OSError, NotImplementedError):
+        try:
+            held.enter_context(lock)
+        except Timeout:
+            _WAITED_FOR.add(folder)
