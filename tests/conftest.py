@@ -1,5 +1,6 @@
 """What tests share."""
 
+import gc
 import hashlib
 import math
 import os
@@ -43,6 +44,8 @@ def pytest_collection_finish(session):
     world = LOOPS[int(worker.removeprefix("gw")) % len(LOOPS)]
     length = {"ticks": 2} if world["topology"] == "moving" else {"rounds": 2, "observations_per_round": 1}
     swarm = {"robots": 4, "accuracy": 0.7}
+    gc.freeze()  # what was collected stays: no need to look for circles there again and again
+    gc.set_threshold(50_000)
     sc.run(sc.Study(trials=1, seed=1, swarm=swarm, world=world | {"fill_ratio": 0.5}, schedule=length), jobs=1)
 
 

@@ -2,6 +2,7 @@
 
 import json
 import pickle
+import re
 from pathlib import Path
 
 import numpy as np
@@ -261,7 +262,7 @@ def test_a_lie_that_fails_is_told_with_its_line(tmp_path, monkeypatch, capsys):
     Path("s.toml").write_text(study.replace('{file = "slow-liar", pace = [0.01, 0.02]}, "jammer", ', ""))
     assert main(["run", "s.toml", "--jobs", "1"]) == 2
     said = capsys.readouterr().err
-    assert "ZeroDivisionError: division by zero, at grey.py --wearing" in said
+    assert re.search("ZeroDivisionError: (float )?division by zero, at grey.py --wearing", said)
     assert "return 0.5 / (me.liar_k - 0.02)" in said
 
 
