@@ -98,6 +98,8 @@ def in_cpython(folder: str, tests: list[str], log: str) -> None:
         "-W",
         "ignore::pytest.PytestAssertRewriteWarning",
         "--hypothesis-seed=0",
+        "-m",
+        "not long",
     ]
     os._exit(int(pytest.main([*options, *tests])))
 
@@ -118,7 +120,8 @@ def passes_compiled(folder: Path, tests: list[str]) -> bool:
     """Whether all of these pass in time, compiled."""
     environment = {**os.environ, "NUMBA_OPT": "1", "PYTHONPATH": str(folder / "src")}
     environment |= {"NUMBA_DISABLE_JIT": "0", "SWARMCENSUS_CACHE": str(folder / "cache")}
-    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0", *tests]
+    command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", "--hypothesis-seed=0"]
+    command += ["-m", "not long", *tests]
     try:
         with (folder / "log").open("w") as log:
             run = subprocess.run(command, cwd=folder, env=environment, stdout=log, stderr=log, timeout=SECONDS[1])
