@@ -46,7 +46,7 @@ def short(monkeypatch):
     monkeypatch.setattr(living, "KEPT_BYTES", 40_000)
 
 
-@pytest.mark.long(only=["moving steering", "liars"])
+@pytest.mark.long(only=["moving steering", "liars", "moving liars"])
 @pytest.mark.parametrize("name", CASES)
 def test_it_is_what_is_replayed(name, short):
     study = study_of(*CASES[name])

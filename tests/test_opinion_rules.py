@@ -22,7 +22,7 @@ def test_they_keep_the_contract_where_phases_are_short(name, untraced):
     agrees(brain)
 
 
-@pytest.mark.long(but=["majority", "voter"])
+@pytest.mark.long(but=["voter"])
 @pytest.mark.parametrize("name", QUICK)
 def test_engine_and_cpython_live_the_same_lives(name):
     """Seven robots that all hear each other: 60 rounds of 3 readings, to the bit."""

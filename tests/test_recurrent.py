@@ -130,6 +130,7 @@ def test_on_settings_it_never_saw_it_is_nearer_than_a_robot_alone():
         assert of("oracle", accuracy) < of("minimalistic", accuracy) < of("recurrent", accuracy, 1.0)
 
 
+@pytest.mark.long
 def test_it_is_good_for_as_long_as_it_was_trained_for():
     """Not for half as long, and for eight times as long it is no better, while a robot alone is."""
     results = sc.run(

@@ -106,7 +106,7 @@ def test_on_fixed_networks(name):
         check(setting, 1, minds, fields, estimates, batch, 1e-12 if reordered else 0.0)
 
 
-@pytest.mark.long(only=["all, steering"])
+@pytest.mark.long(only=["all, steering", "all, steering, passing"])
 @pytest.mark.parametrize("name", RIDES)
 def test_on_the_move(name):
     source, case = RIDES[name]

@@ -79,7 +79,7 @@ def test_what_they_cost_is_counted_number_by_number():
     assert brain(ALL).memory_bytes == 4 * (7 + 3 + 2)
 
 
-@pytest.mark.long(only=["edges-counts", "messages-counts"])
+@pytest.mark.long(only=["edges-counts", "messages-counts", "edges-all", "messages-adds"])
 @pytest.mark.parametrize("source", [COUNTS, ALL, ADDS], ids=["counts", "all", "adds"])
 @pytest.mark.parametrize("talk", ["edges", "messages"])
 def test_recorded_data_in_cpython_and_in_machine_code(source, talk):
