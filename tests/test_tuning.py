@@ -475,6 +475,7 @@ def test_a_budget_of_time_ends_and_its_log_gives_the_same_again(args, tmp_path):
     again = sc.tune(*args, budget="0.2 s", trials=2, out=tmp_path / "a.toml")
     assert again.values == found.values
     assert len(again.evaluations) == len(found.evaluations) >= 13
+    assert [one.seconds for one in again.evaluations] == [one.seconds for one in found.evaluations]
     assert budget_of("2 min").seconds == 120
     assert budget_of(7).evaluations == 7
 

@@ -82,7 +82,8 @@ class _Course:
             lost = tuple(loss(some, one, usual) for some, one, usual in by)
             told = ", ".join(f"{r.place} = {v:.6g}" for r, v in zip(plan.ranges, asked[place], strict=True))
             LOG.debug("generation %s: %s: loss %s", generation, told, ", ".join(f"{one:.6g}" for one in lost))
-            log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers[0]).sum()), self.seconds))
+            seconds = round(self.seconds, 3)  # as the log will say: by it a budget of time ends, now and from the log
+            log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers[0]).sum()), seconds))
 
         failures = self.training.run(
             [plan.brain_of(values) for values in asked],
