@@ -63,7 +63,7 @@ class Beside:
             tell(self.line, (item.nodeid, nextitem.nodeid if nextitem and is_marked(nextitem) else None))
             told = heard(self.line)
         except OSError as error:
-            return [failed(item, self.ended() if self.process else repr(error), "call")]
+            return [failed(item, self.ended()[1] if self.process else repr(error), "call")]
         for one in told:
             if one["outcome"] == "skipped" and isinstance(one["longrepr"], list):
                 one["longrepr"] = tuple(one["longrepr"])  # JSON has none, and pytest asks for one
@@ -94,11 +94,11 @@ class Beside:
         connection.close()
 
     def ended(self):
-        """Wait for the process; what it says if it failed."""
+        """Wait for the process: its exit code, and what it said."""
         code, self.process = self.process.wait(), None
         self.said.seek(0)
         told = self.said.read().decode(errors="replace")
-        return f"the process that runs tests without Numba ended with {code}:\n{told}" if code else ""
+        return code, f"the process that runs tests without Numba ended with {code}:\n{told}"
 
     @pytest.hookimpl(wrapper=True, trylast=True)  # before coverage is put together
     def pytest_runtestloop(self):
@@ -107,7 +107,8 @@ class Beside:
         finally:
             if self.process:
                 self.line.close()
-                if said := self.ended():
+                code, said = self.ended()
+                if code:
                     self.last.ihook.pytest_runtest_logreport(report=failed(self.last, said, "teardown"))
 
 
@@ -144,7 +145,7 @@ class Apart(pytest.Item):
     """A test in no file: only fixtures of a session are kept for it."""
 
     def runtest(self):
-        raise NotImplementedError
+        """Never called: it only stands for what comes next."""
 
 
 def is_marked(item):

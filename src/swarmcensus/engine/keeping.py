@@ -68,7 +68,7 @@ def _take(held: contextlib.ExitStack, folder: Path) -> None:
     if folder in _WAITED_FOR:
         return
     lock = _LOCKS.setdefault((folder, os.getpid()), FileLock(folder / "lock", timeout=WAIT))
-    with contextlib.suppress(OSError, NotImplementedError):
+    with contextlib.suppress(OSError, NotImplementedError):  # said where a disk locks nothing
         try:
             held.enter_context(lock)
         except Timeout:
