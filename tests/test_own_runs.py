@@ -55,7 +55,7 @@ def known(name, brains=None):
 @pytest.mark.long
 @pytest.mark.parametrize("name", WORLDS)
 def test_with_one_thread_after_a_cut_and_verified(name, monkeypatch, tmp_path):
-    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.001)
+    monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.0001)  # ten bundles: four are out at once
     monkeypatch.setattr(shards, "AT_LEAST", 0.0)
     monkeypatch.setattr(shards, "OF_ELAPSED", 0.0)
     out, half = tmp_path / f"{name}.nc", known(name).attrs["trials_total"] // 3
