@@ -1,5 +1,8 @@
 """Small swarms in every kind of world, and what the reference needs to know of them."""
 
+import functools
+
+import numba
 import numpy as np
 
 import swarmcensus as sc
@@ -21,6 +24,12 @@ PASSING = [  # some come late, and some are twice away
     {"at": 3, "robots": 0.6, "stop": "talking", "until": 5},
     {"at": 6, "robots": 1, "stop": "sensing"},
 ]
+
+
+@functools.cache
+def called(function):
+    """A function that only machine code can call, for CPython."""
+    return numba.njit(lambda *given: function(*given))
 
 
 def settings_of(robots=5, brain="minimalistic", accuracy=0.7, rounds=8, looks=1, faults=(), **world):

@@ -21,7 +21,7 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.worlds.changes import Change, along, read_change
 from tests import reference
 from tests.second import brain
-from tests.small import SEED, SLOW, SWITCH, changing, moving_of, settings_of
+from tests.small import SEED, SLOW, SWITCH, called, changing, moving_of, settings_of
 
 LIBRARY = ["first-right", "time-right", "mean-error", "largest-jump", "swarm-right", "recovery-time"]
 
@@ -43,7 +43,7 @@ def test_engine_dataset_and_reference_agree_on_it_to_the_bit(change):
     setting = replace(setting, change=change)
     rounds = np.arange(1, 31)
     found = along(change.course, rounds).tolist()
-    assert found == [fill_ratio_in(change.course, k) for k in rounds]
+    assert found == [called(fill_ratio_in)(change.course, k) for k in rounds]
     assert found == [reference.fill_ratio_in(setting, int(k)) for k in rounds]
     assert read_change(str(change)) == change
 
@@ -59,11 +59,12 @@ def test_accuracies_drift_to_their_bound_and_stay(drift, bound):
     (plain,) = settings_of(accuracy="U(0.7, 0.8)")
     assert (b == plain.accuracies(SEED, 0, 2)[0]).all()
     moves = setting.drifts(SEED, 0, 2, b)
+    in_round = called(accuracy_in)
     end = bound.get("least", 0.5) if drift < 0 else bound.get("most", 1.0)
     for k in range(1, 30):
         for i in range(5):
             due = max(b[1, i] + drift * (k - 1), end) if drift < 0 else min(b[1, i] + drift * (k - 1), end)
-            assert accuracy_in(b[1], moves[1], i, k) == due == reference.accuracy_in(setting, 0, b[1, i], k)
+            assert in_round(b[1], moves[1], i, k) == due == reference.accuracy_in(setting, 0, b[1, i], k)
 
 
 def test_who_starts_beyond_the_bound_stays_there():
@@ -73,7 +74,7 @@ def test_who_starts_beyond_the_bound_stays_there():
     moves = setting.drifts(SEED, 0, 1, b[np.newaxis])[0]
     below = np.flatnonzero(b < 0.65)
     assert 5 < below.size < 55
-    ends = np.array([accuracy_in(b, moves, i, 1000) for i in range(60)])
+    ends = np.array([called(accuracy_in)(b, moves, i, 1000) for i in range(60)])
     assert (ends == np.where(b < 0.65, b, 0.65)).all()
 
 

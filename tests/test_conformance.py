@@ -7,6 +7,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from swarmcensus import brains
@@ -405,7 +406,7 @@ def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
     assert "something is kept outside of me" in fault
 
 
-@pytest.mark.long(only=["    me.n += 0.0 * (1 << 10**11)\\n-observe fails at line 12 .*(MemoryError|OverflowError)"])
+@pytest.mark.long(but=["in a function", "ends the process"])
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
@@ -418,6 +419,7 @@ def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
         ("    me.n += 0.0 * (1 << 10**11)\n", "observe fails at line 12 .*(MemoryError|OverflowError)"),
         ("    if me.t > 5.0:\n        raise KeyboardInterrupt\n", "it ends its process"),
     ],
+    ids=["loop", "power", "in a function", "too large", "ends the process"],
 )
 def test_a_function_that_does_not_return_is_named(lines, said, tmp_path, monkeypatch):
     """Endless loops, numbers of a hundred million digits, and what brings the process down; in a folder of any name."""
@@ -441,6 +443,18 @@ def test_a_loop_that_ends_in_cpython_alone(tmp_path, untraced):
         r"compiled, observe\(me, \S+, 1.0\) \(b = \S+, w = \S+\) did not return within 1 s, though in CPython it does"
     )
     assert re.fullmatch(said, found[-1].fault)
+
+
+@pytest.mark.long
+@pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") == "1", reason="nothing is compiled")
+def test_calls_are_told_of_fields_that_are_called_as_attributes_of_numpy_are(tmp_path, capsys, untraced):
+    odd = {"t": "data", "n": "dtype"}
+    source = re.sub(r'(?<=me\.)[tn]\b|(?<=")[tn](?=")', lambda field: odd[field[0]], TINY)
+    assert '{"data": 0.0, "dtype": 0.0}' in source
+    (tmp_path / "odd.py").write_text(source)
+    machine_code.step_by_step(brains.load(tmp_path / "odd.py"))()
+    seen = np.isfinite(machine_code.history()[2]).sum()
+    assert capsys.readouterr().out.count("observe(me, ") == seen
 
 
 def test_what_does_not_compile_is_found(tmp_path):

@@ -4,6 +4,7 @@ import itertools
 import math
 from dataclasses import replace
 
+import numba
 import numpy as np
 import pytest
 from scipy import stats
@@ -102,11 +103,16 @@ def test_purposes_share_no_numbers():
 # ---- readings
 
 
-def tables_of(b, w, fill_ratio, looks):
-    """The alias rows of robots of these accuracies, on a floor that stays."""
-    source = source_of(b, w, np.zeros((3, 0)), np.array([fill_ratio, fill_ratio, 1.0, 1.0]), looks)
+@numba.njit
+def made(b, w, drift, course, looks):
+    source = source_of(b, w, drift, course, looks)
     renew(source, looks, 1)
     return source.tables
+
+
+def tables_of(b, w, fill_ratio, looks):
+    """The alias rows of robots of these accuracies, on a floor that stays."""
+    return made(b, w, np.zeros((3, 0)), np.array([fill_ratio, fill_ratio, 1.0, 1.0]), looks)
 
 
 def shares_of(row):

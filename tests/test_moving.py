@@ -17,6 +17,7 @@ from swarmcensus.simulation.walking import walk
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.conftest import beliefs_of
+from tests.small import called
 
 GO = np.zeros(1, np.uint8)
 KEY = address(5, "walk")
@@ -87,19 +88,20 @@ def test_robots_that_leap_come_to_lie_apart(robots, crowd, speed, trial):
     assert gaps(poses_of(chunks)[..., :2]).min() >= 1.98 * body.radius
 
 
+@pytest.mark.interpreted
 def test_contact_ends_early_where_a_push_goes_beyond_those_listed():
     """Robot 1, between 0 and 2, is pushed into 2, which was too far away to be listed with it."""
     body = Body(speed=0.01).numbers[0]
     state = np.zeros((modes.STATE, 3))
     state[modes.X] = 0.0, 0.01, 0.2
     close, pushed = np.array([[0, 1]], np.uint32), np.zeros(3)
-    assert motion.part.py_func(state, body, 10.0, close, 1, pushed, 0) == 1
+    assert called(motion.part)(state, body, 10.0, close, 1, pushed, 0) == 1
     assert state[modes.X, 1] == pytest.approx(0.01 + body.radius - 0.005)
     assert pushed[1] > body.step + body.radius / 10
     close = np.array([[0, 1], [1, 2]], np.uint32)
     sweep = 1
     while sweep < motion.SWEEPS:
-        sweep = motion.part.py_func(state, body, 10.0, close, 2, pushed, sweep)
+        sweep = called(motion.part)(state, body, 10.0, close, 2, pushed, sweep)
     assert np.diff(state[modes.X]).min() > 2 * body.radius - 2e-6
 
 

@@ -7,6 +7,7 @@ from scipy import stats
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.draws import COLUMNS, LOW, PART, alias_row, binomial_row, pick
 from swarmcensus.engine.random import block, unit, words
+from tests.small import called
 
 ONES = np.uint64(0xFFFFFFFFFFFFFFFF)
 ZERO = np.uint64(0)
@@ -67,7 +68,7 @@ def test_neighbouring_robots_ticks_and_trials_are_uncorrelated():
 def test_alias_rows_hold_the_exact_binomial(looks, p):
     """Summing the columns' shares gives back the distribution to rounding."""
     row = np.zeros(COLUMNS, np.uint64)
-    binomial_row(looks, p, row)
+    called(binomial_row)(looks, p, row)
     shares = np.zeros(COLUMNS)
     for column in range(COLUMNS):
         kept = float(row[column] & ~LOW) / 2.0**64
@@ -80,7 +81,8 @@ def test_pick_follows_its_weights():
     """Chi-square at the 0.1 % level, fixed seed."""
     weights = np.array([0.5, 0.1, 0.0, 0.4] + [0.0] * 12)
     row = np.zeros(COLUMNS, np.uint64)
-    alias_row(weights, row)
-    counts = np.bincount([pick(row, v) for v in draw(5, 20_000)], minlength=COLUMNS)
+    called(alias_row)(weights, row)
+    one = called(pick)
+    counts = np.bincount([one(row, v) for v in draw(5, 20_000)], minlength=COLUMNS)
     assert counts[weights == 0].sum() == 0
     assert stats.chisquare(counts[weights > 0], 20_000 * weights[weights > 0]).pvalue > 1e-3

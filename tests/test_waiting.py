@@ -39,6 +39,20 @@ def test_where_there_is_no_terminal_many_brains_are_one_line(capsys):
     ]  # fmt: skip
 
 
+@pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["fixed", "moving"])
+def test_a_known_brain_waits_for_the_engine(world, monkeypatch):
+    """After a study of networks alone the first one of robots that move compiles, and says so."""
+    study = sc.Study(trials=1, swarm={"robots": 4, "accuracy": 0.7}, world=world | {"fill_ratio": 0.5})
+    told = []
+    monkeypatch.setattr(pools.compiler, "is_compiled", lambda *_: True)
+    monkeypatch.setattr(pools, "run_bundle", lambda *_: None)
+    for known in (True, False):
+        monkeypatch.setattr(pools.compiler, "is_known", lambda *_, known=known: known)
+        pools.compile_for([(study, study.settings())], lambda note, steps: told.append(note))
+    kind = "robots that move" if "density" in world else "fixed networks"
+    assert told == [f"compiling the engine and minimalistic for {kind}, once on this machine"]
+
+
 def test_one_brain_is_named_there(capsys):
     with progress.reporting("board") as show:
         waited(show, 1)

@@ -18,7 +18,7 @@ from swarmcensus.simulation.trials import Metrics
 from swarmcensus.simulation.walking import neighbours_at_most, walk
 from swarmcensus.worlds.bodies import Body
 from tests import reference, reference_walks
-from tests.small import FAULTS, GO, SEED, failing, moving_of
+from tests.small import FAULTS, GO, SEED, called, failing, moving_of
 from tests.test_steering import STEER, WANTS
 
 # ---- bodies
@@ -119,7 +119,7 @@ def test_lists_are_made_anew_once_any_robot_has_gone_half_the_skin(forth, straye
             state = np.zeros((STATE, 3))
             state[:2] = anchors
             state[:2, 2] += np.array([way.real, way.imag]) * forth * 0.4
-            assert have_strayed(state, anchors, 0.4) == strayed
+            assert called(have_strayed)(state, anchors, 0.4) == strayed
 
 
 # ---- minds

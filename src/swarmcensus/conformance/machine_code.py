@@ -14,7 +14,8 @@ from swarmcensus.basics.errors import uncoloured
 from swarmcensus.brains import FUNCTIONS, Brain, Vector, numbers
 from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
 from swarmcensus.conformance.promises import is_wish
-from swarmcensus.engine import compiler
+from swarmcensus.engine import compiler, glue
+from swarmcensus.engine.compiling import INSIDE
 from swarmcensus.engine.modes import LUCK_STEER
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inferring import infer
@@ -122,7 +123,9 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     b, w, readings, ring = history()
     module = compiler.phases_of(brain)
     real = numba.float64
-    record = numba.from_dtype(compiler.mind_type(brain))
+    kind = np.dtype((np.record, glue.record_fields(brain)))  # what Numba takes: it asks a record for NumPy's `data`
+    same: dict[int, tuple[Any, Any]] = {}  # of each mind: as the oracle has it, and as Numba takes it
+    record = numba.from_dtype(kind)
     blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
     message = numba.typeof(blank)  # type: ignore[no-untyped-call]
     given = {"observe": (real, real), "receive": (message,)}
@@ -132,24 +135,27 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
         minds["b"], minds["w"] = b, w
         if brain.uses.name:
             minds["name"] = name
-        return minds[0]
+        me = minds[0]
+        same[id(me)] = me, minds.view(kind)[0]
+        return me
 
     def told(name: str) -> Any:
         if name == "jam":  # compiled it is a part of what is said, and cannot be called
             function = brain.functions.jam
         else:
-            function = getattr(module, name)
+            inside = getattr(module, name)
+            function = numba.jit(**inside.targetoptions | dict.fromkeys(INSIDE, False))(inside.py_func)
             function.compile((record, *given.get(name, ())))
 
         def one(me: Any, *values: Any) -> Any:
             print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
-            return function(me, *values)
+            return function(me if name == "jam" else same[id(me)][1], *values)
 
         return one
 
     more = [name for name in ("decide", "done", "interval", "jam") if name in brain.says.functions]
     functions = types.SimpleNamespace(**{name: told(name) for name in (*FUNCTIONS, *more)})
-    same = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
-    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **same)
+    alike = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
+    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **alike)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
     return lambda: oracle.follow(robots, b, w, readings, 1, EVERY, True, links, LUCK)

@@ -16,7 +16,7 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from swarmcensus.engine.compiling import not_compiled
+from swarmcensus.engine.compiling import INSIDE, not_compiled
 from swarmcensus.engine.keeping import sealed
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
@@ -156,9 +156,7 @@ def phase(*takes: Any) -> Callable[[Any], Phase]:
     """Make a Phase of a function, kept on disk; it divides as CPython does: by zero is an error, not infinity."""
 
     def made(function: Any) -> Phase:
-        machine = numba.njit(
-            nogil=True, error_model="python", cache=True, no_cpython_wrapper=True, no_cfunc_wrapper=True
-        )(function)
+        machine = numba.njit(nogil=True, error_model="python", cache=True, **INSIDE)(function)
         return Phase(sealed(machine, function), takes)
 
     return made

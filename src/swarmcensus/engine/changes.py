@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.compiling import loop
+from swarmcensus.engine.compiling import INSIDE, loop
 from swarmcensus.engine.draws import binomial_row
 from swarmcensus.engine.modes import COLUMNS, PART
 
@@ -47,7 +47,7 @@ class Source(NamedTuple):
     changes: bool  # whether the tables of one round may be others than those of the round before
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def source_of(b, w, drift, course, looks):
     """A source of so many readings a round, whose tables stand for nothing yet."""
     kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
@@ -56,7 +56,7 @@ def source_of(b, w, drift, course, looks):
     return Source(tables, stand, b, w, drift, course, drift.shape[1] > 0 or course[UNTIL] > 1.0)
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def renew(source, looks, k):
     """Make the tables those of round k: kind 0 for PART observations, the last kind for what remains.
 

@@ -133,9 +133,9 @@ def compile_world(name: str = "world") -> types.ModuleType:
     return module(_world_files(name), name)
 
 
-def is_known(world: str) -> bool:
-    """Whether machine code of a file of the engine's loops is on disk."""
-    return is_kept(_world_files(world), f"{world}.*.nbc")
+def is_known(world: str, entry: str) -> bool:
+    """Whether machine code of one of the engine's entry points is on disk."""
+    return is_kept(_world_files(world), f"{world}.{entry}-*.nbc")
 
 
 def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool:

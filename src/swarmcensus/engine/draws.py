@@ -8,7 +8,7 @@ than `PART` observations are drawn as several binomials that add up.
 import numpy as np
 from numba import njit
 
-from swarmcensus.engine.compiling import loop
+from swarmcensus.engine.compiling import INSIDE, loop
 from swarmcensus.engine.modes import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
@@ -17,7 +17,7 @@ SHIFT = np.uint64(60)
 BITS = np.uint64(4)
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def alias_row(weights, row):
     """Fill `row`, a uint64 for each column: a 60-bit threshold, and in the low 4 bits the alias."""
     columns = weights.size
@@ -54,7 +54,7 @@ def alias_row(weights, row):
         row[c] = (threshold & ~LOW) | np.uint64(alias[c])
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def binomial_row(looks, p, row):
     """The alias row of Binomial(looks, p), looks <= PART."""
     weights = np.zeros(row.size)

@@ -9,7 +9,7 @@ from swarmcensus.engine.compiling import loop
 from swarmcensus.engine.modes import PARTS
 
 
-@loop(forceinline=True)
+@loop(from_cpython=True, forceinline=True)
 def works(stops, part, i, tick):
     """Whether a part of robot i works at `tick`."""
     if stops.shape[1] == 0 or tick < stops[part, i]:

@@ -78,7 +78,7 @@ def silence_failed(readings, stops, tick, first, last):
                 readings[i - first] = -1.0
 
 
-@loop()
+@loop(from_cpython=True)
 def heard_by(key, trial, tick, receiver, sender, threshold):
     """Whether a message gets through, with probability threshold / 2^64."""
     return word_of(key[0], key[1], trial, tick, receiver, sender) < threshold

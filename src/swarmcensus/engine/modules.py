@@ -33,6 +33,8 @@ SOURCES = (
     "calling.py",
     "swarms.py",
     "compiling.py",
+    "changes.py",
+    "records.py",
 )  # what all code depends on
 LOCK = threading.Lock()
 

@@ -22,7 +22,7 @@ def mix(a, b, r):
     return a, b ^ a
 
 
-@loop()
+@loop(from_cpython=True)
 def block(k0, k1, c0, c1):
     """Two uint64 that are uniform and independent over counters (c0, c1), under the key (k0, k1)."""
     k2 = PARITY ^ k0 ^ k1
@@ -49,31 +49,31 @@ def block(k0, k1, c0, c1):
     return mix(a, b, 16)
 
 
-@loop()
+@loop(from_cpython=True)
 def counter(high, low):
     """One counter word of two 32-bit numbers."""
     return (uint64(high) << U(32)) | uint64(low)
 
 
-@loop()
+@loop(from_cpython=True)
 def word_of(k0, k1, trial, tick, receiver, sender):
     """The first of those two for four 32-bit numbers."""
     return block(k0, k1, counter(trial, tick), counter(receiver, sender))[0]
 
 
-@loop()
+@loop(from_cpython=True)
 def unit(word):
     """A uint64 as a float64 in [0, 1), uniform on multiples of 2^-53."""
     return (word >> U(11)) * (1.0 / 9007199254740992.0)
 
 
-@loop()
+@loop(from_cpython=True)
 def chance(word):
     """A uint64 as a float64 in (0, 1), uniform on odd multiples of 2^-53."""
     return ((uint64(word) >> U(12)) + 0.5) * (1.0 / 4503599627370496.0)
 
 
-@loop()
+@loop(from_cpython=True)
 def words(key, trial, tick, part, first, size, out):
     """Fill out[:size], a uint64 for each robot from `first` (even): robots 2j and 2j + 1 share block j."""
     k0 = key[0]

@@ -9,7 +9,7 @@ from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
-from swarmcensus.engine.compiling import entry, loop
+from swarmcensus.engine.compiling import INSIDE, entry, loop
 from swarmcensus.engine.modes import (
     ADD_UP,
     ASK,
@@ -109,7 +109,7 @@ def hear_each(
         )  # fmt: skip
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def room_of(robots, messages, width):
     """Room to work in, for so many messages a tick: bits, readings, luck of observing and fusing, arrivals, their luck,
     accuracies b and w of the tick, and sums of messages that are so wide.

@@ -8,7 +8,7 @@ from numba import njit
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew
-from swarmcensus.engine.compiling import loop
+from swarmcensus.engine.compiling import INSIDE, loop
 from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.modes import (
     ADD_UP,
@@ -48,7 +48,7 @@ from .minds import (
 CACHED = 1 << 15  # robots up to which a full network passes through the cache as a whole
 
 
-@njit(nogil=True)
+@njit(nogil=True, **INSIDE)
 def bounds_of(receivers, robots):
     """Where each robot's links begin, and where the last one's end; links are sorted by receiver."""
     out = np.empty(robots + 1, np.int64)

@@ -134,7 +134,8 @@ class Arena:
         if "link" not in trace:
             raise InputError("the trace has no links: replay it with links=True")
         require(trace, "estimate", "heading", dimensions=("round", "robot"))
-        trace = trace.transpose("edge", "fault", "part", "round", "robot", "axis", "link", "end", missing_dims="ignore")
+        first = "edge", "fault", "part", "round", "robot", "axis", "link", "end"
+        trace = trace.transpose(*first, ..., missing_dims="ignore")
         self.ticks = trace["round"].values
         self.position, self.heading = trace["position"].values, trace["heading"].values
         self.estimate = trace["estimate"].values

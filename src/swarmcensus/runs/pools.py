@@ -136,7 +136,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
 def _note(setting: Setting) -> str:
     """What is compiled for a setting, to a person who waits for it."""
     moves = bool(setting.body)
-    engine = "" if compiler.is_known("riding" if moves else "kernel") else "the engine and "
+    engine = "" if _has_loops(setting) else "the engine and "
     crew = " and ".join(brain.name for brain in setting.crew)
     return f"compiling {engine}{crew} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
 
@@ -152,10 +152,19 @@ def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
         _run_once(setting, study)
 
 
+def _has_loops(setting: Setting) -> bool:
+    """Whether the engine's loop for such robots is on disk."""
+    if not setting.body:
+        return compiler.is_known("kernel", "simulate")
+    steers = any(brain.steers for brain in setting.crew)
+    return compiler.is_known("steering", "live") if steers else compiler.is_known("riding", "ride")
+
+
 def _is_compiled(setting: Setting, study: Study) -> bool:
     uses = ["moving"] if setting.body else ["network"] + ["alone"] * study.measure.local
     mixed = len(setting.crew) > 1
-    return all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
+    minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
+    return minds and _has_loops(setting)
 
 
 def _run_once(setting: Setting, study: Study) -> None:
