@@ -15,7 +15,7 @@ from typing import IO
 import pytest
 
 PORT = "SWARMCENSUS_INTERPRETED_TESTS"  # of this machine, where the process beside is told what to run
-OPTIONS = ["-q", "-n", "0", "-p", "no:cacheprovider", "--no-cov"]
+OPTIONS = ["-n", "0", "-p", "no:cacheprovider", "--no-cov"]
 WRAPS = "ignore:overflow encountered:RuntimeWarning"  # as the engine's whole numbers are meant to
 
 
@@ -72,11 +72,13 @@ class Beside:
     def begin(self, session):
         """Begin the process, which collects the files that have marked tests. Raises OSError where it ends at once."""
         files = sorted({str(item.path) for item in session.items if is_marked(item)})
+        given = session.config.option
+        options = [f"--verbosity={given.verbose}", f"--tb={given.tbstyle}", *["--showlocals"] * given.showlocals]
         self.said = tempfile.TemporaryFile()  # noqa: SIM115
         with socket.create_server(("127.0.0.1", 0)) as server:
             server.settimeout(0.1)
             self.process = subprocess.Popen(
-                [sys.executable, "-m", "pytest", *OPTIONS, *files],
+                [sys.executable, "-m", "pytest", *OPTIONS, *options, *files],
                 cwd=session.config.invocation_params.dir,
                 env=os.environ | {PORT: str(server.getsockname()[1]), "NUMBA_DISABLE_JIT": "1"},
                 stdout=self.said,
@@ -96,8 +98,10 @@ class Beside:
     def ended(self):
         """Wait for the process: its exit code, and what it said."""
         code, self.process = self.process.wait(), None
-        self.said.seek(0)
-        told = self.said.read().decode(errors="replace")
+        with self.said:
+            self.said.seek(0)
+            told = self.said.read().decode(errors="replace")
+        self.line.close()
         return code, f"the process that runs tests without Numba ended with {code}:\n{told}"
 
     @pytest.hookimpl(wrapper=True, trylast=True)  # before coverage is put together

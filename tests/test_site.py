@@ -50,6 +50,9 @@ def build(folder, **environment):
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
+    """One that was built before, where BUILT_SITE names it."""
+    if built := os.environ.get("BUILT_SITE"):
+        return Path(built)
     pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
     folder = tmp_path_factory.mktemp("site")
     done = build(folder, SWARMCENSUS_SITE="quick")
