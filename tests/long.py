@@ -46,8 +46,8 @@ class Long:
             raise pytest.UsageError(f"long tests are named by parameters that they have not: {unknown}")
 
     def pytest_deselected(self, items):
-        if "not long" not in self.config.option.markexpr:
-            return
+        if "not long" not in self.config.option.markexpr or self.config.option.keyword:
+            return  # it is not told whether -m or -k left them out
         self.left_out += sum(item.get_closest_marker("long") is not None for item in items)
 
     @pytest.hookimpl(optionalhook=True)

@@ -396,7 +396,9 @@ def maybe(me):
 
 def forged(ends):
     """The lie is a parameter's: what alters the message has the record."""
-    return worn("forger", by=brain(changed(("    return (estimate(me),)", ends))), value=0.25)
+    said = ("    return (estimate(me),)", ends)
+    heard = ("    pass\n\n\ndef fuse", "    me.heard += message[0]\n\n\ndef fuse")
+    return worn("forger", by=brain(changed(said, heard, ('"n": 0.0}', '"n": 0.0, "heard": 0.0}'))), value=0.25)
 
 
 @pytest.mark.parametrize("ends", SILENT.values(), ids=SILENT)

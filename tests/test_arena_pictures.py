@@ -129,6 +129,14 @@ def test_discs_headings_and_links_are_where_the_trace_says(scene, arena, tick):
     assert arena.right.get_text() == f"{right} of 9"
 
 
+def test_a_brain_s_vectors_are_not_in_the_way(scene):
+    trace, floor = scene
+    more = trace.assign(heard=(("round", "robot", "item_heard"), np.zeros((*trace["estimate"].shape, 3))))
+    one, other = (Arena(of, floor, robot=3) for of in (trace, more.transpose("item_heard", ...)))
+    assert one.position.tolist() == other.position.tolist()
+    assert one.estimate.tolist() == other.estimate.tolist()
+
+
 def test_what_is_drawn_is_to_scale_and_in_its_place(scene):
     """By the dots of the picture: the disc's size and colour, a link's colour, tiles, and where they are."""
     trace, floor = scene

@@ -169,6 +169,7 @@ def test_finished_work_starts_no_cluster(here):
     assert same(sc.load("s.nc"), before)
 
 
+@pytest.mark.long(but=["fixed"])
 @pytest.mark.parametrize("text", [FIXED, MOVING], ids=["fixed", "moving"])
 def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler, text):
     Path("s.toml").write_text(text)

@@ -110,6 +110,7 @@ def test_sums_are_mixed_with_those_of_some_rounds_ago(topology, robots):
         assert fields["s"][t] == pytest.approx(s, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.interpreted
 def test_a_delay_that_is_nearly_as_long_as_the_trial():
     """In all rounds but the last robots are as alone, and then each hears what was said in the first."""
     late, alone = settings_of(5, "commons", rounds=6, looks=30, message_delay=5, link_success=[1.0, 0.0])

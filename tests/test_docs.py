@@ -71,7 +71,9 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
     only=[
         "beyond-changing.md",
         "beyond-unknown-sensors.md",
+        "brain-contract.md",
         "comparing.md",
+        "data-format.md",
         "moving-robots.md",
         "rivals-bayesian.md",
         "rivals-consensus.md",

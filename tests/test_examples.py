@@ -62,6 +62,7 @@ def test_all_believe_better_than_chance():
     assert (right > 0.85).all()
 
 
+@pytest.mark.long
 def test_the_quiet_speak_less_and_know_nearly_as_much(quiet_and_sure):
     data = quiet_and_sure
     quiet = data.sel(setting=(data["brain"] == "quiet.py").values)

@@ -191,6 +191,13 @@ def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
     assert f"What limits it most is {found.limit}" in out
 
 
+@pytest.fixture(scope="module")
+def file(results, tmp_path_factory):
+    path = tmp_path_factory.mktemp("explained") / "some.nc"
+    sc.save(results, path)
+    return path
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
@@ -202,11 +209,9 @@ def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
         (["--where", "robots == 7"], "where"),
     ],
 )
-def test_a_setting_that_is_not_there_is_named(results, arguments, said, tmp_path, monkeypatch, capsys):
-    monkeypatch.chdir(tmp_path)
-    sc.save(results, "some.nc")
+def test_a_setting_that_is_not_there_is_named(file, arguments, said, capsys):
     try:
-        code = main(["explain", "some.nc", *arguments])
+        code = main(["explain", str(file), *arguments])
     except SystemExit as stopped:
         code = stopped.code
     assert code == 2

@@ -15,6 +15,7 @@ from swarmcensus.simulation import metrics
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.long import in_two_sizes
 from tests.second import MEANS, STEER, agreed, brain, changed, fixed, moving
 from tests.small import FAULTS, GO, SEED
 
@@ -244,12 +245,13 @@ def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
 
 
 @pytest.mark.interpreted
+@in_two_sizes("ticks", 120, 300)
 @pytest.mark.parametrize("steers", [False, True])
-def test_members_are_as_fast_as_they_are_said_to_be(steers):
+def test_members_are_as_fast_as_they_are_said_to_be(steers, ticks):
     """A robot that goes straight on does its speed in a tick, and nobody is faster, but who is pushed."""
     source = MEANS + ("\n\ndef steer(me):\n    return 9.0, 0.0\n" if steers else "")
     members = [{"robots": 3, "speed": 0.05}, {"robots": 2, "speed": 0.4}, {"robots": 1, "speed": 0.0}]
-    setting = moving(brain(source), robots=10, ticks=300, density=0.5, members=members)
+    setting = moving(brain(source), robots=10, ticks=ticks, density=0.5, members=members)
     ride, group = record_ride(setting, SEED, 0), setting.who(SEED, 0, 1)[0]
     steps = np.linalg.norm(np.diff(ride.poses[..., :2], axis=0), axis=2)
     for number, speed in enumerate((setting.body.speed, 0.05, 0.4, 0.0)):

@@ -9,6 +9,7 @@ import xarray as xr
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.results import measures
 from swarmcensus.results import store as results
 from swarmcensus.results.selecting import where
 
@@ -175,3 +176,20 @@ class TestStudyOfResults:
         other.write_text(mine.read_text() + "\n")
         with pytest.raises(sc.InputError, match="not the source"):
             sc.replay(data, 0, 0, brain=other)
+
+
+def test_a_measure_of_robots_is_what_trials_are_summed_up_by(small_results):
+    """NaN where a smaller swarm has no robot."""
+    data = small_results
+    found = measures.with_measure(data, "final_error")["final_error"]
+    of = np.arange(12) < data["robots"].values[:, np.newaxis, np.newaxis]
+    off = np.abs(data["final_estimate"].values - data["fill_ratio"].values[:, np.newaxis, np.newaxis])
+    np.testing.assert_array_equal(found.values, np.where(of, off, np.nan))
+    assert found.attrs["units"] == "1"
+    np.testing.assert_allclose(found.median("robot"), measures.numbers(data, "final_error"), rtol=1e-12)
+    sent = measures.with_measure(data, "bytes_sent")["bytes_sent"]
+    bytes_sent = data["messages_sent"].values * data["message_bytes"].values[:, np.newaxis, np.newaxis]
+    np.testing.assert_array_equal(sent.values, np.where(of, bytes_sent, np.nan))
+    np.testing.assert_allclose(sent.mean("robot"), measures.numbers(data, "bytes_sent"), rtol=1e-12)
+    for name in ("final_estimate", "decided", "nothing"):  # is there, lacks variables, is none
+        assert measures.with_measure(data, name) is data

@@ -200,6 +200,7 @@ def test_a_fifth_of_liars_of_any_kind_costs_less_than_talking_gains():
         assert np.mean(np.median(row[draw], axis=1) > limit) > 0.99
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("topology", ["ring", GEOMETRIC], ids=["ring", "geometric"])
 def test_without_liars_it_keeps_most_of_what_commons_gains(topology):
     """Of the way from a robot alone to commons, two thirds: means over 60 trials, fails by less than 1 in 1,000."""

@@ -64,6 +64,7 @@ def test_the_figure_draws_the_mean_of_the_final_errors_by_the_number_of_liars(fe
         np.testing.assert_allclose(dots, error[few["brain"].values == brain], rtol=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_measures_of_robots_are_those_that_trials_are_summed_up_by(few):
     found = measures.with_measure(few, "final_error")

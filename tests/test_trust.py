@@ -577,6 +577,13 @@ class TestBrainFiles:
 class TestFormats:
     """Files of each format that was ever written: they are read for good."""
 
+    @pytest.mark.interpreted
+    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
+    def test_a_trial_of_theirs_is_what_it_was(self, name):
+        data = sc.load(DATA / name)
+        lived = sc.replay(data, 1, 1)["estimate"].values[-1]
+        assert (lived == data["final_estimate"].values[1, 1, : lived.size]).all()
+
     @pytest.mark.long
     @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
     def test_all_that_is_done_with_results_is_done_with_them(self, name, tmp_path, monkeypatch, capsys):

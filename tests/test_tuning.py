@@ -23,6 +23,7 @@ from swarmcensus.tuning.objectives import COMPANIONS, loss, scales_of
 from swarmcensus.tuning.plans import plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
+from tests.long import in_two_sizes
 from tests.tunable import SOURCE, study_of
 
 
@@ -441,24 +442,24 @@ def test_ctrl_c_keeps_the_candidates_that_were_through(args, tmp_path):
     assert kept == rows(tmp_path / "b.csv")[: len(kept)]
 
 
-@pytest.mark.long
-def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path):
-    sc.tune(*args, budget=37, trials=2, out=tmp_path / "a.toml")
+@in_two_sizes(("budget", "more"), (13, 25), (37, 61))
+def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path, budget, more):
+    sc.tune(*args, budget=budget, trials=2, out=tmp_path / "a.toml")
     text = (tmp_path / "a.csv").read_text()
     assert json.loads(text.splitlines()[0].removeprefix("# swarmcensus tune 2 "))["parameters"] == "a=0:1 idle=1:9:log"
     lines = text.splitlines(keepends=True)
     for number, line in ((8, "8,1,0.3\n"), (8, "nonsense\n"), (3, "a,b\n")):
         (tmp_path / "a.csv").write_text("".join([*lines[: number - 1], line, *lines[number:]]))
         with pytest.raises(InputError, match=rf"a.csv, line (2 or )?{number}.*damaged or changed"):
-            sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
+            sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
     changed = lines[8].replace(lines[8].split(",")[2], "0.123")
     (tmp_path / "a.csv").write_text("".join([*lines[:8], changed, *lines[9:]]))
     with pytest.raises(InputError, match=r"evaluation 5 is of \(0.123, .* there, and would be of"):
-        sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
+        sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
     for strange in ("hello\n", "hello", "x,y\n1,2\n"):
         (tmp_path / "a.csv").write_text(strange)
         with pytest.raises(InputError, match=r"a\.csv is no log of a search"):
-            sc.tune(*args, budget=61, trials=2, out=tmp_path / "a.toml")
+            sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
         assert (tmp_path / "a.csv").read_text() == strange
 
 

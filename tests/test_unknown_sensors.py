@@ -8,6 +8,7 @@ from scipy import special, stats
 
 import swarmcensus as sc
 from swarmcensus import brains
+from tests.long import in_two_sizes
 from tests.test_docs import ROOT
 
 ASDF, CPF, PAPER = (brains.load(name) for name in ("asdf", "bayes-cpf", "minimalistic"))
@@ -65,10 +66,12 @@ def test_asdf_mends_by_hand():
     assert me.alpha == pytest.approx((2 * a - 1) ** 2 * t**3 / (n * (t - n)))
 
 
-def test_until_it_mends_asdf_is_the_papers_brain():
+@pytest.mark.interpreted
+@in_two_sizes(("trials", "rounds"), (2, 100), (3, 200))
+def test_until_it_mends_asdf_is_the_papers_brain(trials, rounds):
     study = sc.Study(
-        trials=3, swarm={"brain": ["minimalistic", "asdf"], "robots": 9, "accuracy": "U(0.6, 0.9)"},
-        world={"topology": "ring", "fill_ratio": 0.7}, schedule={"rounds": 200, "observations_per_round": 2},
+        trials=trials, swarm={"brain": ["minimalistic", "asdf"], "robots": 9, "accuracy": "U(0.6, 0.9)"},
+        world={"topology": "ring", "fill_ratio": 0.7}, schedule={"rounds": rounds, "observations_per_round": 2},
     )  # fmt: skip
     final = sc.run(study)["final_estimate"].values
     assert (final[0] == final[1]).all()
@@ -111,6 +114,7 @@ def swarm_of(brain, wrong, seed, trials=20, **given):
     )  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("every", [20, 50])
 def test_a_wrong_majority_locks_in(every):
     """Eight of ten believe in 0.55, and so read 1: the two that are right are mended until they say the same."""

@@ -195,6 +195,7 @@ def test_frames_and_robots_are_those_of_the_replay(offer, number):
     json.dumps(robot_of(show, 60, 0), allow_nan=False)
 
 
+@pytest.mark.interpreted
 def test_who_has_no_estimate_is_told_apart(tmp_path):
     mine = tmp_path / "none.py"
     text = brains.load("minimalistic").source
@@ -228,6 +229,7 @@ def test_who_has_decided_or_is_done_is_so_in_every_stretch(brain, monkeypatch):
                 assert robot_of(show, tick, robot)["blacks"] == trace["blacks"].values[tick, robot]
 
 
+@pytest.mark.interpreted
 def test_after_a_failure_it_fails_again(tmp_path):
     """And does not go on from what a brain left half-way."""
     fuse = "def fuse(me):"

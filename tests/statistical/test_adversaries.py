@@ -7,6 +7,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.engine.modes import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
+from tests.long import in_two_sizes
 
 pytestmark = pytest.mark.interpreted
 SEED = 11
@@ -53,10 +54,11 @@ def test_each_name_is_as_likely():
     assert stats.chisquare(np.bincount(drawn.astype(int).ravel(), minlength=20)).pvalue > 1e-3
 
 
-@pytest.mark.long(but=["0.75"])
+@pytest.mark.long(but=["0.75-quick"])
+@in_two_sizes("rounds", 1000, 4000)
 @pytest.mark.parametrize("often", [0.2, 0.75])
-def test_noise_is_as_frequent_as_it_is_told(often):
-    """Of a pair the honest one hears the other but for the noise: a binomial number of 3,999 rounds after the first."""
-    batch = run_batch(setting("jammer", 2, 4000, "line", often=often), SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+def test_noise_is_as_frequent_as_it_is_told(often, rounds):
+    """Of a pair the honest one hears the other but for the noise: binomial, in all rounds after the first."""
+    batch = run_batch(setting("jammer", 2, rounds, "line", often=often), SEED, 0, 1, Metrics(0.01, 10, ()), GO)
     heard = int(batch.counts[0, HEARD, 0])
-    assert stats.binomtest(heard, 3999, 1.0 - often).pvalue > 1e-3
+    assert stats.binomtest(heard, rounds - 1, 1.0 - often).pvalue > 1e-3

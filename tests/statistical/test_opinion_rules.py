@@ -52,7 +52,7 @@ def test_lots_are_fair(brain, names):
     assert stats.chisquare(list(four.values())).pvalue > P
 
 
-@pytest.mark.long
+@pytest.mark.long(but=["voter-2-4.0"])
 @pytest.mark.parametrize(
     ("brain", "least", "told"),
     [("voter", 2, 4.0), ("majority", 2, 4.0), ("direct-comparison", 2, 4.0), ("cross-inhibition", 0, 4.0),
@@ -78,7 +78,7 @@ def test_times_are_exponential_and_rounded_up(brain, least, told):
         assert stats.chisquare(found[1:], expected[1:]).pvalue > P
 
 
-@pytest.mark.long(but=["0.7"])
+@pytest.mark.long
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.7])
 def test_the_voters_exit_probability_is_the_first_share(share):
     """Without qualities, all in reach: each robot's first opinion is as likely to be everybody's last. 0.1 %."""
