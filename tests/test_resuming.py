@@ -352,7 +352,7 @@ def test_shares_add_up(here, whole):
         assert main(["run", "s.toml", "--share", wrong, "--out", "x.nc"]) == 2
 
 
-@in_two_sizes(("trials", "times", "at_least"), (20, [1, 1], 1), (200, [0, 1, 1, 1, 2, 0, 1, 1, 1, 1], 6))
+@in_two_sizes(("trials", "times", "at_least"), (40, [1, 1], 1), (200, [0, 1, 1, 1, 2, 0, 1, 1, 1, 1], 6))
 def test_sigkill_at_random_moments(here, untraced, capsys, trials, times, at_least):
     """Some while it starts, most after some shards more: a busy machine may take long to come that far."""
     often = (
