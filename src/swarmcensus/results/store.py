@@ -7,10 +7,12 @@ import platform
 from pathlib import Path
 from typing import Any
 
+import h5netcdf
 import h5py
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
+from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
@@ -184,12 +186,11 @@ def read(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: {_absent(path)}")
     try:
-        with h5py.File(path) as file:
-            elsewhere = _not_here(file["/"])  # h5netcdf would complain of a bad root once past all handlers
-        if elsewhere:
-            raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
-        with xr.open_dataset(path, engine="h5netcdf", decode_times=False, mask_and_scale=False) as data:
-            data = data.load()
+        with _Remembering(path) as file:
+            if elsewhere := _not_here(file["/"]):  # h5netcdf would complain of a bad root once past all handlers
+                raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
+            with h5netcdf.File(file, "r") as netcdf:
+                data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
         for name in [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]:
             data[name] = data[name].astype(object)  # the type of text in a dataset that was never in a file
         every: list[Any] = [data, *data.variables.values()]
@@ -207,6 +208,21 @@ def read(path: str | Path) -> xr.Dataset:
     if wrong := checking.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
+
+
+class _Remembering(h5py.File):  # type: ignore[misc]
+    """A file to read that opens each of its objects once: h5netcdf asks for a variable some forty times."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "r")
+        self.seen: dict[str, Any] = {}
+
+    def __getitem__(self, name: Any) -> Any:
+        if not isinstance(name, str):  # a reference
+            return super().__getitem__(name)
+        if name not in self.seen:
+            self.seen[name] = super().__getitem__(name)
+        return self.seen[name]
 
 
 def _not_here(root: h5py.Group) -> str | None:
