@@ -155,6 +155,7 @@ def forget():
     """What doors know of other packages, which are now others."""
     for door in DOORS:
         door.__dict__.pop("outside", None)
+        door.clashes.clear()
 
 
 @pytest.fixture
