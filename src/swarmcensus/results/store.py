@@ -163,8 +163,12 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     # as an attribute, for xarray would look for what is missing in a copy of what it encodes
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
     encoding = dict.fromkeys(integers, packed)
-    with whole(path) as beside:
-        data.to_netcdf(beside, engine="h5netcdf", encoding=encoding)
+    with (
+        whole(path) as beside,
+        _Remembering(beside, "w", track_order=True) as file,
+        h5netcdf.File(file, "w") as netcdf,
+    ):
+        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
 
 
 def load(path: str | Path) -> xr.Dataset:
@@ -186,13 +190,14 @@ def read(path: str | Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"results file {path}: {_absent(path)}")
     try:
-        with _Remembering(path) as file:
+        with _Remembering(path, "r") as file:
             if elsewhere := _not_here(file["/"]):  # h5netcdf would complain of a bad root once past all handlers
                 raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
             with h5netcdf.File(file, "r") as netcdf:
                 data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
-        for name in [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]:
-            data[name] = data[name].astype(object)  # the type of text in a dataset that was never in a file
+        texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
+        # the type of text in a dataset that was never in a file
+        data = data.assign({name: data.variables[name].astype(object) for name in texts})
         every: list[Any] = [data, *data.variables.values()]
         for one in every:
             one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
@@ -211,18 +216,21 @@ def read(path: str | Path) -> xr.Dataset:
 
 
 class _Remembering(h5py.File):  # type: ignore[misc]
-    """A file to read that opens each of its objects once: h5netcdf asks for a variable some forty times."""
+    """A file that opens each of its objects once: h5netcdf asks for a variable some forty times."""
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(path, "r")
-        self.seen: dict[str, Any] = {}
+    def __init__(self, path: Path, mode: str, **options: Any) -> None:
+        super().__init__(path, mode, **options)
+        self.changes = mode != "r"
+        self.seen: dict[str, tuple[Any, Any]] = {}
 
     def __getitem__(self, name: Any) -> Any:
         if not isinstance(name, str):  # a reference
             return super().__getitem__(name)
-        if name not in self.seen:
-            self.seen[name] = super().__getitem__(name)
-        return self.seen[name]
+        # another one where the object was made anew
+        link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
+        if name not in self.seen or self.seen[name][0] != link:
+            self.seen[name] = link, super().__getitem__(name)
+        return self.seen[name][1]
 
 
 def _not_here(root: h5py.Group) -> str | None:
