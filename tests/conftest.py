@@ -16,6 +16,7 @@ from numba.core import event
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.simulation.living import Life
 from tests import interpreted
 from tests.long import Long
 
@@ -33,7 +34,20 @@ def pytest_configure(config):
     config.pluginmanager.register(Long(config))
 
 
-LOOPS = ({"topology": "ring"}, {"topology": "moving", "density": 5})  # worlds that need them
+def compile_networks():
+    study = sc.Study(trials=1, seed=1, **TINY, world={"topology": "ring", "fill_ratio": 0.5})
+    sc.run(study, jobs=1)
+    Life(study.settings()[0], 1, 0).at(0)
+
+
+def compile_moving():
+    brains = {"brain": ["minimalistic", "leaver"]}  # one that does not steer, and one that does
+    world = {"topology": "moving", "density": 5, "fill_ratio": 0.5}
+    sc.run(sc.Study(trials=1, seed=1, swarm=TINY["swarm"] | brains, world=world, schedule={"ticks": 2}), jobs=1)
+
+
+TINY = {"swarm": {"robots": 4, "accuracy": 0.7}, "schedule": {"rounds": 2, "observations_per_round": 1}}
+LOOPS = compile_networks, compile_moving
 
 
 def pytest_collection_finish(session):
@@ -41,12 +55,9 @@ def pytest_collection_finish(session):
     worker = getattr(session.config, "workerinput", {}).get("workerid", "")
     if len(session.items) < 1000 or not worker or numba.config.DISABLE_JIT:
         return
-    world = LOOPS[int(worker.removeprefix("gw")) % len(LOOPS)]
-    length = {"ticks": 2} if world["topology"] == "moving" else {"rounds": 2, "observations_per_round": 1}
-    swarm = {"robots": 4, "accuracy": 0.7}
     gc.freeze()  # what was collected stays: no need to look for circles there again and again
     gc.set_threshold(50_000)
-    sc.run(sc.Study(trials=1, seed=1, swarm=swarm, world=world | {"fill_ratio": 0.5}, schedule=length), jobs=1)
+    LOOPS[int(worker.removeprefix("gw")) % len(LOOPS)]()
 
 
 class Untraced(event.Listener):

@@ -15,15 +15,10 @@ from swarmcensus.engine.modules import LOCK, is_kept, module, source
 from swarmcensus.engine.records import record_type
 from swarmcensus.metrics import GIVEN, Metric
 
-WALK = ("motion.py", "neighbours.py", "failures.py")
-MINDS = ("minds.py", "failures.py")
-PARTS = {  # what a file imports from its own folder
-    "kernel": ("rounds.py", *MINDS),
-    "living": ("rounds.py", *MINDS),
-    "riding": MINDS,
-    "walk": WALK,
-    "steering": ("riding.py", "minds.py", "walk.py", *WALK),
-}
+LOOPS = (
+    "world", "scores", "failures", "minds", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",
+    "steering",
+)  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
 ALWAYS = ("sense", "hear", "end_round", "believe")  # what of a brain is needed with whatever neighbours
 
 
@@ -130,12 +125,12 @@ def compile_metric(metric: Metric) -> types.ModuleType:
 @functools.cache
 def compile_world(name: str = "world") -> types.ModuleType:
     """The engine's entry points of one file, which know of no brain."""
-    return module(_world_files(name), name)
+    return module(_loop_files(), name)
 
 
 def is_known(world: str, entry: str) -> bool:
     """Whether machine code of one of the engine's entry points is on disk."""
-    return is_kept(_world_files(world), f"{world}.{entry}-*.nbc")
+    return is_kept(_loop_files(), f"{world}.{entry}-*.nbc")
 
 
 def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool:
@@ -144,10 +139,12 @@ def is_compiled(brain: Brain, use: str = "network", mixed: bool = False) -> bool
     return all(is_kept(files, f"phases.{name}-*.nbc") for name in needs(brain, use, mixed))
 
 
-def _world_files(name: str) -> dict[str, str]:
-    return {"__init__.py": "", **{part: source(part) for part in (f"{name}.py", *PARTS.get(name, ()))}}
+@functools.cache
+def _loop_files() -> dict[str, str]:
+    return {"__init__.py": "", **{f"{name}.py": source(f"{name}.py") for name in LOOPS}}
 
 
+@functools.lru_cache(maxsize=256)
 def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",

@@ -12,8 +12,8 @@ from filelock import FileLock, Timeout
 from swarmcensus.basics.files import whole
 
 WAIT = 300.0  # seconds after which a process compiles what another one seems to compile for ever
-_WAITED_FOR: set[Path] = set()  # folders of which that was so
-# one for each folder, for a thread that compiles may compile something else on the way; a forked process has its own
+_WAITED_FOR: set[Path] = set()  # files of which that was so
+# one for each file, for a thread that compiles may compile something else on the way; a forked process has its own
 _LOCKS: dict[tuple[Path, int], FileLock] = {}
 
 
@@ -27,7 +27,8 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     kept = made._cache
     load, save = kept.load_overload, kept.save_overload
     place = Path(kept.cache_path)
-    name = f"{Path(function.__code__.co_filename).stem}.{function.__name__}"
+    stem = Path(function.__code__.co_filename).stem
+    name = f"{stem}.{function.__name__}"
     seal = place / f"{name}.sha256"
 
     def files() -> list[Path]:
@@ -55,7 +56,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
 
     def compile_once(signature: Any) -> Any:
         with contextlib.ExitStack() as held:
-            _take(held, place.parent)
+            _take(held, place.parent / f"{stem}.lock")
             return compile_it(signature)
 
     kept.load_overload, kept.save_overload = load_whole, save_sealed
@@ -63,13 +64,13 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     return made
 
 
-def _take(held: contextlib.ExitStack, folder: Path) -> None:
-    """Keep other processes from compiling what is in this folder; where it cannot be locked, compile all the same."""
-    if folder in _WAITED_FOR:
+def _take(held: contextlib.ExitStack, path: Path) -> None:
+    """Keep other processes from compiling what is in a file; where nothing can be locked, compile all the same."""
+    if path in _WAITED_FOR:
         return
-    lock = _LOCKS.setdefault((folder, os.getpid()), FileLock(folder / "lock", timeout=WAIT))
+    lock = _LOCKS.setdefault((path, os.getpid()), FileLock(path, timeout=WAIT))
     with contextlib.suppress(OSError, NotImplementedError):  # said where a disk locks nothing
         try:
             held.enter_context(lock)
         except Timeout:
-            _WAITED_FOR.add(folder)
+            _WAITED_FOR.add(path)

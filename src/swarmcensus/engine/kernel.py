@@ -80,7 +80,7 @@ def simulate(
     arrivals = np.zeros((2, 0), np.uint32)
     luck = np.zeros((3, robots if swarm.luck.size > 0 else 0), np.uint64)
     before = np.int64(snapshots.shape[0] != segments)  # how many segments have no snapshot at the begin
-    nothing = all_counts[0, :, :0]
+    nothing = np.zeros((2, 0), np.int64)
     unjudged = all_verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     low = extremes[0]
