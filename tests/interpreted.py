@@ -39,6 +39,10 @@ class Beside:
         self.line: IO[bytes]
         self.said: IO[bytes]
 
+    @pytest.hookimpl(trylast=True)
+    def pytest_collection_modifyitems(self, items):
+        items.sort(key=lambda item: not is_marked(item))  # the first of several workers gets them all: one process
+
     @pytest.hookimpl(tryfirst=True)
     def pytest_runtest_protocol(self, item, nextitem):
         self.last = item
