@@ -167,6 +167,14 @@ def test_an_error_in_the_midst_of_a_call_by_address_is_the_brain_s(function, tmp
     assert np.isfinite(run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO).error).all()
 
 
+def test_what_was_not_compiled_is_told_and_not_called(monkeypatch):
+    """Were what a setting needs of a brain worked out wrongly: no crash."""
+    (setting,) = settings_of(rounds=8, looks=5, link_success=0.5)
+    monkeypatch.setattr(type(setting), "use", "in sums")
+    with pytest.raises(sc.InputError, match="SystemError: a function is called that was not compiled for this use"):
+        run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO)
+
+
 @pytest.mark.long(but=["300"])
 @pytest.mark.parametrize("robots", [300, 33_000])
 def test_large_full_networks_hear_everyone_else(robots):
@@ -182,6 +190,7 @@ def test_large_full_networks_hear_everyone_else(robots):
     assert np.array_equal(batch.final[0], minds["x"][3])
 
 
+@pytest.mark.long(but=["return me.x_hat, me.alpha-return me.x"])
 @pytest.mark.parametrize(
     ("sound", "broken"),
     [

@@ -20,6 +20,7 @@ from swarmcensus.engine.compiling import INSIDE, not_compiled
 from swarmcensus.engine.keeping import sealed
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
+NOT_THERE = "a function is called that was not compiled for this use"
 
 
 def passed(kind):
@@ -45,6 +46,8 @@ def _machine_call(typing, function, *arguments):
                 given.append(builder.bitcast(data, cgutils.voidptr_t))
             else:
                 given.append(context.cast(builder, value, kind, target))
+        with cgutils.if_unlikely(builder, cgutils.is_null(builder, values[0])):
+            context.call_conv.return_user_exc(builder, SystemError, (NOT_THERE,))
         shape = context.call_conv.get_function_type(types.void, goes_as)
         callee = builder.inttoptr(values[0], shape.as_pointer())
         status, _ = context.call_conv.call_function(builder, callee, types.void, goes_as, given)

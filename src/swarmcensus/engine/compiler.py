@@ -19,7 +19,13 @@ LOOPS = (
     "world", "scores", "failures", "minds", "rounds", "kernel", "living", "motion", "neighbours", "walk", "riding",
     "steering",
 )  # fmt: skip  # files of the engine that know of no brain: together, so that a process compiles once what they share
-ALWAYS = ("sense", "hear", "end_round", "believe")  # what of a brain is needed with whatever neighbours
+ALWAYS = ("sense", "believe")  # what of a brain is needed with whatever neighbours
+ONE_BY_ONE, IN_SUMS, IN_SUMS_OF_ALL = "one by one", "in sums", "in sums of all"
+HEARING = {  # and what by how a round's messages reach robots on fixed networks
+    ONE_BY_ONE: {"hear", "end_round"},
+    IN_SUMS: {"hear_sums"},
+    IN_SUMS_OF_ALL: {"add_up", "hear_all"},
+}
 
 
 class NotCompiled(Exception):
@@ -74,9 +80,9 @@ def blank_record(metric: Metric, **given: float) -> np.ndarray:
 def compile_brain(brain: Brain, use: str = "network", exact: bool = False, mixed: bool = False) -> Any:
     """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
 
-    Only what the use needs is there: "network", "moving", "alone" (local estimates) or "recorded". Brains that differ
-    in comments or parameters share machine code; `exact` is for messages that name a line of the very file; a `mixed`
-    swarm has several brains. Raises NotCompiled.
+    Only what the use needs is there: one of HEARING on fixed networks where that is known, else "network", or
+    "moving", "alone" (local estimates) or "recorded". Brains that differ in comments or parameters share machine code;
+    `exact` is for messages that name a line of the very file; a `mixed` swarm has several brains. Raises NotCompiled.
     """
     return _compiled(brain.as_written, use, exact, mixed)
 
@@ -99,15 +105,15 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
 
 def needs(brain: Brain, use: str, mixed: bool = False) -> set[str]:
     """Which of a brain's functions a use calls."""
-    judged = {"judge"} if mixed or brain.decides or brain.ends else set()
     if use == "alone":
         return {"go_alone", "believe"}
-    at_once = {"add_up", "hear_all"}
-    in_sums = {"network": {"hear_sums", *at_once}, "moving": {"hear_sums", *(at_once if brain.is_oracle else ())}}
-    sums = in_sums.get(use, set()) if brain.sums and not mixed else set()
+    ways = {use} if use in HEARING else {ONE_BY_ONE}
+    if use in ("network", "moving") and brain.sums and not mixed:
+        ways |= {IN_SUMS} if use == "moving" and not brain.is_oracle else {IN_SUMS, IN_SUMS_OF_ALL}
+    judged = {"judge"} if mixed or brain.decides or brain.ends else set()
     asked = {"ask"} if use == "moving" and brain.steers else set()
     bounded = {"bound"} if brain.has_interval else set()
-    return {*ALWAYS, *judged, *sums, *asked, *bounded}
+    return {*ALWAYS, *judged, *asked, *bounded}.union(*(HEARING[way] for way in ways))
 
 
 def phases_of(brain: Brain, exact: bool = False, mixed: bool = False) -> types.ModuleType:

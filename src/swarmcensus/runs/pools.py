@@ -14,6 +14,7 @@ import numpy as np
 from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler, modules
+from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -161,7 +162,7 @@ def _has_loops(setting: Setting) -> bool:
 
 
 def _is_compiled(setting: Setting, study: Study) -> bool:
-    uses = ["moving"] if setting.body else ["network"] + ["alone"] * study.measure.local
+    uses = [setting.use] + ["alone"] * (study.measure.local and not setting.body)
     mixed = len(setting.crew) > 1
     minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
     return minds and _has_loops(setting)
@@ -177,16 +178,19 @@ def _run_once(setting: Setting, study: Study) -> None:
 
 
 def smallest(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each brain and kind of world or floor: to run it compiles all that the others need."""
+    """One tiny setting for each brain, use of it and floor: to run it compiles all that the others need."""
     found = {}
     for setting in settings:
         crew = tuple(brain.name for brain in setting.crew)
-        key = crew, setting.body is None, setting.floor and setting.floor.kind
+        key = crew, setting.use, setting.floor and setting.floor.kind
         if key not in found:
             one_of_each = tuple(replace(m, robots=1, share=False, honest=True) for m in setting.members)
-            tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, topology=Topology("line"), faults=())
-            tiny = replace(tiny, members=one_of_each)
+            tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, faults=(), members=one_of_each)
             if setting.body is not None:
-                tiny = replace(tiny, topology=setting.topology, density=1.0)
+                tiny = replace(tiny, density=1.0)
+            else:
+                links = 0.5 if setting.use == ONE_BY_ONE else setting.link_success  # as where robots fail
+                graph = Topology("full" if setting.use == IN_SUMS_OF_ALL else "line")
+                tiny = replace(tiny, topology=graph, link_success=links)
             found[key] = tiny
     return list(found.values())

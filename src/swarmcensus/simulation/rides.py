@@ -54,7 +54,7 @@ class Rider:
         self.sensors = [a[0] for a in (*given.sensors, given.drift)]
         beliefs = (a[0] for a in given.beliefs)
         with blaming(setting, self.trial):
-            self.swarm = swarm_of(setting, given, "moving")
+            self.swarm = swarm_of(setting, given, setting.use)
             self.memory = np.empty((robots, int(self.swarm.fields.sum())))
             self.outbox = outbox_of(self.swarm, setting, self.delay + 1)
             verdicts, agreed = verdicts_of(setting, 1, robots)

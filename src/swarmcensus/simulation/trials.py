@@ -129,7 +129,7 @@ def _live(
     assert links is not None
     kernel = compiler.compile_world("kernel")
     with blaming(setting, first, trials):
-        made = swarm_of(setting, given, "alone" if local else "network")
+        made = swarm_of(setting, given, "alone" if local else setting.use)
     numbers = int(made.fields.sum())
     delay = 0 if local else setting.message_delay
     outbox = outbox_of(made, setting, delay + 2)
@@ -246,7 +246,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
     shape = (rounds + 1, robots)
     given = inputs_of(setting, seed, trial)
     with blaming(setting, trial):
-        made = swarm_of(setting, given, "network")
+        made = swarm_of(setting, given, setting.use)
         numbers = int(made.fields.sum())
         history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
         _relive(setting, given, made, history[-1], np.empty((1, robots)), history[:-1])
@@ -270,7 +270,7 @@ def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     given = inputs_of(setting, seed, trial)
     estimates = np.empty((setting.rounds + 1, setting.robots))
     with blaming(setting, trial):
-        made = swarm_of(setting, given, "network")
+        made = swarm_of(setting, given, setting.use)
         numbers = int(made.fields.sum())
         memory, snapshots = np.empty((setting.robots, numbers)), np.empty((0, setting.robots, numbers))
         estimates[0] = _relive(setting, given, made, memory, estimates[1:], snapshots)

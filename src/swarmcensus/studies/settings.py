@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.brains import Brain
 from swarmcensus.engine.addresses import address
+from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.studies.accuracies import accuracies, drifts, mixed_accuracies
 from swarmcensus.studies.members import Member, groups
 from swarmcensus.studies.telling import coordinates, line
@@ -261,10 +262,24 @@ class Setting:
 
     def links(self, seed: int, first_trial: int, trials: int) -> Links:
         """Who hears whom in these trials."""
-        if self.brain.is_oracle:
-            return Topology("full").links(self.robots, seed, first_trial, trials, True, self.additive)
-        heard_by_all = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
-        return self.topology.links(self.robots, seed, first_trial, trials, heard_by_all, self.additive)
+        topology = Topology("full") if self.brain.is_oracle else self.topology
+        return topology.links(self.robots, seed, first_trial, trials, self._all_is_heard, self.additive)
+
+    @property
+    def _all_is_heard(self) -> bool:
+        lossless = self.link_success == 1.0 and not any("talking" in f.stop for f in self.faults)
+        return self.brain.is_oracle or lossless
+
+    @property
+    def use(self) -> str:
+        """What its robots do with their brains, as `engine.compiler.needs` takes it."""
+        if self.body is not None:
+            return "moving"
+        if self.message_delay:
+            return "network"
+        if self.additive and self._all_is_heard and (self.brain.is_oracle or self.topology.is_full):
+            return IN_SUMS_OF_ALL
+        return IN_SUMS if self.additive and self.link_success == 1.0 and not self.faults else ONE_BY_ONE
 
     @property
     def message_delay(self) -> int:

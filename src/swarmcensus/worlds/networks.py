@@ -70,7 +70,8 @@ class Topology:
         return bool(self.named) and getattr(DOOR.module(self.named), "MOVES", False)
 
     @functools.cached_property
-    def _everyone(self) -> bool:
+    def is_full(self) -> bool:
+        """Whether all hear all."""
         return bool(self.named) and getattr(DOOR.module(self.named), "EVERYONE", False)
 
     @functools.cached_property
@@ -123,7 +124,7 @@ class Topology:
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
         """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
-        if self._everyone:
+        if self.is_full:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
         if self.varies:
