@@ -426,7 +426,7 @@ def test_who_never_speaks_is_the_same_in_machine_code(untraced):
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(only=["bayes-bots", "changing-floor"])
+@pytest.mark.long(but=["belief-sharing", "commons", "minimalistic", "steadfast", "sure", "tracking", "voter", "w-msr"])
 @pytest.mark.parametrize("by", [name for name in brains.shipped() if name != "oracle"])
 def test_each_wears_every_shipped_brain(by):
     """It sees, hears and keeps silent as its honest twin does, who hears the same three; what is told is in range."""

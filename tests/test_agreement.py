@@ -135,10 +135,13 @@ def test_what_is_wrong_differs():
     assert found.settings[0].limit == max(one.terms, key=one.terms.get)
 
 
+LONG = pytest.mark.long, pytest.mark.interpreted
+
+
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
-        pytest.param("swift", {}, "no closed form is known of swift", marks=pytest.mark.interpreted),
+        pytest.param("swift", {}, "no closed form is known of swift", marks=LONG),
         ("minimalistic", {}, "of what minimalistic makes of what it hears"),
         ("commons", {"world": {"topology": "ring", "fill_ratio": 0.55, "link_success": 0.5}}, "messages are lost"),
         ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
@@ -149,7 +152,7 @@ def test_what_is_wrong_differs():
             "commons",
             {"members": [{"robots": 2, "brain": "opposite", "honest": False}]},
             "some robots lie",
-            marks=pytest.mark.interpreted,
+            marks=LONG,
         ),
     ],
 )

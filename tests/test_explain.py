@@ -137,6 +137,7 @@ def test_under_robots_that_move_the_floor_has_its_part():
 NOWHERE = {ALONE, NEAR, MIXED, SWARM}
 
 
+@pytest.mark.long(but=["changes1-absent1-sensors drift", "changes7-absent7-messages are lost"])
 @pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("changes", "absent", "why"),

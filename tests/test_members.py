@@ -244,6 +244,7 @@ def test_what_members_believe_of_their_sensors(swarm, member, ours, theirs):
         assert fields["p"][-1][group == number] == pytest.approx(assumed)
 
 
+@pytest.mark.long(only=["False-quick"])
 @pytest.mark.interpreted
 @in_two_sizes("ticks", 120, 300)
 @pytest.mark.parametrize("steers", [False, True])

@@ -127,6 +127,7 @@ def test_a_run_that_was_cut_off_goes_on(here, whole):
     assert sorted(p.name for p in here.iterdir()) == ["a.nc", "s.toml"]
 
 
+@pytest.mark.long(only=["1"])
 @pytest.mark.parametrize("times", [1, 2])
 def test_ctrl_c_while_a_trial_is_stored_leaves_no_half_of_it(times, here, whole, monkeypatch):
     """What it broke is stored anew; where Ctrl-C comes again then, it is left out."""
@@ -212,6 +213,7 @@ def test_a_subset_of_the_checkpoints_is_enough(here):
         run(study(STUDY.replace("[10, 60]", "[10, 30, 60]")), out="a.nc")
 
 
+@pytest.mark.long(but=["cut"])
 @pytest.mark.parametrize("damage", ["cut", "flip", "empty", "rename"])
 def test_a_damaged_shard_is_named_and_redone(here, whole, damage):
     path = cut_off("a.nc", 60)[0]
@@ -629,6 +631,7 @@ def test_a_folder_that_vanishes_during_a_run_is_made_again(here, whole):
     assert [p.name for p in Path("made").iterdir()] == ["a.nc"]
 
 
+@pytest.mark.long(only=["False"])
 @pytest.mark.parametrize("finished", [True, False])
 def test_only_what_a_run_wrote_is_removed(finished, here, whole):
     folder = shards.folder_of(Path("a.nc"))

@@ -94,6 +94,7 @@ def test_scale_free_graphs_are_as_robust_as_what_they_grow_from(m, seed):
     assert r_robustness(nx.barabasi_albert_graph(8, m, seed=seed)) < m
 
 
+@pytest.mark.long(but=["0", "1"])
 @pytest.mark.parametrize("seed", range(6))
 def test_what_follows_from_what(seed):
     """(r, 1) is r-robust; robust for more is robust for less; (2 F + 1)-robust is (F + 1, F + 1)-robust."""

@@ -72,6 +72,7 @@ def test_without_new_readings_it_comes_to_the_random_effects_mean(graph):
         assert me.spread == pytest.approx(d, rel=0.02)
 
 
+@pytest.mark.long(but=["0", "5", "8"])
 @pytest.mark.parametrize("wrong", range(12))
 def test_the_greater_part_keeps_its_evidence_and_the_smaller_one_takes_it_back(wrong):
     """Eleven robots without noise, of which some read 0.7 where the others read 0.3; 5 against 6 is the limit."""

@@ -286,6 +286,7 @@ def test_the_older_consensus_is_a_mean_of_means():
         assert me.past_x == pytest.approx(told, abs=1e-12)
 
 
+@pytest.mark.long(only=["brain1"])
 @pytest.mark.parametrize("brain", [{"file": "asdf", "every": 4}, {"file": "bayes-cpf", "window": 60, "past": 5}])
 def test_compiled_they_are_what_cpython_runs(brain):
     """With updates every few rounds, which the usual check of a brain is too short for."""
