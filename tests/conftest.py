@@ -47,17 +47,34 @@ def compile_moving():
 
 
 TINY = {"swarm": {"robots": 4, "accuracy": 0.7}, "schedule": {"rounds": 2, "observations_per_round": 1}}
-LOOPS = compile_networks, compile_moving
+
+
+def number_of(config):
+    """Which of several workers that run the whole suite this process is: 0, 1, ...; None if it is none."""
+    worker = getattr(config, "workerinput", {}).get("workerid", "")
+    whole = config.args_source is config.ArgsSource.TESTPATHS and not config.option.keyword
+    return int(worker.removeprefix("gw")) if worker and whole and not numba.config.DISABLE_JIT else None
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session):
+    """Workers compile the engine's loops, some each, before one would wait for those of the other: the second one now.
+
+    So it finds the bytecode of all tests, with their assertions rewritten, which the first one makes meanwhile.
+    """
+    if number_of(session.config) == 1:
+        gc.set_threshold(50_000)
+        compile_moving()
 
 
 def pytest_collection_finish(session):
-    """Of all tests, each worker compiles some of the engine's loops, before one would wait for those of the other."""
-    worker = getattr(session.config, "workerinput", {}).get("workerid", "")
-    if len(session.items) < 1000 or not worker or numba.config.DISABLE_JIT:
+    """The first one when it has collected."""
+    if number_of(session.config) is None:
         return
     gc.freeze()  # what was collected stays: no need to look for circles there again and again
     gc.set_threshold(50_000)
-    LOOPS[int(worker.removeprefix("gw")) % len(LOOPS)]()
+    if number_of(session.config) == 0:
+        compile_networks()
 
 
 class Untraced(event.Listener):

@@ -1,8 +1,10 @@
 """Tests that take long carry the marker `long`; something quicker beside each holds a promise of the same kind.
 
 `@pytest.mark.long(but=["ring"])` marks a test for all its parameters but those with these ids, and `only=` for none but
-those.
+those; `but_every=3` for all but the first, the fourth, the seventh ...
 """
+
+import collections
 
 import pytest
 
@@ -17,8 +19,10 @@ def in_two_sizes(name, quick, long):
     return pytest.mark.parametrize(name, sizes)
 
 
-def is_meant(mark, item):
-    """Whether a marker is for this parameter of a test."""
+def is_meant(mark, item, number):
+    """Whether a marker is for this parameter of a test, the so-manyth from 0 on."""
+    if "but_every" in mark.kwargs:
+        return number % mark.kwargs["but_every"] != 0
     if "only" in mark.kwargs:
         return item.callspec.id in mark.kwargs["only"]
     return not mark.kwargs or item.callspec.id not in mark.kwargs["but"]
@@ -33,14 +37,18 @@ class Long:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items):
-        unknown = {}
+        unknown, seen = {}, collections.Counter()
         for item in items:
+            number = seen[item.function]
+            seen[item.function] += 1
             for mark in item.iter_markers("long"):
-                named = {name for names in mark.kwargs.values() for name in names}
+                named = {*mark.kwargs.get("but", ()), *mark.kwargs.get("only", ())}
                 if named:
                     test = item.nodeid.removesuffix(f"[{item.callspec.id}]")
                     unknown[test] = unknown.get(test, named) - {item.callspec.id}
-            item.own_markers = [mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item)]
+            item.own_markers = [
+                mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item, number)
+            ]
         unknown = {test: names for test, names in unknown.items() if names}
         if unknown and not any("::" in word for word in self.config.args):
             raise pytest.UsageError(f"long tests are named by parameters that they have not: {unknown}")

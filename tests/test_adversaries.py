@@ -500,6 +500,7 @@ def lived(setting, trial=1):
     return batch, honest
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("topology", ["ring", "full"])
@@ -551,6 +552,7 @@ def test_jammers_on_a_line_by_hand():
         assert (batch.counts[0, SENT] == 6).all()
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize(
     ("name", "rich"),
     [

@@ -251,6 +251,7 @@ def test_what_cannot_be_drawn_is_an_input_error(results, scene):
         snapshot(sc.replay(results, 0, 0), 1)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("name", ["short", "a_very_long_name_of_a_study_" * 9, "of words " * 60])
 def test_the_title_names_brain_setting_and_trial_and_fits(results, scene, name):
     number = moving(results, 9)
@@ -484,6 +485,7 @@ def test_arena_and_film_from_the_command_line(file, tmp_path, monkeypatch, capsy
     assert {p.name for p in tmp_path.iterdir()} == {"m-arena.png", "m-arena.svg", "m-film.mp4", "x.gif", "x.pdf"}
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     ("options", "said"),
     [

@@ -80,6 +80,7 @@ class TestBeta:
 
 @pytest.mark.interpreted
 class TestBayesBots:
+    @pytest.mark.long(but_every=2)
     @pytest.mark.parametrize("looks", [1, 5])
     @pytest.mark.parametrize("brain", [BAYES, CHANGING], ids=["bayes-bots", "changing-floor"])
     def test_on_a_full_network_all_hold_the_pooled_posterior(self, brain, looks):
@@ -136,6 +137,7 @@ class TestBayesBots:
                 functions.receive(me, (0.0 if name == 133.0 else 1.0, 1.0, name))
             assert (me.black, me.white, me.heard, me.who[5]) == (1.0, 1.0, 2.0, 133.0)
 
+    @pytest.mark.long(but_every=3)
     @pytest.mark.long(but=["bayes-bots-2.5", "changing-floor-1.5", "changing-floor-3.2"])
     @pytest.mark.parametrize("every", [1.0, 1.5, 2.0, 2.5, 3.2])
     @pytest.mark.parametrize("brain", ["bayes-bots", "changing-floor"])

@@ -119,6 +119,7 @@ def test_the_fill_ratio_of_a_setting_is_that_of_its_last_round():
 # ---- what is measured
 
 
+@pytest.mark.long(but_every=5)
 @pytest.mark.parametrize("change", [SWITCH, SLOW], ids=["switch", "drift"])
 @pytest.mark.parametrize(("moves", "truth"), [(False, "nominal"), (True, "nominal"), (True, "floor")])
 def test_all_is_held_against_the_truth_of_the_round(moves, change, truth):

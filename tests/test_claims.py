@@ -189,6 +189,7 @@ NEAR = {  # right at the threshold, and noisy
 }
 
 
+@pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("name", FAILING)
 def test_a_claim_holds_where_the_world_is_as_the_paper_says(name):
     outcome = verdict(name)
@@ -198,6 +199,7 @@ def test_a_claim_holds_where_the_world_is_as_the_paper_says(name):
     assert not outcome.explanation
 
 
+@pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("name", FAILING)
 def test_one_setting_on_the_wrong_side_refutes_a_claim_and_is_named(name):
     outcome = verdict(name, FAILING[name])
@@ -207,6 +209,7 @@ def test_one_setting_on_the_wrong_side_refutes_a_claim_and_is_named(name):
     assert bool(outcome.explanation) == (name in EXPLAINED)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("name", NEAR)
 def test_a_setting_near_the_threshold_leaves_a_claim_undecided(name):
     outcome = verdict(name, NEAR[name])

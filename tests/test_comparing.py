@@ -433,6 +433,7 @@ def test_contenders_that_are_the_same_are_told():
     assert said == f"final error: {first} and {second} are the same in every trial that both have"
 
 
+@pytest.mark.long(but_every=4)
 @pytest.mark.parametrize("mark", NAMES)
 @pytest.mark.parametrize("metric", ["final_error", "correct"])
 def test_against_one_contender_the_others_are_held_in_fewer_tests(mark, metric):

@@ -100,7 +100,14 @@ def test_shipped_brains_conform(name, untraced_processes):
     assert [c.fault for c in found] == [None] * len(found)
 
 
+OF_EACH_FAMILY = [
+    "minimalistic", "commons", "sure", "steadfast", "self-taught", "leaver", "oracle", "asdf", "recurrent",
+    "bayes-bots", "belief-sharing", "three-state", "weighted-voter", "w-msr", "information-filter",
+]  # fmt: skip
+
+
 @pytest.mark.interpreted
+@pytest.mark.long(but=[f"{name}-quick" for name in OF_EACH_FAMILY])
 @in_two_sizes(("accuracies", "long"), ((0.0, 0.75), lives.LONG[:1]), (lives.ACCURACIES, lives.LONG))
 @pytest.mark.parametrize("name", brains.shipped())
 def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):

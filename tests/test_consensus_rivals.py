@@ -220,6 +220,7 @@ def test_on_a_ring_two_liars_beside_a_robot_drag_it_out():
     assert x[-1, np.flatnonzero(honest & (np.arange(8) != between))] == pytest.approx(0.0, abs=1e-12)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize(("says", "gate"), [(0.95, 0.2), (0.6, 0.2), (0.6, 0.05)])
 def test_the_gated_mean_is_as_its_rule_says(says, gate):
@@ -300,6 +301,7 @@ def test_words_that_are_no_fill_ratio_count_as_the_nearest(used):
     assert 0.0 <= me.x <= 1.0
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @each
 def test_moving_robots_speak_when_their_phase_says(used):

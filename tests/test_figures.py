@@ -395,6 +395,7 @@ def test_all_right_lies_across_and_an_interval_stands_upright():
     assert "dash over it" not in texts(figures.decisions(results))
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("panels", [1, 4, 12])
 def test_no_diamond_hides_another(panels):
     results = study(checkpoints=(10, 50, 100, 200, 500, 1000))

@@ -77,6 +77,11 @@ def test_often_long(k):
 @pytest.mark.parametrize("k", range(3))
 def test_seldom_long(k):
     pass
+
+@pytest.mark.long(but_every=3)
+@pytest.mark.parametrize("k", range(4))
+def test_long_but_now_and_then(k):
+    pass
 """
 
 
@@ -105,11 +110,13 @@ def test_a_run(tmp_path, workers):
             outcomes[outcome].add(next(word for word in words if "::" in word).partition("::")[2])
     passed = {f"test_beside[{k}]" for k in range(3)} | {"test_goes_on", "test_here", "test_often_long[0]"}
     assert outcomes == {
-        "PASSED": passed | {"test_seldom_long[1]", "test_seldom_long[2]", "test_is_the_last"},
+        "PASSED": passed
+        | {"test_seldom_long[1]", "test_seldom_long[2]", "test_is_the_last"}
+        | {"test_long_but_now_and_then[0]", "test_long_but_now_and_then[3]"},
         "FAILED": {"test_fails", "test_ends_the_process"},
     }, done.stdout
     assert "At index 1 diff: 2 != 3" in done.stdout
     assert "too late" in done.stdout
     assert "1 skipped" in done.stdout
     assert "the process that runs tests without Numba ended with 7" in done.stdout
-    assert done.stdout.splitlines()[-1] == "4 long tests were left out: `pytest -n 2` runs them too"
+    assert done.stdout.splitlines()[-1] == "6 long tests were left out: `pytest -n 2` runs them too"

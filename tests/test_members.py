@@ -90,6 +90,7 @@ def test_each_robot_is_as_likely_in_each_trial():
     assert stats.chisquare(np.bincount(both, minlength=3), law * len(both)).pvalue > 1e-3
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("topology", ["ring", "full", "scale-free"])
 def test_what_is_measured_is_of_the_honest(topology):

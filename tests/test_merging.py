@@ -143,6 +143,7 @@ def test_a_sample_is_run_again(small_file, tmp_path, capsys):
     assert (found.checked, found.stored, found.differences) == (1, 128, [])
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("name", NUMBERS)
 def test_any_change_is_found(name, small_results, tmp_path, capsys):
     data = small_results.copy(deep=True)

@@ -31,6 +31,7 @@ def subplots(count, **options):
     return Figure(figsize=(5 * count, 4), layout="constrained").subplots(1, count, **options)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("kind", ["scatter", "decisions", "lines"])
 def test_as_many_axes_as_panels_are_drawn_into_with_one_key(kind, two):
     axes = subplots(2, sharey=True)

@@ -166,6 +166,7 @@ def test_a_field_of_the_memory_may_be_called_so():
         assert "interval_high" in trace
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("rows", [1, 3, 100])
 def test_a_brain_with_an_interval_has_the_bits_of_one_without(rows, monkeypatch):
     """However the rounds are cut, and whether some are run a second time to see when curves settle."""

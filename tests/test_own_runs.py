@@ -76,7 +76,7 @@ def test_with_one_thread_after_a_cut_and_verified(name, monkeypatch, tmp_path):
     assert not found.labels
 
 
-@in_two_sizes(("brains", "step"), (2, 3), (None, 1))
+@in_two_sizes(("brains", "step"), (1, 1), (None, 1))
 @pytest.mark.parametrize("name", WORLDS)
 def test_replayed(name, brains, step):
     """The trace's last round is the dataset's, and its memory has as many numbers as the brain."""

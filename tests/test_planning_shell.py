@@ -185,6 +185,7 @@ STAR = '{name = "star", edges = [[0, 1], [0, 2]]}'
 NO_PAIRS = "swarmcensus: mission: the goal cannot be reached, because free.topology 'gnp_random_graph(p=0.0)' of "
 
 
+@pytest.mark.long(but_every=4)
 @pytest.mark.parametrize(
     ("topology", "options", "said"),
     [

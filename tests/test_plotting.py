@@ -149,6 +149,7 @@ def test_compiling_is_told_once_and_only_where_it_happens(caplog):
     assert len(caplog.messages) == 1
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     ("command", "where"),
     [

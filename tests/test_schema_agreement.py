@@ -217,6 +217,7 @@ def table_of(place):
     return ".".join(map(str, place[0][:-1]))
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("places", by_table(study_places()))
 def test_of_studies_the_schema_says_what_the_loader_says(folder, read_once, places):
     checker = checker_of(of_studies)
@@ -224,6 +225,7 @@ def test_of_studies_the_schema_says_what_the_loader_says(folder, read_once, plac
     assert list(disagreements(places, checker, right, lambda tables: sc.Study(**tables))) == []
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("places", by_table(mission_places()))
 def test_of_missions_the_schema_says_what_the_loader_says(folder, read_once, places):
     checker = checker_of(of_missions)

@@ -180,6 +180,7 @@ def test_verified_and_merged(here, known, name):
         assert merged[variable].identical(known[name][variable]) or variable == "fingerprint"
 
 
+@pytest.mark.long(but_every=3)
 @in_two_sizes("step", 12, 5)
 @pytest.mark.parametrize("name", TEXTS)
 def test_replayed(here, known, name, step):

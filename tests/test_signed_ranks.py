@@ -49,6 +49,7 @@ def test_by_hand():
     assert (found.below, found.equal, found.above) == (1, 0, 5)
 
 
+@pytest.mark.long(but_every=5)
 @pytest.mark.long(only=["9-continuous", "9-tied"])
 @pytest.mark.parametrize("kind", ["continuous", "tied", "zeros"])
 @pytest.mark.parametrize("trials", [6, 9, 13, 30])

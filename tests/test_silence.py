@@ -112,6 +112,7 @@ def test_nothing_is_heard_of_what_was_not_said():
         assert ears[0] == pytest.approx(ears[1], rel=1e-12)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.interpreted
 @pytest.mark.parametrize("source", [ODD, ADDS, LOUD], ids=["each", "sums", "loud"])
 @pytest.mark.parametrize("delay", [0, 2])

@@ -179,6 +179,7 @@ def test_show_sorts(file, many, capsys):
     assert last == [8] * 24 + [5] * 24  # what is missing comes last, whichever way
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize(
     ("options", "said"),
     [

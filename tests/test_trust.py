@@ -314,6 +314,7 @@ def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsy
     assert "1 of the file's labels are not its study's" in said
 
 
+@pytest.mark.long(but_every=2)
 @pytest.mark.parametrize("what", ["done trials with NaN", "half a trial", "a label", "dims"])
 def test_merge_refuses(what, files):
     data = sc.load(files / "kinds.nc")
@@ -399,6 +400,7 @@ def test_half_a_trial_of_a_run_that_was_cut_off_is_not_merged(files):
     assert sc.verify(merged, 1.0).labels == []
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("how", ["a run", "some settings", "merged"])
 def test_a_round_trip_changes_no_type(how, files, tmp_path):
     data = sc.run(sc.Study.load(DATA / "results.toml"), jobs=1) if how == "a run" else sc.load(files / "kinds.nc")
@@ -491,6 +493,7 @@ class TestNothingElseIsOpened:
 
         return made
 
+    @pytest.mark.long(but_every=4)
     @pytest.mark.parametrize("command", ["verify x.nc", "replay x.nc --setting 0 --trial 0", "plot x.nc --kind curves",
                                          "plot x.nc --kind arena", "merge x.nc --out y.nc"])  # fmt: skip
     @pytest.mark.parametrize(

@@ -56,6 +56,7 @@ def simulated(mean, f, seed=SEED):
     return np.array(found)
 
 
+@pytest.mark.long(but_every=4)
 @pytest.mark.long(only=["0.5-0.5"])
 @pytest.mark.parametrize(
     ("mean", "f"), [("0.5", "0.5"), ("0.6", "0.6"), ("0.7", "0.3"), ("0.9", "0.1"), ("0.6", "0.4")]

@@ -144,6 +144,7 @@ TRUTH = {
 }
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.long(but=["normal-6-mean", "heavy-30-median", "skewed-10-mean", "rounds-6-median", "rounds-30-mean"])
 @pytest.mark.parametrize("statistic", ["median", "mean"])
 @pytest.mark.parametrize("trials", [6, 10, 30])

@@ -35,6 +35,7 @@ def mean_of(time):
     return -1.0 / np.expm1(-1.0 / time)
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize("names", [range(9), (0, 1, 2, 10, 20, 30, 100, 10_000, 1_000_000)])
 @pytest.mark.parametrize("brain", ["voter", "majority", "direct-comparison"])
 def test_lots_are_fair(brain, names):

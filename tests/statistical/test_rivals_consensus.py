@@ -149,6 +149,7 @@ def lots_are_fair(kept, first):
     return each, stats.chisquare(np.bincount(first, minlength=n)).pvalue, pairs
 
 
+@pytest.mark.long(but_every=3)
 @pytest.mark.parametrize(
     "names", [range(40), range(0, 4000, 100), [k * k for k in range(60)]], ids=["near", "far", "odd"]
 )
