@@ -177,6 +177,7 @@ def test_a_running_scheduler_gives_the_bits_of_threads(here, scheduler, text):
     assert same(sc.load("s.nc"), sc.run(study(text), jobs=2))
 
 
+@pytest.mark.long
 def test_a_study_with_another_edge_list_is_another_study(here, scheduler):
     """Though its text is the same, and the workers have met it."""
     text = FIXED.replace('"ring", "scale-free", ', "").replace(', "mine.py"', "")
@@ -187,6 +188,7 @@ def test_a_study_with_another_edge_list_is_another_study(here, scheduler):
     assert same(second, sc.run(study(text), jobs=2))
 
 
+@pytest.mark.long
 def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
     text = MOVING.replace(
         "trials = 3", 'trials = {until = "convergence_error median +- 0.02", at_least = 10, at_most = 20}'
@@ -195,6 +197,7 @@ def test_a_rule_for_trials_holds_on_a_cluster(here, scheduler):
     assert same(run(ruled, cluster=scheduler), sc.run(ruled, jobs=2))
 
 
+@pytest.mark.long
 def test_a_large_image_travels(here, scheduler):
     from PIL import Image
 

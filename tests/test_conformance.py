@@ -413,6 +413,7 @@ def test_nothing_is_kept_outside_of_a_mind(change, said, tmp_path):
     assert "something is kept outside of me" in fault
 
 
+@pytest.mark.long(only=["in a function"])
 @pytest.mark.long(but=["in a function", "ends the process"])
 @pytest.mark.parametrize(
     ("lines", "said"),

@@ -66,6 +66,7 @@ def test_checkpoints_are_joined():
     assert np.isfinite(merged["correct"].values[2:, 1:]).all()
 
 
+@pytest.mark.long
 def test_merged_results_are_replayed_plotted_verified_and_grown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     for name, changes in (("a", {"robots_in_swarm": 6}), ("b", {"topology_in_world": ["line"]})):

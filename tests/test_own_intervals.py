@@ -307,6 +307,7 @@ def test_wrong_stops_are_told_by_the_estimate_that_robots_were_done_with(here):
     assert 0 < wrong.sum() < 60
 
 
+@pytest.mark.long(only=["ring"])
 @pytest.mark.parametrize("world", [{"topology": "ring"}, {"topology": "moving", "density": 5}], ids=["ring", "moving"])
 def test_an_interval_that_fails_where_only_a_replay_asks_is_told_as_a_brain_that_fails(world, here, capsys):
     """A replay asks before the first observation too, where no run does."""

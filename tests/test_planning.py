@@ -46,6 +46,7 @@ def share_right(minutes, robots, trials=400, **world):
     return float((np.abs(data["final_estimate"].values - truth) <= 0.05).mean())
 
 
+@pytest.mark.long(only=["moving"])
 @pytest.mark.parametrize(
     ("tables", "world"),
     [(RING, {"topology": "ring"}), (YARD, {"topology": "moving", "side": 1.5})],

@@ -93,7 +93,10 @@ def check(setting, trial, minds, fields, estimates, batch, close):
     assert batch.intervals[1, :, 0] == pytest.approx((high - low).mean(axis=1), rel=1e-12)
 
 
-@pytest.mark.long(only=["adds", "adds, late, 260", "all, 260"])
+@pytest.mark.long(
+    only=["adds", "adds, late, 260", "all, 260", "mixed, late", "adds, passing and late", "all, late and lossy",
+          "adds, late and failing"]
+)  # fmt: skip
 @pytest.mark.parametrize("name", CASES)
 def test_on_fixed_networks(name):
     """Bit for bit, but to rounding where everyone hears everyone and the engine adds in another order."""

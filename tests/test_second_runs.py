@@ -132,6 +132,7 @@ def test_they_do_what_they_are_to_try(known):
         assert 0 < float(np.isfinite(data["done_round"]).mean()) < 1
 
 
+@pytest.mark.long(only=["fixed"])
 @pytest.mark.parametrize("name", TEXTS)
 def test_with_one_thread_and_bundles_of_another_size(here, known, name, monkeypatch):
     monkeypatch.setattr("swarmcensus.runs.pools.BUNDLE_SECONDS", 0.0005)

@@ -1,6 +1,7 @@
 """The command line: parses the options, calls a command, and says in one line what went wrong."""
 
 import argparse
+import functools
 import os
 import sys
 from collections.abc import Sequence
@@ -28,7 +29,7 @@ from swarmcensus.results.presence import check_there
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
-    options = parser(COMMANDS).parse_args(arguments)
+    options = _all_commands().parse_args(arguments)
     try:
         with of_a_shell(vars(options)), speaking(options):
             _look_for_results(options)
@@ -65,6 +66,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             file=sys.stderr,
         )
         return 2
+
+
+@functools.cache
+def _all_commands() -> argparse.ArgumentParser:
+    return parser(COMMANDS)
 
 
 def _look_for_results(options: argparse.Namespace) -> None:
