@@ -199,12 +199,15 @@ def commands(text):
             words = words[end + 1 :]
 
 
+PROGRAM = parser(COMMANDS)
+
+
 @examples("console", "sh")
 def test_commands_parse(text):
     assert list(commands(text))
     for program, *arguments in commands(text):
         if program == "swarmcensus":
-            parser(COMMANDS).parse_args(arguments)
+            PROGRAM.parse_args(arguments)
         else:
             assert program in OTHER_PROGRAMS
 

@@ -159,6 +159,7 @@ def test_a_brain_file_of_members_is_not_run_unasked_either(tmp_path, monkeypatch
         sc.replay(data, setting=0, trial=0)
 
 
+@pytest.mark.long
 def test_verified_in_full(here, data):
     found = verify(data, sample=1.0)
     assert (found.differences, found.labels, found.checked) == ([], [], 66)
