@@ -145,6 +145,7 @@ def test_a_jammer_makes_noise_as_often_as_it_is_told():
     assert not worn("jammer", often=0.0).functions.jam(me)
 
 
+@pytest.mark.long
 def test_a_jammer_s_life_can_be_told_call_by_call(capsys):
     """As for a brain that hangs in the last check: the calls before it are printed."""
     step_by_step(worn("jammer", often=0.3))()

@@ -42,6 +42,7 @@ def test_help_lists_every_command(capsys):
     assert all(re.search(rf"^ +{name}\b", listed, re.MULTILINE) for name in COMMANDS)
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform == "win32", reason="a shell of POSIX closes them")
 def test_output_that_the_shell_closed_is_not_missed():
     command = f"{sys.executable} -m swarmcensus brains"

@@ -125,7 +125,7 @@ def test_w_msr_that_drops_nothing_is_linear_consensus():
 
 
 @pytest.mark.interpreted
-@pytest.mark.long(but=["used1-3-0-0.0", "used2-3-2-1.0"])
+@pytest.mark.long(but=["used2-3-2-1.0"])
 @pytest.mark.parametrize("fill_ratio", [0.0, 1.0])
 @pytest.mark.parametrize(("used", "lying", "outvoted"), [(LINEAR, 1, 0), (LINEAR, 3, 0), (WMSR, 3, 2), (WMSR, 2, 2)])
 def test_constant_liars_drag_a_full_network_at_the_computed_rate(used, lying, outvoted, fill_ratio):
@@ -185,7 +185,7 @@ def test_w_msr_agrees_within_the_hull_where_the_network_is_robust_and_not_on_a_r
     assert spread["ring"] > 0.2
 
 
-@pytest.mark.long(only=["1"])
+@pytest.mark.long
 @pytest.mark.interpreted
 @pytest.mark.parametrize("drop", [1, 2])
 def test_in_every_phase_w_msr_stays_in_the_hull_of_what_the_honest_hold_and_see(drop):

@@ -69,6 +69,7 @@ def test_every_block_has_a_language_that_says_whether_it_runs(page):
 
 @pytest.mark.long(
     only=[
+        "beyond.md",
         "beyond-changing.md",
         "beyond-unknown-sensors.md",
         "brain-contract.md",

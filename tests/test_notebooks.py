@@ -138,6 +138,7 @@ sc.run(study, progress=False)
 """
 
 
+@pytest.mark.long
 def test_a_bar_is_on_terminals_only(untraced_processes):
     ours, theirs = pty.openpty()
     command = [sys.executable, "-c", RUN, str(theirs)]

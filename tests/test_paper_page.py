@@ -166,6 +166,7 @@ def test_the_engine_gives_the_numbers_of_the_page(claims_again):
             assert found[name]["settings"] == FOUND[name]["settings"]
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not OUR_C_LIBRARY, reason="a walk goes another way where a sine differs in its last bit")
 def test_settings_of_one_walk_are_correlated_as_the_page_on_moving_robots_says(moving):
     of = {a: (moving.accuracy == a).values & (moving.fill_ratio == 0.55).values for a in ("0.925", "0.975")}

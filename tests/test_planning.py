@@ -164,6 +164,7 @@ class Independent(Search):
         return [Curve(brains[0].told, cases[0], times, (draws < self.right(robots)).astype(float))]
 
 
+@pytest.mark.long
 def test_smallest_swarms_keep_the_promise_on_average_and_their_shares_are_not_of_the_trials_that_chose_them():
     """Sizes are found to a twentieth, which is half a point; the share in the trials that chose them is a point high.
 

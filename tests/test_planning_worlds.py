@@ -81,6 +81,7 @@ def test_one_that_shouts_owns_commons_and_not_steadfast_and_no_trial_is_missing(
     assert owned.minutes > held.minutes
 
 
+@pytest.mark.long
 def test_who_is_counted_is_honest_and_works():
     mission = mission_of(among_liars(robots=20, failing=0.3))
     assert (mission.lying(20), mission.failing(20)) == (4, 6)

@@ -245,6 +245,7 @@ def test_a_command_leaves_no_voice_behind(said):
     assert (logging.getLogger("swarmcensus").handlers[:], logging.getLogger("swarmcensus").level) == before
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_a_summary_tells_who_was_done_and_what_was_done_to_robots(said, results):
     study = STUDY.replace('"commons"]', '"sure"]').replace("[6, 9]", "9").replace("rounds = 30", "rounds = 60")

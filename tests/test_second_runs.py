@@ -106,10 +106,20 @@ def here(folder, monkeypatch):
     return folder
 
 
+class Known(dict):
+    """What two threads make of each study that is asked for."""
+
+    def __init__(self, folder):
+        self.folder = folder
+
+    def __missing__(self, name):
+        self[name] = sc.run(load(self.folder, name), jobs=2)
+        return self[name]
+
+
 @pytest.fixture(scope="module")
 def known(folder):
-    """What two threads make of each study."""
-    return {name: sc.run(load(folder, name), jobs=2) for name in TEXTS}
+    return Known(folder)
 
 
 def load(folder, name):
@@ -124,7 +134,7 @@ def same(one, other):
 @pytest.mark.long
 def test_they_do_what_they_are_to_try(known):
     """Some robots are silent, some decide, some are done, some swarms agree, some hear more than they say."""
-    for data in known.values():
+    for data in map(known.__getitem__, TEXTS):
         assert len(np.unique(data["messages_sent"])) > 6
         assert (data["decision_round"] < np.inf).any()
         assert (data["consensus"] >= 0).any()

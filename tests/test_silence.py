@@ -71,6 +71,7 @@ def test_who_always_speaks_is_heard_by_all_its_neighbours():
     assert counts(LOUD, topology="full", rounds=6) == ([6] * 5, [24] * 5)
 
 
+@pytest.mark.long
 @pytest.mark.interpreted
 def test_losses_lose_what_is_heard_and_not_what_is_said():
     """Of 5 robots times 2 neighbours times 200 rounds, half get through: within four standard errors, 0.01 %."""

@@ -103,7 +103,7 @@ def covered(alpha, trials, robots, **world):
     return sc.run(study)["coverage"].values
 
 
-@pytest.mark.long(but=["tree and losses-0.05"])
+@pytest.mark.long
 @pytest.mark.parametrize("alpha", [0.05, 0.2])
 @pytest.mark.parametrize(
     "world", [{}, {"topology": "scale-free", "link_success": 0.3}], ids=["ring", "tree and losses"]

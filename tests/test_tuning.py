@@ -229,6 +229,7 @@ def test_a_quadratic_penalty_is_found(tmp_path):
     assert found.brain.parameters["pair"] == (found.values["pair[0]"], found.values["pair[1]"])
 
 
+@pytest.mark.long
 def test_the_best_shrinkage_is_found(tmp_path):
     """A robot alone that sees n of 12 tiles black estimates 1/2 + weight (n / 12 - 1/2).
 

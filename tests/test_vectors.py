@@ -231,6 +231,7 @@ def test_an_estimate_may_use_math_on_items():
     assert estimates == pytest.approx(np.vectorize(lambda x: math.exp(-x))(fields["seen"][..., 0]), rel=1e-15)
 
 
+@pytest.mark.long
 def test_a_vector_of_a_message_alone_is_not_read_beyond_its_end(tmp_path):
     """It would be what other robots say, or nobody's memory."""
     source = '''"""Reads where nothing is."""
