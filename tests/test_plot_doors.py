@@ -104,6 +104,9 @@ json.dump(said, sys.stderr)
 @pytest.fixture(scope="module")
 def told_elsewhere(elsewhere):
     """What each command says there, its exit code, and which files are there then: of one process, in this order."""
+    for left in elsewhere.folder.iterdir():
+        if left.name != "small.nc":
+            left.unlink()  # by other tests
     commands = [["plot", "small.nc", "--kind", kind, *options] for kind, options, _ in WRONG]
     done = elsewhere("-c", TOLD, json.dumps([*commands, BOXES]))
     assert done.returncode == 0, done.stderr
