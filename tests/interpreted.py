@@ -25,7 +25,8 @@ def register(config):
         config.addinivalue_line("filterwarnings", WRAPS)
         config.pluginmanager.register(Told(config))
     elif "NUMBA_DISABLE_JIT" not in os.environ:
-        config.pluginmanager.register(Beside())
+        if not config.option.usepdb and config.option.capture != "no":  # a debugger talks to this process
+            config.pluginmanager.register(Beside())
     elif os.environ["NUMBA_DISABLE_JIT"] == "1":
         config.addinivalue_line("filterwarnings", WRAPS)
 

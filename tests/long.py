@@ -5,10 +5,9 @@ those; `but_every=3` for all but the first, the fourth, the seventh ...
 """
 
 import collections
+import functools
 
 import pytest
-
-LEFT_OUT = "long tests were left out: `pytest -n 2` runs them too"
 
 
 def in_two_sizes(name, quick, long):
@@ -21,11 +20,29 @@ def in_two_sizes(name, quick, long):
 
 def is_meant(mark, item, number):
     """Whether a marker is for this parameter of a test, the so-manyth from 0 on."""
-    if "but_every" in mark.kwargs:
-        return number % mark.kwargs["but_every"] != 0
-    if "only" in mark.kwargs:
-        return item.callspec.id in mark.kwargs["only"]
-    return not mark.kwargs or item.callspec.id not in mark.kwargs["but"]
+    [(word, given)] = mark.kwargs.items() or [("only", [item.callspec.id] if hasattr(item, "callspec") else None)]
+    if word == "but_every":
+        return number % given != 0
+    return given is None or (item.callspec.id in given) == (word == "only")
+
+
+def fault_of(items, named):
+    """What is wrong with the markers of one test's parameters, if anything; ids only where not some are `named`."""
+    ids = [item.callspec.id for item in items if hasattr(item, "callspec")]
+    for mark in items[0].iter_markers("long"):
+        if not mark.args and not mark.kwargs:
+            continue
+        [word, given] = next(iter(mark.kwargs.items()), (None, None))
+        right = isinstance(given, int) and given > 1 if word == "but_every" else isinstance(given, list)
+        if mark.args or len(mark.kwargs) != 1 or word not in ("but", "only", "but_every") or not right:
+            return "long takes one of but=[ids], only=[ids], but_every=2 or more"
+        if not ids:
+            return f"long({word}=...) is for tests with parameters"
+        if all(mark not in item.own_markers for item in items):
+            return f"long({word}=...) belongs to a test, not to a class or a file"
+        if word != "but_every" and not named and (wrong := [one for one in given if one not in ids]):
+            return f"long({word}=...) names {', '.join(map(repr, wrong))}: the ids are {', '.join(map(repr, ids))}"
+    return None
 
 
 class Long:
@@ -37,21 +54,19 @@ class Long:
 
     @pytest.hookimpl(tryfirst=True)
     def pytest_collection_modifyitems(self, items):
-        unknown, seen = {}, collections.Counter()
+        named = any("::" in word for word in self.config.args)
+        tests = collections.defaultdict(list)
         for item in items:
-            number = seen[item.function]
-            seen[item.function] += 1
-            for mark in item.iter_markers("long"):
-                named = {*mark.kwargs.get("but", ()), *mark.kwargs.get("only", ())}
-                if named:
-                    test = item.nodeid.removesuffix(f"[{item.callspec.id}]")
-                    unknown[test] = unknown.get(test, named) - {item.callspec.id}
-            item.own_markers = [
-                mark for mark in item.own_markers if mark.name != "long" or is_meant(mark, item, number)
-            ]
-        unknown = {test: names for test, names in unknown.items() if names}
-        if unknown and not any("::" in word for word in self.config.args):
-            raise pytest.UsageError(f"long tests are named by parameters that they have not: {unknown}")
+            tests[item.nodeid.partition("[")[0]].append(item)
+        for parameters in tests.values():
+            fault = fault_of(parameters, named)
+            for number, item in enumerate(parameters):
+                marks = item.own_markers
+                item.own_markers = [
+                    m for m in marks if m.name != "long" or (not fault and is_meant(m, item, number))
+                ]  # fmt: skip
+                if fault:  # an error here would be none of xdist's business: it says less
+                    item.runtest = functools.partial(pytest.fail, fault, pytrace=False)
 
     def pytest_deselected(self, items):
         if "not long" not in self.config.option.markexpr or self.config.option.keyword:
@@ -69,4 +84,5 @@ class Long:
         yield
         terminal = self.config.pluginmanager.get_plugin("terminalreporter")
         if terminal and self.left_out:
-            terminal.write_line(f"{self.left_out} {LEFT_OUT}")
+            were = "long tests were" if self.left_out > 1 else "long test was"
+            terminal.write_line(f"{self.left_out} {were} left out: `pytest -n 2` runs all tests")

@@ -19,8 +19,16 @@ print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values
 """
 
 
+def with_numba(cache):
+    return os.environ | {"SWARMCENSUS_CACHE": str(cache), "NUMBA_DISABLE_JIT": "0"}
+
+
 def ran():
-    return subprocess.run([sys.executable, "-c", CODE], capture_output=True, text=True, check=True).stdout.split()
+    told = subprocess.run(
+        [sys.executable, "-c", CODE],
+        env=with_numba(os.environ["SWARMCENSUS_CACHE"]), capture_output=True, text=True, check=True,
+    )  # fmt: skip
+    return told.stdout.split()
 
 
 def flip(path):
@@ -70,7 +78,7 @@ while not pathlib.Path("go").exists():
     time.sleep(0.001)
 print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
 """
-    kept = os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / "cache")}
+    kept = with_numba(tmp_path / "cache")
     begun = [
         subprocess.Popen([sys.executable, "-c", code], cwd=tmp_path, env=kept, stdout=subprocess.PIPE, text=True)
         for _ in range(3)
@@ -92,7 +100,7 @@ if not child:
     os._exit(int(tiny.double(1.5)))
 print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
 """
-    kept = os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / "cache")}
+    kept = with_numba(tmp_path / "cache")
     done = subprocess.run([sys.executable, "-c", code], env=kept, capture_output=True, text=True, check=True)
     assert done.stdout == "3\n"
 

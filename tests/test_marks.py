@@ -82,15 +82,29 @@ def test_seldom_long(k):
 @pytest.mark.parametrize("k", range(4))
 def test_long_but_now_and_then(k):
     pass
+
+@pytest.mark.long(but=["1", "seven"])
+@pytest.mark.parametrize("k", range(2))
+def test_wrong_ids(k):
+    pass
+
+@pytest.mark.long(only=["1"])
+def test_no_parameters():
+    pass
+
+@pytest.mark.long(["1"])
+@pytest.mark.parametrize("k", range(1))
+def test_no_word(k):
+    pass
 """
 
 
 @pytest.mark.interpreted
 def test_numba_is_off_unless_the_environment_says_otherwise():
-    assert bool(numba.config.DISABLE_JIT) is (os.environ["NUMBA_DISABLE_JIT"] != "0")
+    assert bool(numba.config.DISABLE_JIT) is (os.environ.get("NUMBA_DISABLE_JIT", "0") != "0")
 
 
-@pytest.mark.long
+@pytest.mark.long(but=["0"])
 @pytest.mark.parametrize("workers", ["0", "2"])
 def test_a_run(tmp_path, workers):
     (tmp_path / "conftest.py").write_text(CONFTEST)
@@ -113,10 +127,14 @@ def test_a_run(tmp_path, workers):
         "PASSED": passed
         | {"test_seldom_long[1]", "test_seldom_long[2]", "test_is_the_last"}
         | {"test_long_but_now_and_then[0]", "test_long_but_now_and_then[3]"},
-        "FAILED": {"test_fails", "test_ends_the_process"},
+        "FAILED": {"test_fails", "test_ends_the_process"}
+        | {"test_wrong_ids[0]", "test_wrong_ids[1]", "test_no_parameters", "test_no_word[0]"},
     }, done.stdout
+    assert "long(but=...) names 'seven': the ids are '0', '1'" in done.stdout
+    assert "long(only=...) is for tests with parameters" in done.stdout
+    assert "long takes one of but=[ids], only=[ids], but_every=2 or more" in done.stdout
     assert "At index 1 diff: 2 != 3" in done.stdout
     assert "too late" in done.stdout
     assert "1 skipped" in done.stdout
     assert "the process that runs tests without Numba ended with 7" in done.stdout
-    assert done.stdout.splitlines()[-1] == "6 long tests were left out: `pytest -n 2` runs them too"
+    assert done.stdout.splitlines()[-1] == "6 long tests were left out: `pytest -n 2` runs all tests"
