@@ -53,7 +53,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/watching": ("test_metric_files::test_cpython_finds_what_machine_code_finds", "test_metric_files"),
     "simulation/watches": ("test_metric_files::test_cpython_finds_what_machine_code_finds", "test_metric_files"),
     "engine/failures": ("test_faults", "test_lives test_walks"),
-    "engine/minds": ("test_lives test_walks", "test_engine test_faults test_moving"),
+    "engine/minds": ("test_lives test_walks test_decisions", "test_engine test_faults test_moving"),
     "simulation/trials": ("test_lives test_walks", "test_engine test_bad_inputs test_remeasuring"),
     "engine/riding": ("test_walks", "test_moving test_faults test_steering"),
     "simulation/inputs": ("test_lives test_walks", "test_engine test_moving"),
