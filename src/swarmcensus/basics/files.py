@@ -38,10 +38,11 @@ def whole(path: str | Path) -> Iterator[Path]:
         beside.unlink(missing_ok=True)
 
 
-def reason(error: OSError) -> str:
+def reason(error: Exception) -> str:
     """What the system says of an error, also where HDF5 hides it in a long text."""
     number = re.search(r"errno = (\d+)", str(error))
-    return error.strerror or (os.strerror(int(number[1])) if number else str(error).partition("\n")[0])
+    told = error.strerror if isinstance(error, OSError) else None
+    return told or (os.strerror(int(number[1])) if number else str(error).partition("\n")[0])
 
 
 def remove_leftovers(path: str | Path) -> None:

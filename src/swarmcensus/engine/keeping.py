@@ -24,6 +24,8 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     """
     if isinstance(made, types.FunctionType):  # under NUMBA_DISABLE_JIT: nothing is kept
         return made
+    from numba.core.compiler_lock import global_compiler_lock
+
     kept = made._cache
     load, save = kept.load_overload, kept.save_overload
     place = Path(kept.cache_path)
@@ -55,7 +57,9 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     compile_it = made.compile
 
     def compile_once(signature: Any) -> Any:
-        with contextlib.ExitStack() as held:
+        # Numba's own lock first, in all threads: one that compiled here would else wait for a file that another one
+        # holds, and that one for Numba
+        with global_compiler_lock, contextlib.ExitStack() as held:
             _take(held, place.parent / f"{stem}.lock")
             return compile_it(signature)
 

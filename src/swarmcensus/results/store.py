@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import reason, whole
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import checking
 from swarmcensus.results.presence import check_there
@@ -163,12 +163,17 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     # as an attribute, for xarray would look for what is missing in a copy of what it encodes
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
     encoding = dict.fromkeys(integers, packed)
-    with (
-        whole(path) as beside,
-        _Remembering(beside, "w", track_order=True) as file,
-        h5netcdf.File(file, "w") as netcdf,
-    ):
-        data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
+    try:
+        with (
+            whole(path) as beside,
+            _Remembering(beside, "w", track_order=True) as file,
+            h5netcdf.File(file, "w") as netcdf,
+        ):
+            data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
+    except RuntimeError as error:  # h5py's, of a file that cannot be closed
+        if "errno" not in str(error):
+            raise
+        raise InputError(f"cannot write {path}: {reason(error)}") from error
 
 
 def load(path: str | Path) -> xr.Dataset:
