@@ -57,8 +57,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     compile_it = made.compile
 
     def compile_once(signature: Any) -> Any:
-        # Numba's own lock first, in all threads: one that compiled here would else wait for a file that another one
-        # holds, and that one for Numba
+        # all threads take Numba's own lock first: otherwise two of them could wait for each other for ever
         with global_compiler_lock, contextlib.ExitStack() as held:
             _take(held, place.parent / f"{stem}.lock")
             return compile_it(signature)
