@@ -14,10 +14,10 @@ from rich.console import Console
 from rich.table import Table
 from scipy import stats
 
-from swarmcensus.basics.bootstrap import intervals
-from swarmcensus.basics.signed_ranks import signed_ranks
-from swarmcensus.basics.statistics import share_interval
 from swarmcensus.results.contests import Asked, contests
+from swarmcensus.statistics.bootstrap import intervals
+from swarmcensus.statistics.intervals import share_interval
+from swarmcensus.statistics.signed_ranks import signed_ranks
 
 TRIALS = (6, 10, 30)
 KINDS = {"continuous": "median", "tied": "mean", "heavy tails, some infinite": "median"}

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.basics.statistics import interval_of
+from swarmcensus.statistics.intervals import interval_of
 from swarmcensus.studies.precision import Until
 
 STARTS = (6, 10, 30, 100)  # trials at the first look

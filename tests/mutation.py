@@ -38,7 +38,7 @@ SENSORS = "test_sensors --deselect=tests/test_sensors.py::test_truncated_normal"
 # The tests that know a module: first those that are quick in CPython, then those that are run compiled. Below tests/.
 TESTS: dict[str, tuple[str, str]] = {
     "simulation/metrics": ("test_metrics test_lives", "test_engine"),
-    "basics/statistics": ("test_statistics", "test_precision statistical/test_intervals"),
+    "statistics/intervals": ("test_statistics", "test_precision statistical/test_intervals"),
     "worlds/sensors": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
     "worlds/spreading": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
     "worlds/networks": ("test_networks test_lives test_draws", "test_bad_inputs test_engine"),
@@ -218,7 +218,7 @@ def main() -> None:
     equivalent = [m for m in survivors if m.change() in EQUIVALENT]
     killed, tried = len(mutants) - len(survivors), len(mutants) - len(equivalent)
     sys.path.insert(0, str(ROOT / "src"))
-    from swarmcensus.basics.statistics import share_interval
+    from swarmcensus.statistics.intervals import share_interval
 
     for m in survivors:
         print(f"\n{m.module}.py:{m.line}: {m.kind}\n    {m.change()}\n    {EQUIVALENT.get(m.change(), 'survived')}")

@@ -11,10 +11,10 @@ import pytest
 import xarray as xr
 
 from swarmcensus import brains
-from swarmcensus.basics import statistics
 from swarmcensus.conformance import minimalism
 from swarmcensus.paper import claims, explanations, measures, moving_measures
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Evidence, Missing
+from swarmcensus.statistics import intervals
 
 KNOWN = {claim.id: claim for claim in claims.CLAIMS}
 CHECKPOINTS = np.array([10, 50, 100, 200, 500, 1000])
@@ -26,7 +26,7 @@ ONES = {"K": 1.0, "error": 1.0, "local": 1.0, "spread": 0.0, "right": 1.0, "nois
 @pytest.fixture(scope="module", autouse=True)
 def medians_once():
     """Most settings are the same in many worlds: their medians are computed once."""
-    found, medians = {}, statistics.medians
+    found, medians = {}, intervals.medians
 
     def kept(values, counts):
         key = values.shape, values.tobytes(), counts.shape  # of so many trials, the same resamples
@@ -35,7 +35,7 @@ def medians_once():
         return found[key]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(statistics, "medians", kept)
+        patch.setattr(intervals, "medians", kept)
         yield
 
 
@@ -222,7 +222,7 @@ def test_a_setting_near_the_threshold_leaves_a_claim_undecided(name):
 
 @pytest.mark.parametrize("name", sorted(set(FAILING) - {"full-agrees"}))
 def test_few_trials_decide_nothing_that_is_random(name):
-    trials = statistics.FEWEST - 1
+    trials = intervals.FEWEST - 1
     assert verdict(name, trials=trials).verdict == f"not decided by {trials} trials"
 
 

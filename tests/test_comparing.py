@@ -8,12 +8,12 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.basics.bootstrap import centres, intervals
-from swarmcensus.basics.corrections import holm
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import measures
 from swarmcensus.results.contenders import field_of
 from swarmcensus.results.latex import escaped, latex
+from swarmcensus.statistics.bootstrap import centres, intervals
+from swarmcensus.statistics.corrections import holm
 from tests.contending import made_up, without
 from tests.test_signed_ranks import by_every_sign
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.cli.commands import main
 from swarmcensus.results.measures import LOWER, OURS
+from swarmcensus.statistics.corrections import fewest_trials
 from tests.test_docs import ROOT, blocks, commands
 
 PAGE = ROOT / "docs" / "comparing.md"

@@ -18,7 +18,6 @@ from matplotlib.text import Text
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import of_a_shell
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.dot_names import label_dots
@@ -27,6 +26,7 @@ from swarmcensus.figures.kinds.scatter import scatter_grid
 from swarmcensus.figures.looks import keyed, looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
+from swarmcensus.statistics.intervals import interval_of
 
 PAPER = [f"{a:.3f}" for a in np.arange(0.525, 0.98, 0.05)] + ["U(0.525,0.975)"]
 

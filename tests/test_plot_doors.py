@@ -18,12 +18,12 @@ from PIL import Image
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import DOOR, find
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.overlaps import stretches
 from swarmcensus.results.selecting import TooMuch
+from swarmcensus.statistics.intervals import interval_of
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.basics import statistics
-from swarmcensus.basics.statistics import interval_of
+from swarmcensus.statistics import intervals
+from swarmcensus.statistics.intervals import interval_of
 
 RNG = np.random.default_rng(12)
 NORMAL = RNG.normal(size=(30, 1)) + 0.5 * RNG.normal(size=(30, 9))
@@ -30,7 +30,7 @@ def test_trials_that_are_right_or_wrong_have_nearly_the_exact_interval(trials, l
 def test_all_right_is_nearly_wilsons():
     for value in (0, 1):
         found = interval_of(np.full((30, 1), float(value)), "mean", share=True)
-        assert found == pytest.approx(statistics.share_interval(30 * value, 30), abs=2e-3)
+        assert found == pytest.approx(intervals.share_interval(30 * value, 30), abs=2e-3)
 
 
 def test_robots_that_err_alone_say_more_than_robots_that_err_together():
@@ -121,9 +121,9 @@ def test_what_is_missing_or_too_little_has_no_interval():
 def test_a_bootstrap_of_medians_needs_memory_of_the_order_of_its_values_and_its_draws():
     """400 trials of 250 robots, against each of which were 160 MB."""
     values = np.random.default_rng(4).normal(size=(400, 250))
-    counts = statistics.resample(400, 100)
+    counts = intervals.resample(400, 100)
     tracemalloc.start()
-    statistics.medians(values, counts)
+    intervals.medians(values, counts)
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 12 * (values.nbytes + counts.nbytes)
@@ -205,7 +205,7 @@ def test_ends_of_a_median_are_those_of_trying_every_value(trials, robots, ties):
 
 @pytest.mark.parametrize(("hits", "tries"), [(0, 7), (3, 10), (299, 300)])
 def test_wilsons_ends_are_so_many_standard_errors_away(hits, tries):
-    share, *ends = statistics.share_interval(hits, tries)
+    share, *ends = intervals.share_interval(hits, tries)
     assert share == hits / tries
     for end in ends:
         variance = stats.norm.ppf(0.975) ** 2 * end * (1 - end) / tries
@@ -214,8 +214,8 @@ def test_wilsons_ends_are_so_many_standard_errors_away(hits, tries):
 
 def test_an_interval_is_the_middle_of_its_resamples():
     statistic = np.concatenate([[3.0], np.arange(1001.0)])
-    assert statistics.interval(statistic) == pytest.approx((3.0, 25.0, 975.0))
-    assert statistics.interval(statistic, 0.9) == pytest.approx((3.0, 50.0, 950.0))
+    assert intervals.interval(statistic) == pytest.approx((3.0, 25.0, 975.0))
+    assert intervals.interval(statistic, 0.9) == pytest.approx((3.0, 50.0, 950.0))
 
 
 # ---- the bootstrap
@@ -225,28 +225,28 @@ def test_the_median_of_a_resample_is_the_median_of_its_trials_written_out():
     rng = np.random.default_rng(1)
     for trials, robots in ((1, 1), (2, 3), (7, 4), (30, 11)):
         values = rng.integers(0, 9, (trials, robots)) + rng.choice([0.0, 0.5], (trials, 1))  # many ties
-        counts = statistics.resample(trials, 50)
+        counts = intervals.resample(trials, 50)
         written_out = [np.median(np.repeat(values, row.astype(int), axis=0)) for row in counts]
-        np.testing.assert_array_equal(statistics.medians(values, counts), written_out)
+        np.testing.assert_array_equal(intervals.medians(values, counts), written_out)
 
 
 def test_resamples_draw_trials_with_return_and_are_the_same_every_time():
-    counts = statistics.resample(30)
+    counts = intervals.resample(30)
     assert counts.shape == (1001, 30)
     assert (counts[0] == 1).all()
     assert (counts.sum(axis=1) == 30).all()
-    np.testing.assert_array_equal(counts, statistics.resample(30))
+    np.testing.assert_array_equal(counts, intervals.resample(30))
     assert np.mean(counts[1:] == 0) == pytest.approx((29 / 30) ** 30, abs=0.01)
     with pytest.raises(ValueError, match="nothing to draw"):
-        statistics.resample(0)
+        intervals.resample(0)
 
 
 def test_copies_of_a_robot_leave_a_bootstrap_as_it_was():
     """Trials are resampled, not robots: fifty copies of a robot leave the interval as it was."""
     alone = np.random.default_rng(2).normal(size=(30, 1))
-    counts = statistics.resample(30)
-    crowd = statistics.medians(np.repeat(alone, 50, axis=1), counts)
-    assert statistics.interval(crowd) == statistics.interval(statistics.medians(alone, counts))
+    counts = intervals.resample(30)
+    crowd = intervals.medians(np.repeat(alone, 50, axis=1), counts)
+    assert intervals.interval(crowd) == intervals.interval(intervals.medians(alone, counts))
 
 
 def test_intervals_cover_the_truth_as_often_as_they_say():
@@ -256,11 +256,11 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
     seeds (binomial); percentile intervals of 30 trials may fall short by two in a hundred, hence 333.
     """
     rng = np.random.default_rng(3)
-    counts = statistics.resample(30, 400)
+    counts = intervals.resample(30, 400)
     hits = 0
     for _ in range(375):
-        _, low, high = statistics.interval(
-            statistics.medians(rng.normal(size=(30, 1)) + 0.5 * rng.normal(size=(30, 20)), counts)
+        _, low, high = intervals.interval(
+            intervals.medians(rng.normal(size=(30, 1)) + 0.5 * rng.normal(size=(30, 20)), counts)
         )
         hits += low < 0 < high
     assert 333 <= hits <= 372
@@ -268,12 +268,12 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
 
 def test_the_mean_of_resamples_has_the_error_that_theory_gives():
     values = np.random.default_rng(4).normal(size=30)
-    means = statistics.means(values, statistics.resample(30, 4000))
+    means = intervals.means(values, intervals.resample(30, 4000))
     assert means[0] == pytest.approx(values.mean())
     assert means[1:].std() == pytest.approx(values.std() / np.sqrt(30), rel=0.05)  # 4.5 standard errors
 
 
 def test_shares_have_wilsons_interval():
-    assert statistics.share_interval(30, 30) == pytest.approx((1.0, 0.8865, 1.0), abs=1e-4)
-    assert statistics.share_interval(0, 30) == pytest.approx((0.0, 0.0, 0.1135), abs=1e-4)
-    assert statistics.share_interval(15, 30) == pytest.approx((0.5, 0.3315, 0.6685), abs=1e-4)
+    assert intervals.share_interval(30, 30) == pytest.approx((1.0, 0.8865, 1.0), abs=1e-4)
+    assert intervals.share_interval(0, 30) == pytest.approx((0.0, 0.0, 0.1135), abs=1e-4)
+    assert intervals.share_interval(15, 30) == pytest.approx((0.5, 0.3315, 0.6685), abs=1e-4)

@@ -9,12 +9,13 @@ import pytest
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus.basics import statistics, terminal
+from swarmcensus.basics import terminal
 from swarmcensus.cli import tables
 from swarmcensus.cli.commands import main
 from swarmcensus.paper.report import rounded
 from swarmcensus.results import summaries
 from swarmcensus.results.values import MESSAGES
+from swarmcensus.statistics import intervals
 
 MANY = """
 trials = 6
@@ -65,7 +66,7 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
         robots, rounds = int(many["robots"][k]), int(many["rounds"][k])
         for name in ("convergence_round", "convergence_error"):
             values = many[name].values[k, :, :robots].astype(float)
-            _, low, high = statistics.interval_of(values, "median")
+            _, low, high = intervals.interval_of(values, "median")
             assert row[name] == np.median(values)
             assert (row[f"{name}_low"], row[f"{name}_high"]) == (
                 max(low, 0),
@@ -75,7 +76,7 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
         right = many["correct"].sel(checkpoint=rounds).values[k]
         assert row["checkpoint"] == rounds
         assert row["correct"] == pytest.approx(right.mean())
-        ends = statistics.interval_of(right[:, np.newaxis], "mean", share=True)[1:]
+        ends = intervals.interval_of(right[:, np.newaxis], "mean", share=True)[1:]
         assert (row["correct_low"], row["correct_high"]) == ends
         assert (row["trials"], row["failed"], row["setting"]) == (6, 0, k)
 

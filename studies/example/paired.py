@@ -9,7 +9,7 @@ import sys
 import numpy as np
 
 import swarmcensus as sc
-from swarmcensus.basics import statistics
+from swarmcensus.statistics import intervals
 
 ALIKE = ("floor", "fill_ratio", "accuracy", "assumed_accuracy", "topology", "robots", "density", "link_success")
 
@@ -25,13 +25,13 @@ def errors(results, brain):
 
 def main(path, one, other):
     results = sc.load(path)
-    counts = statistics.resample(results.sizes["trial"])
+    counts = intervals.resample(results.sizes["trial"])
     before, after = errors(results, one), errors(results, other)
     print(f"{'floor':14} {'f':5} {'accuracy':9} {one:25} {other:25} difference")
     for setting in sorted(before.keys() & after.keys()):
-        medians = [statistics.medians(each[setting], counts) for each in (before, after)]
+        medians = [intervals.medians(each[setting], counts) for each in (before, after)]
         difference = np.median(after[setting], axis=1) - np.median(before[setting], axis=1)
-        columns = [*map(statistics.interval, medians), statistics.interval(statistics.means(difference, counts))]
+        columns = [*map(intervals.interval, medians), intervals.interval(intervals.means(difference, counts))]
         shown = (f"{value:.4f} [{low:.4f}, {high:.4f}]" for value, low, high in columns)
         print(f"{setting[0]:14} {setting[1]:5} {setting[2]:9}", *(f"{text:25}" for text in shown))
 

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.basics.bootstrap import intervals
 from swarmcensus.results.contests import Asked, contests
+from swarmcensus.statistics.bootstrap import intervals
 
 TABLES = 1000
 MOST = int(stats.binom.ppf(0.999, TABLES, 0.05))  # of tables with a false alarm, if the share is 5 %: 72

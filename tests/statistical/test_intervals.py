@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.basics.statistics import interval_of
+from swarmcensus.statistics.intervals import interval_of
 from swarmcensus.studies.precision import Until
 
 

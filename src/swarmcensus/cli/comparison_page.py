@@ -6,7 +6,6 @@ import numpy as np
 from rich.table import Table
 
 from swarmcensus.basics.counting import counted, grouped
-from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.results.comparing import Comparison
 from swarmcensus.results.comparison_cells import (
@@ -22,6 +21,7 @@ from swarmcensus.results.comparison_cells import (
 )
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.results.verdicts import tests_of
+from swarmcensus.statistics.intervals import FEWEST
 
 
 def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:

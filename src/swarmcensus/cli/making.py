@@ -12,8 +12,8 @@ from swarmcensus.cli.voice import answer, reporting, say, wrote
 
 def reproduce(options: argparse.Namespace) -> int:
     """Run, draw and check the paper."""
-    from swarmcensus.basics.statistics import FEWEST
     from swarmcensus.paper import report, reproducing
+    from swarmcensus.statistics.intervals import FEWEST
 
     done = reproducing.reproduce(
         options.out,

@@ -13,7 +13,6 @@ from rich.text import Text
 
 from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.digits import places, rounded
-from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.cli.voice import answer
@@ -21,6 +20,7 @@ from swarmcensus.results.disturbances import disturbances
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
+from swarmcensus.statistics.intervals import FEWEST
 from swarmcensus.worlds.networks import MOVING
 
 SURE = {"coverage": "coverage", "interval width": "interval_width"}  # more columns, where brains have intervals

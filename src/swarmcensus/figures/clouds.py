@@ -10,11 +10,11 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.checking import finished
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import robots_in
+from swarmcensus.statistics.intervals import interval_of
 from swarmcensus.worlds.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # colour's value -> convergence, error

@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.rankings import groups
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.sheets import (
     CAPTION,
@@ -34,6 +33,7 @@ from swarmcensus.figures.sheets import (
 from swarmcensus.results.comparison_cells import equals
 from swarmcensus.results.contests import Contest
 from swarmcensus.results.standings import Standings
+from swarmcensus.statistics.rankings import groups
 
 WIDE = 6.4  # inches: the figure
 NAMES = 1.75  # inches on either side for the names

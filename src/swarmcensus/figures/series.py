@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.figures.clouds import by_trial
 from swarmcensus.figures.coordinates import coordinates_of, texts_of
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import bounds_in, robots_in
+from swarmcensus.statistics.intervals import interval_of
 
 Statistic = Literal["median", "mean"]
 SIDES = {"setting", "checkpoint", "trial", "robot"}

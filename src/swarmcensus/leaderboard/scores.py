@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bootstrap import Statistic, centres
 from swarmcensus.results import measures
 from swarmcensus.results.contenders import NONE, Field, field_of
 from swarmcensus.results.contests import Asked, contests
+from swarmcensus.statistics.bootstrap import Statistic, centres
 from swarmcensus.worlds.networks import MOVING
 
 Floats = NDArray[np.float64]

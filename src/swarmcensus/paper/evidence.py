@@ -10,10 +10,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.results.values import robots_in
+from swarmcensus.statistics import intervals
+from swarmcensus.statistics.intervals import Floats
 
 YES, NO, OPEN = "yes", "no", "undecided"  # of one setting
 HOLDS, FAILS, UNDECIDED, UNMEASURED = "holds", "does not hold", "not decided", "not measured"
@@ -81,12 +81,12 @@ class Evidence:
     """Datasets by the name of their study, and one bootstrap of their trials for all that is asked of them."""
 
     def __init__(
-        self, datasets: Mapping[str, xr.Dataset], resamples: int = statistics.RESAMPLES, trials: int | None = None
+        self, datasets: Mapping[str, xr.Dataset], resamples: int = intervals.RESAMPLES, trials: int | None = None
     ) -> None:
         """Take the trials that all datasets have, or the first so many: those of one number meet the same readings."""
         self.datasets = datasets
         self.trials = common_trials(datasets, datasets) if trials is None else trials
-        self.counts = statistics.resample(max(self.trials, 1), resamples)
+        self.counts = intervals.resample(max(self.trials, 1), resamples)
         self._medians: dict[object, Floats] = {}
 
     def setting(self, study: str, **where: object) -> xr.Dataset:
@@ -124,12 +124,12 @@ class Evidence:
         """The median over robots and trials of one setting: the sample's, then every resample's. Raises Missing."""
         key = study, variable, *sorted(where.items())
         if key not in self._medians:
-            self._medians[key] = statistics.medians(self.values(study, variable, **where), self.counts)
+            self._medians[key] = intervals.medians(self.values(study, variable, **where), self.counts)
         return self._medians[key]
 
     def mean(self, by_trial: Floats) -> Floats:
         """The mean over trials of (trial,): the sample's, then every resample's."""
-        return statistics.means(by_trial, self.counts)
+        return intervals.means(by_trial, self.counts)
 
     def share(self, hits: NDArray[Any], tries: NDArray[Any]) -> Floats:
         """All hits over all tries, both (trial,): the sample's, then every resample's; NaN where nothing was tried."""
@@ -140,9 +140,9 @@ class Evidence:
 
     def judge(self, setting: str, statistic: Floats, right: Range) -> Detail:
         """Say yes where the interval lies in `right`, no where it lies wholly outside on one side."""
-        value, low, high = statistics.interval(statistic)
+        value, low, high = intervals.interval(statistic)
         verdict = OPEN
-        if self.trials >= statistics.FEWEST:
+        if self.trials >= intervals.FEWEST:
             if right[0] < low and high < right[1]:
                 verdict = YES
             elif high < right[0] or low > right[1]:

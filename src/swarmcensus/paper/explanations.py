@@ -7,11 +7,11 @@ import numpy as np
 from swarmcensus import brains
 from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.paper import measures, moving_measures
 from swarmcensus.paper.evidence import BELOW_ONE, NO, YES, Detail, Evidence
 from swarmcensus.paper.measures import ERROR, MIXED, SPARSE, K
 from swarmcensus.paper.moving_measures import DENSITIES
+from swarmcensus.statistics.intervals import Floats
 from swarmcensus.worlds.sensors import parse_accuracy
 
 Explanation = Callable[[Evidence, Sequence[Detail]], str]

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.results.checking import finished
+from swarmcensus.statistics.intervals import FEWEST
 
 if TYPE_CHECKING:
     from swarmcensus.figures.sheets import Scale

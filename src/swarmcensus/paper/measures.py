@@ -10,10 +10,10 @@ from functools import partial
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.basics import statistics
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.conformance import minimalism
 from swarmcensus.paper.evidence import ABOVE_ONE, NO, OPEN, YES, Detail, Evidence, Range
+from swarmcensus.statistics import intervals
+from swarmcensus.statistics.intervals import Floats
 
 NUMBERS = tuple(f"{0.525 + 0.05 * i:.3f}" for i in range(10))  # the homogeneous swarms' accuracies
 MIXED = "U(0.525,0.975)"
@@ -182,7 +182,7 @@ def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
     One wrong robot in one trial says no. All right says yes from as many trials as the paper ran.
     """
     trials = len(robots)
-    share, low, high = statistics.share_interval(int((robots[:, -1] == 1).sum()), trials)
+    share, low, high = intervals.share_interval(int((robots[:, -1] == 1).sum()), trials)
     return Detail(setting, share, (low, high), NO if share < right[0] else YES if trials >= PAPER_TRIALS else OPEN)
 
 

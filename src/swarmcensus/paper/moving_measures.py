@@ -10,8 +10,6 @@ from functools import partial
 
 import numpy as np
 
-from swarmcensus.basics import statistics
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.paper.evidence import BELOW_ZERO, YES, Detail, Evidence, Range
 from swarmcensus.paper.measures import (
     ALL,
@@ -29,6 +27,8 @@ from swarmcensus.paper.measures import (
     tree,
     unanimous,
 )
+from swarmcensus.statistics import intervals
+from swarmcensus.statistics.intervals import Floats
 
 DENSITIES = (1.0, 10.0)
 IMPAIRED = "0.625"
@@ -83,9 +83,9 @@ def expense(evidence: Evidence) -> str:
     said = []
     for density, f in itertools.product(DENSITIES, FILLS):
         slower = ratio(at(evidence, K, density, f, IMPAIRED), at(evidence, K, density, f, NUMBERS[-1]))
-        _, low, high = statistics.interval(slower)
+        _, low, high = intervals.interval(slower)
         said.append(f"{low:.1f} to {high:.1f} (D = {density:g}, f = {f})")
-    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * statistics.LEVEL:g} %: {', '.join(said)}."
+    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * intervals.LEVEL:g} %: {', '.join(said)}."
 
 
 def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:

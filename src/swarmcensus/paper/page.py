@@ -11,7 +11,6 @@ from urllib.parse import quote
 
 import xarray as xr
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.files import data_path
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evaluations import PAPER, Evaluation
@@ -19,6 +18,7 @@ from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Outcome
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
 from swarmcensus.paper.strips import strip
+from swarmcensus.statistics import intervals
 
 CLOCK = "wall-clock time"  # of all times that are told, on the page and while it is made
 
@@ -147,12 +147,12 @@ def _claims(done: Reproduction) -> str:
     return (
         f"<p>A claim is checked in every setting that it speaks of: {escape(done.of.spoken_of)}. "
         "The value is that of the setting that bears it out least, with a "
-        f"{statistics.LEVEL:.0%} interval: percentiles of {statistics.RESAMPLES:,} bootstrap resamples of whole "
+        f"{intervals.LEVEL:.0%} interval: percentiles of {intervals.RESAMPLES:,} bootstrap resamples of whole "
         "trials, for the robots of a trial are not independent. A claim <b>holds</b> where the intervals of all "
         "settings lie on the right side, <b>does not hold</b> where at least one lies wholly on the wrong side, and "
         "is <b>not decided</b> otherwise. So a claim "
         "over many settings is harder to uphold and easier to refute: if all of m settings sat right on the "
-        f"threshold, about m / {2 / (1 - statistics.LEVEL):.0f} would be called wrong by chance. That is why the "
+        f"threshold, about m / {2 / (1 - intervals.LEVEL):.0f} would be called wrong by chance. That is why the "
         "settings are counted. Under a claim, a drawing holds all of its settings in the order of the list below it: "
         "value and interval, and shaded where they would bear the claim out. Quoted formulas are set as plain "
         "text.</p>"

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
+from swarmcensus.statistics import intervals
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -58,9 +58,9 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
         },
         "bootstrap": {
             "unit": "trial",
-            "resamples": statistics.RESAMPLES,
-            "level": statistics.LEVEL,
-            "seed": statistics.SEED,
+            "resamples": intervals.RESAMPLES,
+            "level": intervals.LEVEL,
+            "seed": intervals.SEED,
         },
         "claims": [
             {

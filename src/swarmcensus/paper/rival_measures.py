@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.statistics import Floats, medians
 from swarmcensus.paper.evidence import Detail, Evidence, Missing, Range
 from swarmcensus.paper.measures import ratio
+from swarmcensus.statistics.intervals import Floats, medians
 
 Contender = tuple[str, Mapping[str, Any]]
 World = Mapping[str, Any]

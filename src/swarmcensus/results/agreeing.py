@@ -6,9 +6,7 @@ from typing import NamedTuple, overload
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.bootstrap import centres
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.results import explaining
 from swarmcensus.results.exact import Floats, exact
 from swarmcensus.results.expecting import MIXED, SWARM, Origin, expect
@@ -25,6 +23,8 @@ from swarmcensus.results.origins import origins_of
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
+from swarmcensus.statistics.bootstrap import centres
+from swarmcensus.statistics.intervals import interval_of
 
 MISSES = 1000  # one of so many settings differs by chance
 FEWEST = 50  # trials of a verdict: of fewer, intervals at this level miss more often than they say

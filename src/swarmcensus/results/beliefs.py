@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import Floats
 from swarmcensus.results.selecting import require
 from swarmcensus.results.values import robots_in
+from swarmcensus.statistics import intervals
+from swarmcensus.statistics.intervals import Floats
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
 EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
@@ -82,8 +82,8 @@ def _cost(one: xr.Dataset) -> Cost:
     off = np.abs(final[np.isfinite(final).all(axis=1)] - f)
     median, low, high = np.nan, np.nan, np.nan
     if len(off):
-        median, low, high = statistics.interval(statistics.medians(off, statistics.resample(len(off))))
-    if len(off) < statistics.FEWEST:
+        median, low, high = intervals.interval(intervals.medians(off, intervals.resample(len(off))))
+    if len(off) < intervals.FEWEST:
         low = high = np.nan
     return Cost(accuracy, belief, error, f, median, low, high, predicted)
 

@@ -8,8 +8,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bootstrap import centres
-from swarmcensus.basics.corrections import fewest_trials
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
@@ -23,6 +21,8 @@ from swarmcensus.results.standings import Standings
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.results.verdicts import verdict
+from swarmcensus.statistics.bootstrap import centres
+from swarmcensus.statistics.corrections import fewest_trials
 
 Floats = NDArray[np.float64]
 

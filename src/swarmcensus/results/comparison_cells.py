@@ -6,10 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.digits import places, rounded
-from swarmcensus.basics.statistics import FEWEST
 from swarmcensus.results.contests import pairs_of
 from swarmcensus.results.measures import Measure
 from swarmcensus.results.standings import Standings
+from swarmcensus.statistics.intervals import FEWEST
 
 MOST_DECIMALS = 6
 NEVER = "never"

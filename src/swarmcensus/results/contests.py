@@ -7,11 +7,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bootstrap import Statistic, centres, intervals
-from swarmcensus.basics.corrections import holm
-from swarmcensus.basics.rankings import friedman
-from swarmcensus.basics.signed_ranks import SignedRanks, differences, midranks, signed_ranks
-from swarmcensus.basics.statistics import LEVEL
+from swarmcensus.statistics.bootstrap import Statistic, centres, intervals
+from swarmcensus.statistics.corrections import holm
+from swarmcensus.statistics.intervals import LEVEL
+from swarmcensus.statistics.rankings import friedman
+from swarmcensus.statistics.signed_ranks import SignedRanks, differences, midranks, signed_ranks
 
 ALPHA = 1 - LEVEL
 BLOCK = 2**22  # numbers that are compared at once

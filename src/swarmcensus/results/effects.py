@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bootstrap import centres, intervals
-from swarmcensus.basics.corrections import holm
-from swarmcensus.basics.signed_ranks import differences, signed_ranks
 from swarmcensus.results import measures
 from swarmcensus.results.comparison_groups import worlds_by
 from swarmcensus.results.contests import ALPHA, Contest, pairs_of
 from swarmcensus.results.measures import Measure
 from swarmcensus.results.standings import Standings
+from swarmcensus.statistics.bootstrap import centres, intervals
+from swarmcensus.statistics.corrections import holm
+from swarmcensus.statistics.signed_ranks import differences, signed_ranks
 
 Floats = NDArray[np.float64]
 

@@ -7,14 +7,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics import bootstrap
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.statistics import interval_of
 from swarmcensus.results import measures
 from swarmcensus.results.expecting import MIXED, SWARM, Expectation, Line, expect
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
+from swarmcensus.statistics import bootstrap
+from swarmcensus.statistics.intervals import interval_of
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval over trials; NaN of fewer than 6
 NONE: Interval = (np.nan, np.nan, np.nan)

@@ -13,11 +13,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.bootstrap import Statistic, centres
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import in_shell, option
 from swarmcensus.results.values import metrics_in, robots_in
+from swarmcensus.statistics.bootstrap import Statistic, centres
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once

@@ -14,10 +14,10 @@ from swarmcensus.basics.documents import plain
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
-from swarmcensus.basics.statistics import LEVEL, interval_of
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
 from swarmcensus.results.values import INTERVALS, SHARES, bounds_in, metrics_in, robots_in
+from swarmcensus.statistics.intervals import LEVEL, interval_of
 
 SHORT = {
     "K": "convergence_round", "error": "convergence_error", "final error": "final_error", "right": "correct",

@@ -4,10 +4,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.rankings import groups
 from swarmcensus.results.comparison_cells import amount, equals
 from swarmcensus.results.contests import Contest, pairs_of
 from swarmcensus.results.standings import Standings
+from swarmcensus.statistics.rankings import groups
 
 UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}
 MOST_NAMED = 6  # contenders in a sentence

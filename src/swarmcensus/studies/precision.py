@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from swarmcensus.basics import statistics
 from swarmcensus.basics.forms import Form
 from swarmcensus.basics.hints import first_meant
+from swarmcensus.statistics import intervals
 
 EARLY = 20  # trials: a look at so many may err half as often as one that is the last
 GROWTH = 1.25  # trials of a setting from look to look: at most a quarter are more than were needed
@@ -22,7 +22,7 @@ VARIABLES = ("convergence_round", "convergence_error", "final_estimate", "correc
 WORDS = (*VARIABLES, "median", "mean")
 FORM = '"convergence_error median +- 0.001", or of convergence_round, final_estimate or correct@100, median or mean'
 
-Fewest = Annotated[int, Field(strict=True, ge=statistics.FEWEST, lt=2**31)]
+Fewest = Annotated[int, Field(strict=True, ge=intervals.FEWEST, lt=2**31)]
 
 
 def look_level(trials: int) -> float:
@@ -32,7 +32,7 @@ def look_level(trials: int) -> float:
     trials, for the spread of many is known (Chow and Robbins, 1965), and so a look may err the less often the fewer
     they are. `EARLY` was chosen by benchmarks/intervals.py.
     """
-    return 1 - (1 - statistics.LEVEL) * trials / (trials + EARLY)
+    return 1 - (1 - intervals.LEVEL) * trials / (trials + EARLY)
 
 
 def _pattern() -> str:
@@ -108,7 +108,7 @@ class Until(BaseModel):
         NaN where a value is missing.
         """
         statistic, share = str(self._part("statistic")), self.variable == "correct"
-        return statistics.interval_of(values, statistic, share, look_level(len(values)))[1:]
+        return intervals.interval_of(values, statistic, share, look_level(len(values)))[1:]
 
     def half_width(self, values: NDArray[np.float64]) -> float:
         """Half the width of that interval."""

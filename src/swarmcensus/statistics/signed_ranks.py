@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.statistics import ROUNDING
+from swarmcensus.statistics.intervals import ROUNDING
 
 EXACT = 64  # differences that are not 0, up to which p is exact; the count of sign patterns is then 2^64
 FEW_BITS = 2.0**30  # of a difference: those that agree to nine digits are tied, whatever rounding left of the others

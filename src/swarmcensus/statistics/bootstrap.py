@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.statistics import FEWEST, LEVEL, ROUNDING, resample, student
+from swarmcensus.statistics.intervals import FEWEST, LEVEL, ROUNDING, resample, student
 
 RESAMPLES = 2000
 BLOCK = 2**21  # numbers that are held at once

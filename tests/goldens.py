@@ -1,0 +1,165 @@
+"""What shipped studies come to, written as text files, so that two trees can be compared to the last bit.
+
+    python tests/goldens.py before        # in one tree
+    python tests/goldens.py after         # in another one, or later
+    diff -r before after
+
+Each study is run in few trials. A file of it holds a hash of every variable, the file's attributes, and what the
+command line prints of it as tables and as JSON. Other files hold plans, a tuned brain, pages, schemas and hashes of
+pictures. Numbers are the same to the last bit only on the same machine with the same libraries.
+"""
+
+import contextlib
+import hashlib
+import io
+import json
+import os
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+ROOT = Path(__file__).resolve().parent.parent
+STUDIES = {
+    "ring": 8, "sizes": 2, "steering": 2, "theory": 4, "wrong-beliefs": 2, "paper/local": 6, "paper/same-rounds": 1,
+    "rivals/opinions": 2, "rivals/bayesian": 2, "rivals/consensus": 2, "beyond/changing": 1,
+    "beyond/unknown-sensors": 1, "example/compare": 8, "example/floors": 2, "example/liars": 6, "example/recorded": 2,
+}  # fmt: skip  # with how many trials each is run
+VERSIONS = re.compile(r"\d+\.\d+\.\d+\S*|\d+(\.\d+)? (s|min|ms|MB|KB)\b|\d{4}-\d\d-\d\d[T ]\d\d:\d\d\S*")
+
+
+def printed(*arguments: object) -> str:
+    """What the command prints on stdout, and how it ended; times and versions are left out."""
+    from swarmcensus.cli.commands import main
+
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        try:
+            code = main([*map(str, arguments)])
+        except SystemExit as stopped:
+            code = int(stopped.code or 0)
+    said = err.getvalue() if code else ""
+    return f"$ {' '.join(map(str, arguments))}\n{VERSIONS.sub('#', out.getvalue() + said)}-> {code}\n\n"
+
+
+def digest(data: bytes) -> str:
+    """A short hash."""
+    return hashlib.sha256(data).hexdigest()[:16]
+
+
+def values(path: Path) -> str:
+    """The variables, coordinates and attributes of a results file, a line each."""
+    import swarmcensus as sc
+
+    data = sc.load(path)
+    lines = []
+    for name in sorted(map(str, data.variables)):
+        array = data[name].values
+        text = json.dumps(array.tolist()).encode() if array.dtype.kind in "OU" else array.tobytes()
+        said = {k: str(v) for k, v in sorted(data[name].attrs.items())}
+        lines.append(f"{name} {data[name].dims} {array.shape} {array.dtype.kind} {digest(text)} {said}")
+    for name, said in sorted(data.attrs.items()):
+        lines.append(f"@{name} {VERSIONS.sub('#', str(said))}")
+    return "\n".join(lines) + "\n\n"
+
+
+def picture(path: Path) -> str:
+    """The hash of a picture's pixels."""
+    from PIL import Image
+
+    return f"{path.name} {digest(Image.open(path).tobytes())}\n"
+
+
+def of_study(name: str, trials: int) -> str:
+    """All that is written of a study."""
+    results = Path(name.replace("/", "-")).with_suffix(".nc")
+    text = printed("run", ROOT / "studies" / f"{name}.toml", "--out", results, "--trials", trials, "--jobs", 2)
+    text = text.replace(str(ROOT), "")
+    if not results.exists():
+        return text
+    text += values(results)
+    for command in ("show", "compare", "explain", "verify"):
+        text += printed(command, results)
+        text += printed(command, results, "--json")
+    text += printed("explain", results, "--setting", 0)
+    text += printed("compare", results, "--pairs", "--csv", "pairs.csv", "--latex", "worlds.tex")
+    text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
+    printed("export", results, "--out", "rows.csv")
+    text += f"export {digest(Path('rows.csv').read_bytes())}\n"
+    for kind in ("scatter", "decisions", "lines", "heatmap", "compare"):
+        for options in ((), ("--theory",)) if kind in ("scatter", "decisions") else ((),):
+            picture_of = Path(f"{kind}.png")
+            text += printed("plot", results, "--kind", kind, "--out", picture_of, *options)
+            text += picture(picture_of) if picture_of.exists() else ""
+            picture_of.unlink(missing_ok=True)
+    for file in map(Path, ("pairs.csv", "worlds.tex", "rows.csv")):
+        file.unlink(missing_ok=True)
+    return text
+
+
+def of_the_rest() -> dict[str, str]:
+    """Texts by the names of their files."""
+    example = ROOT / "studies" / "example"
+    plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 20)
+    found = {
+        "schemas": printed("studies", "--schema") + printed("plan", "--schema"),
+        "lists": printed("list") + printed("brains") + printed("studies") + printed("list", "--json"),
+        "help": "".join(printed(*command, "--help") for command in _commands()),
+        "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
+        + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),
+        "tune": printed(
+            *("tune", example / "tuning.toml", "--parameters", "prior=1:100:log", "--budget", 12, "--trials", 4),
+            *("--out", "tuned.toml"),
+        ),
+        "watch": printed("watch", "--export", "watch.html", "--set", "tick=50", "--set", "robots=10"),
+        "reproduce": printed("reproduce", "--trials", 2, "--out", "reproduction", "--only", "fig2", "fig5", "claims"),
+        "replay": printed("replay", "ring.nc", "--setting", 0, "--trial", 1, "--out", "trace.csv", "--plot", "t.png"),
+        "board": printed("leaderboard", "--trials", 1, "--out", "board", example / "my_brain.py"),
+        "infer": printed(
+            *("infer", example / "observations.csv", "--links", example / "links.csv", "--accuracy", 0.8),
+            *("--out", "infer.csv"),
+        ),
+    }
+    for name, text in found.items():
+        found[name] = text.replace(str(ROOT), "")
+    texts = ("plan.json", "plan.toml", "tuned.toml", "trace.csv", "infer.csv")
+    pages = [*Path("reproduction").rglob("*.html"), *Path("board").rglob("*.md")]
+    for path in [*map(Path, texts), *pages]:
+        if path.exists():
+            found[path.name.replace(".", "-")] = VERSIONS.sub("#", path.read_text()).replace(str(ROOT), "")
+    pictures = [Path("plan.png"), Path("t.png"), Path("infer.png"), *Path("reproduction").rglob("*.png")]
+    found["pictures"] = "".join(picture(p) for p in [*sorted(pictures), *sorted(Path("board").rglob("*.png"))])
+    return found
+
+
+def _commands() -> list[list[str]]:
+    from swarmcensus.cli.commands import COMMANDS
+
+    return [[], *([name] for name in COMMANDS)]
+
+
+def main() -> None:
+    """Write the folder."""
+    if len(sys.argv) != 2:
+        sys.exit("usage: python tests/goldens.py FOLDER")
+    folder = Path(sys.argv[1]).absolute()
+    folder.mkdir(parents=True)
+    work = folder / "files"  # what the commands write
+    work.mkdir()
+    os.chdir(work)
+    os.environ |= {"COLUMNS": "160", "TERM": "dumb", "NO_COLOR": "1"}
+    sys.path.insert(0, str(ROOT / "src"))
+    for name, trials in STUDIES.items():
+        write(folder, name.replace("/", "-"), of_study(name, trials))
+    for name, text in of_the_rest().items():
+        write(folder, name, text)
+
+
+def write(folder: Path, name: str, text: Any) -> None:
+    """A file of the folder."""
+    (folder / f"{name}.txt").write_text(text, encoding="utf-8")
+    print(name, flush=True)
+
+
+if __name__ == "__main__":
+    main()
