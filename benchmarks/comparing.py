@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy import stats
 
-from swarmcensus.results.contests import Asked, contests
+from swarmcensus.comparing.pair_tests import Asked, contests
 from swarmcensus.statistics.bootstrap import intervals
 from swarmcensus.statistics.intervals import share_interval
 from swarmcensus.statistics.signed_ranks import signed_ranks

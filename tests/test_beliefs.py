@@ -11,8 +11,8 @@ from scipy.optimize import minimize_scalar
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
+from swarmcensus.explaining.wrong_beliefs import EQ_4, asymptote, costs
 from swarmcensus.figures.plot import beliefs
-from swarmcensus.results.beliefs import EQ_4, asymptote, costs
 
 STUDY = """
 seed = 5

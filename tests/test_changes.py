@@ -11,9 +11,10 @@ import swarmcensus as sc
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.changes import accuracy_in, fill_ratio_in
+from swarmcensus.explaining import wrong_beliefs
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.results import beliefs, recordings
+from swarmcensus.results import recordings
 from swarmcensus.results import store as files
 from swarmcensus.results.selecting import where
 from swarmcensus.simulation import metrics, walking
@@ -254,8 +255,8 @@ def test_an_accuracy_is_read_from_the_text_of_a_dataset():
     made = changing(0.3, [0.9, told, {"start": 0.9, "drift": 0.002}])
     results = sc.run(made)
     for text, setting in zip(results["accuracy"].values, made.settings(), strict=True):
-        assert beliefs.accuracy_of(text) == setting.accuracy
-    assert [np.isnan(cost.predicted) for cost in beliefs.costs_of(results)] == [False, True, True]
+        assert wrong_beliefs.accuracy_of(text) == setting.accuracy
+    assert [np.isnan(cost.predicted) for cost in wrong_beliefs.costs_of(results)] == [False, True, True]
 
 
 def test_results_name_what_they_hold_to_other_readers(tmp_path):

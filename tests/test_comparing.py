@@ -9,9 +9,9 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
+from swarmcensus.comparing.contenders import field_of
+from swarmcensus.comparing.latex import escaped, latex
 from swarmcensus.results import measures
-from swarmcensus.results.contenders import field_of
-from swarmcensus.results.latex import escaped, latex
 from swarmcensus.statistics.bootstrap import centres, intervals
 from swarmcensus.statistics.corrections import holm
 from tests.contending import made_up, without

@@ -10,9 +10,9 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
+from swarmcensus.comparing import cells
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.promises import PROMISES
-from swarmcensus.results import comparison_cells
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option
@@ -274,7 +274,7 @@ def test_an_infinite_interval_has_no_width():
     """Of an agreement that never comes: nothing is subtracted from infinity, and the others have their digits."""
     measure = SimpleNamespace(share=False, unit="rounds")
     values, low, high = np.array([np.inf, 50.0]), np.array([np.inf, 40.0]), np.array([np.inf, 60.0])
-    told = comparison_cells.numbers(values, low, high, np.array([5, 5]), measure)
+    told = cells.numbers(values, low, high, np.array([5, 5]), measure)
     assert told[0][0] == "never"
     assert told[1] == ("50", "[40, 60]")
 

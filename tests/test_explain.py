@@ -10,7 +10,7 @@ import swarmcensus as sc
 from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.results.expecting import ALONE, MIXED, NEAR, SWARM, expect
+from swarmcensus.explaining.expectations import ALONE, MIXED, NEAR, SWARM, expect
 
 ROOT = Path(__file__).parents[1]
 COMMONS = ROOT / "tests" / "commons.py"

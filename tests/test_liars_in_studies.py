@@ -10,8 +10,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
+from swarmcensus.comparing.contenders import field_of
 from swarmcensus.figures.panels import panels_of
-from swarmcensus.results.contenders import field_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where
 from swarmcensus.runs import clusters

@@ -15,10 +15,10 @@ from swarmcensus.basics.version import __version__ as __version__
 if TYPE_CHECKING:
     from swarmcensus import theory
     from swarmcensus.basics.errors import InputError, Interrupted
+    from swarmcensus.comparing.comparison import compare
+    from swarmcensus.explaining.agreement import explain
     from swarmcensus.figures import plot
     from swarmcensus.planning.planning import plan
-    from swarmcensus.results.agreeing import explain
-    from swarmcensus.results.comparing import compare
     from swarmcensus.results.merging import merge
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.replaying import replay
@@ -35,8 +35,8 @@ _HOME = {
     "InputError": "basics.errors",
     "Interrupted": "basics.errors",
     "Study": "studies.study",
-    "compare": "results.comparing",
-    "explain": "results.agreeing",
+    "compare": "comparing.comparison",
+    "explain": "explaining.agreement",
     "frame": "results.store",
     "infer": "simulation.inferring",
     "load": "results.store",

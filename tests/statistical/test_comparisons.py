@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.results.contests import Asked, contests
+from swarmcensus.comparing.pair_tests import Asked, contests
 from swarmcensus.statistics.bootstrap import intervals
 
 TABLES = 1000

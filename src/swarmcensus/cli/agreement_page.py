@@ -11,8 +11,8 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.tables import NOTHING, coordinates
 
 if TYPE_CHECKING:
-    from swarmcensus.results.agreeing import Agreement, Held
-    from swarmcensus.results.explaining import Interval
+    from swarmcensus.explaining.agreement import Agreement, Held
+    from swarmcensus.explaining.one_setting import Interval
 
 MEANS = (
     "measured: the root of the mean squared error |x - f| after the last round; theory: what it should be, exactly",
@@ -23,7 +23,7 @@ MEANS = (
 
 def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
     """Print the first `limit` settings (0: all) of `data`, and what all come to; `again` is the command that does."""
-    from swarmcensus.results.agreeing import UNKNOWN
+    from swarmcensus.explaining.agreement import UNKNOWN
 
     shown = found.settings[: limit or None]
     some = data.sel(setting=[row.setting for row in shown])

@@ -11,7 +11,7 @@ from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.cli.voice import answer, say, wrote
 
 if TYPE_CHECKING:
-    from swarmcensus.results.comparing import Comparison
+    from swarmcensus.comparing.comparison import Comparison
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -20,10 +20,10 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.cli import comparison_groups_page, comparison_page
     from swarmcensus.cli.plotting import figure_files
     from swarmcensus.cli.tables import head
-    from swarmcensus.results.comparing import compare as compare_results
-    from swarmcensus.results.comparison_tables import write_csv
+    from swarmcensus.comparing.comparison import compare as compare_results
+    from swarmcensus.comparing.latex import write_latex
+    from swarmcensus.comparing.tables import write_csv
     from swarmcensus.results.early import opened
-    from swarmcensus.results.latex import write_latex
 
     if options.by and options.pairs:
         raise InputError("--by counts worlds, --pairs shows pairs in each of them: leave one out")

@@ -9,10 +9,10 @@ from rich.table import Table
 from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.comparison_page import tell
-from swarmcensus.results.comparing import Comparison
-from swarmcensus.results.comparison_cells import MARKS, marks_of
-from swarmcensus.results.comparison_groups import gap_of
-from swarmcensus.results.standings import AGAINST, RANKED
+from swarmcensus.comparing.cells import MARKS, marks_of
+from swarmcensus.comparing.comparison import Comparison
+from swarmcensus.comparing.groups import gap_of
+from swarmcensus.comparing.standings import AGAINST, RANKED
 
 Column = tuple[str, bool, list[str]]  # its head, whether it has numbers, and its cells
 

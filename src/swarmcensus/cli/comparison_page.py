@@ -7,8 +7,7 @@ from rich.table import Table
 
 from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.results.comparing import Comparison
-from swarmcensus.results.comparison_cells import (
+from swarmcensus.comparing.cells import (
     COSTS,
     MARKS,
     PAIR_HEADS,
@@ -19,8 +18,9 @@ from swarmcensus.results.comparison_cells import (
     pair_rows,
     rows_of,
 )
+from swarmcensus.comparing.comparison import Comparison
+from swarmcensus.comparing.verdicts import tests_of
 from swarmcensus.results.summaries import is_idle
-from swarmcensus.results.verdicts import tests_of
 from swarmcensus.statistics.intervals import FEWEST
 
 

@@ -10,7 +10,7 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.cli.voice import answer
 
 if TYPE_CHECKING:
-    from swarmcensus.results.explaining import Explanation, Interval
+    from swarmcensus.explaining.one_setting import Explanation, Interval
 
 NAMES = {
     "alone": "a robot alone",
@@ -31,7 +31,7 @@ MOST_CHECKPOINTS = 6  # that are shown
 def explain(options: argparse.Namespace) -> int:
     """Explain a setting, or hold all against theory."""
     from swarmcensus.basics.errors import InputError
-    from swarmcensus.results import explaining
+    from swarmcensus.explaining import one_setting
     from swarmcensus.results.early import opened, say_partial
 
     if options.setting is None:
@@ -41,7 +41,7 @@ def explain(options: argparse.Namespace) -> int:
         if given is not None:
             raise InputError(f"--{name} is of all settings: it does not go with --setting")
     data = opened(options.results)
-    found = explaining.explain(data, options.setting)
+    found = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
     if options.json:
         answer("explanation", found._asdict())
@@ -55,8 +55,8 @@ def _all(options: argparse.Namespace) -> int:
     from swarmcensus.cli import agreement_page
     from swarmcensus.cli.options import MOST_ROWS
     from swarmcensus.cli.tables import head
+    from swarmcensus.explaining.agreement import agreement
     from swarmcensus.results import selecting
-    from swarmcensus.results.agreeing import agreement
     from swarmcensus.results.early import opened
 
     if options.json and options.limit is not None:

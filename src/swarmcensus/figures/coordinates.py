@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.results.contenders import parameters_in
+from swarmcensus.comparing.contenders import parameters_in
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import is_idle, told
 

@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.comparing.effects import Effect
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import short
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.lettering import width_of, wrapped
@@ -34,8 +36,6 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
-from swarmcensus.results.effects import Effect
-from swarmcensus.results.standings import Standings
 
 MOST_ROWS = 40
 SIZE = 5.0  # points: a dot

@@ -15,13 +15,13 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.comparing.cells import head
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import measured_axis
 from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
-from swarmcensus.results.comparison_cells import head
-from swarmcensus.results.standings import Standings
 
 SIZE = 6.0  # points: a dot
 NEAR, BESIDE = 0.01, 5.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points

@@ -18,6 +18,9 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.comparing.cells import equals
+from swarmcensus.comparing.pair_tests import Contest
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.sheets import (
     CAPTION,
@@ -30,9 +33,6 @@ from swarmcensus.figures.sheets import (
     own_axes,
     say_lacking,
 )
-from swarmcensus.results.comparison_cells import equals
-from swarmcensus.results.contests import Contest
-from swarmcensus.results.standings import Standings
 from swarmcensus.statistics.rankings import groups
 
 WIDE = 6.4  # inches: the figure

@@ -5,8 +5,8 @@ from typing import Any
 
 import numpy as np
 
+from swarmcensus.comparing.pair_tests import ALPHA, Asked, contests
 from swarmcensus.leaderboard.scores import COLUMNS, Floats, Score, Scores, World
-from swarmcensus.results.contests import ALPHA, Asked, contests
 from swarmcensus.statistics.corrections import holm
 
 FEW = 5  # worlds and rivals that are named

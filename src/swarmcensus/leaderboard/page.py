@@ -6,9 +6,9 @@ import numpy as np
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.version import __version__
+from swarmcensus.comparing.cells import p_value
 from swarmcensus.leaderboard.losses import FEW, Losses
 from swarmcensus.leaderboard.scores import COLUMNS, Score, Scores
-from swarmcensus.results.comparison_cells import p_value
 
 TITLE = "# Leaderboard"
 

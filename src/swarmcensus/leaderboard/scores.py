@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.comparing.contenders import NONE, Field, field_of
+from swarmcensus.comparing.pair_tests import Asked, contests
 from swarmcensus.results import measures
-from swarmcensus.results.contenders import NONE, Field, field_of
-from swarmcensus.results.contests import Asked, contests
 from swarmcensus.statistics.bootstrap import Statistic, centres
 from swarmcensus.worlds.networks import MOVING
 

@@ -1,4 +1,4 @@
-"""The dataset: its schema, stored and opened, checked, merged, selected, summed up, asked anew, replayed, exported.
+"""The dataset: its schema, stored and opened, checked, merged, selected, summarised, remeasured, replayed, exported.
 
 In: values piece by piece, or a file.
 Out: an xarray.Dataset, a file, rows of a table, a trace.

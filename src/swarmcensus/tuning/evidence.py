@@ -10,10 +10,10 @@ import xarray as xr
 from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.brains import Brain
-from swarmcensus.results.comparing import Comparison, compared
-from swarmcensus.results.comparison_cells import equals
+from swarmcensus.comparing.cells import equals
+from swarmcensus.comparing.comparison import Comparison, compared
+from swarmcensus.comparing.verdicts import often
 from swarmcensus.results.summaries import is_idle
-from swarmcensus.results.verdicts import often
 from swarmcensus.studies.settings import Setting
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"

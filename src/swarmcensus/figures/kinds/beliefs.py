@@ -13,6 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.explaining.wrong_beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.figures.sheets import (
@@ -27,7 +28,6 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
-from swarmcensus.results.beliefs import Cost, accuracy_of, costs, costs_of, goes_to
 from swarmcensus.worlds.sensors import Accuracy
 
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}

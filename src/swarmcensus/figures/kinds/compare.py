@@ -5,11 +5,11 @@ from __future__ import annotations
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.comparing import comparison
+from swarmcensus.comparing.effects import effects
 from swarmcensus.figures.effect_lines import MOST_ROWS, draw_effects
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.sheets import Drawn, Own
-from swarmcensus.results import comparing
-from swarmcensus.results.effects import effects
 
 
 def compare(
@@ -32,7 +32,7 @@ def compare(
 
     Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
     """
-    found = comparing.compare(results, metric or (), against=against)
+    found = comparison.compare(results, metric or (), against=against)
     by = [by] if isinstance(by, str) else by
     if by is None and len(found.field.worlds) > MOST_ROWS:
         names = ", ".join(dict.fromkeys(name for world in found.field.worlds for name in world))

@@ -15,12 +15,12 @@ from matplotlib.patches import Patch
 
 from swarmcensus.basics.bins import right_bin, right_bins
 from swarmcensus.basics.errors import InputError
+from swarmcensus.explaining.expectations import ALONE, SWARM, Expectation, expect
 from swarmcensus.figures.clouds import truth_of, truths_of
 from swarmcensus.figures.looks import LIES, palette
 from swarmcensus.figures.scenes import is_trace, trace_of
 from swarmcensus.figures.sheets import Drawn, Own, Scale, add_key, count_axis, drawn_on, name_axes, sheet, show_range
 from swarmcensus.figures.theory_lines import STYLES, THIN, sample, untold
-from swarmcensus.results.expecting import ALONE, SWARM, Expectation, expect
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
 

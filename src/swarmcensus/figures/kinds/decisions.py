@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Shares, shares_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.looks import Look, keyed, looks_of, solid_dot
@@ -38,7 +39,6 @@ from swarmcensus.figures.sheets import (
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
-from swarmcensus.results.expecting import ALONE, SWARM
 
 MOST_CHECKPOINTS = 12
 GAP = 1.5  # points between a diamond and the dash over it

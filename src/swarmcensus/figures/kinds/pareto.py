@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
+from swarmcensus.comparing.comparison import compare
 from swarmcensus.figures.pareto_fronts import draw_pareto
 from swarmcensus.figures.sheets import Drawn, Own
-from swarmcensus.results.comparing import compare
 
 
 def pareto(

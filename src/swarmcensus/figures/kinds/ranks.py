@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import xarray as xr
 
+from swarmcensus.comparing.comparison import compare
 from swarmcensus.figures.panels import Names
 from swarmcensus.figures.rank_lines import draw_ranks
 from swarmcensus.figures.sheets import Drawn, Own
-from swarmcensus.results.comparing import compare
 
 
 def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None) -> Drawn:

@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.explaining.expectations import ALONE, SWARM
 from swarmcensus.figures.clouds import Cloud, Cross, cloud_of, crosses_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates
 from swarmcensus.figures.dot_names import NAMES, label_dots
@@ -37,7 +38,6 @@ from swarmcensus.figures.sheets import (
 )
 from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
 from swarmcensus.figures.theory_lines import entries as theory_entries
-from swarmcensus.results.expecting import ALONE, SWARM
 
 LABELS = 0.25  # inches over a scatter panel for the names of its medians, if they are short
 TURNS = 6

@@ -7,11 +7,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from swarmcensus.comparing.groups import worlds_by
+from swarmcensus.comparing.pair_tests import ALPHA, Contest, pairs_of
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.results import measures
-from swarmcensus.results.comparison_groups import worlds_by
-from swarmcensus.results.contests import ALPHA, Contest, pairs_of
 from swarmcensus.results.measures import Measure
-from swarmcensus.results.standings import Standings
 from swarmcensus.statistics.bootstrap import centres, intervals
 from swarmcensus.statistics.corrections import holm
 from swarmcensus.statistics.signed_ranks import differences, signed_ranks

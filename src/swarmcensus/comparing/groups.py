@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
-from swarmcensus.results.standings import AGAINST, RANKED, Standings
+from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 
 
 def groups(found: Standings, axes: Sequence[str]) -> Any:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.results.contenders import Field
-from swarmcensus.results.contests import Contest, pairs_of, world_ranks
+from swarmcensus.comparing.contenders import Field
+from swarmcensus.comparing.pair_tests import Contest, pairs_of, world_ranks
 from swarmcensus.results.measures import Measure
 
 Floats = NDArray[np.float64]

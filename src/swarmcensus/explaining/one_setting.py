@@ -8,8 +8,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.explaining.expectations import MIXED, SWARM, Expectation, Line, expect
 from swarmcensus.results import measures
-from swarmcensus.results.expecting import MIXED, SWARM, Expectation, Line, expect
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in

@@ -7,10 +7,10 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results import explaining
-from swarmcensus.results.exact import Floats, exact
-from swarmcensus.results.expecting import MIXED, SWARM, Origin, expect
-from swarmcensus.results.explaining import (
+from swarmcensus.explaining import one_setting
+from swarmcensus.explaining.exact import Floats, exact
+from swarmcensus.explaining.expectations import MIXED, SWARM, Origin, expect
+from swarmcensus.explaining.one_setting import (
     NONE,
     Explanation,
     Interval,
@@ -66,7 +66,7 @@ def explain(results: xr.Dataset | str | Path, setting: int | None = None) -> Exp
     `results` is a dataset or a results file, `setting` a number of its coordinate. Raises InputError.
     """
     data = load(results) if isinstance(results, str | Path) else results
-    return agreement(data) if setting is None else explaining.explain(data, setting)
+    return agreement(data) if setting is None else one_setting.explain(data, setting)
 
 
 def agreement(data: xr.Dataset) -> Agreement:

@@ -12,15 +12,16 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
-from swarmcensus.results import comparison_groups, comparison_tables, measures, selecting
+from swarmcensus.comparing import groups, tables
+from swarmcensus.comparing.contenders import NONE, Field, field_of
+from swarmcensus.comparing.pair_tests import ALPHA, Asked, Contest, contests, pairs_of
+from swarmcensus.comparing.standings import Standings
+from swarmcensus.comparing.verdicts import verdict
+from swarmcensus.results import measures, selecting
 from swarmcensus.results.cautions import settled_at_start
-from swarmcensus.results.contenders import NONE, Field, field_of
-from swarmcensus.results.contests import ALPHA, Asked, Contest, contests, pairs_of
 from swarmcensus.results.measures import COSTS, SIZES, Measure
-from swarmcensus.results.standings import Standings
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
-from swarmcensus.results.verdicts import verdict
 from swarmcensus.statistics.bootstrap import centres
 from swarmcensus.statistics.corrections import fewest_trials
 
@@ -49,22 +50,22 @@ class Comparison(Standings):
         "behind" is told apart from it; of contenders held against one of them "better", "level" or "worse". Then come
         costs and sizes.
         """
-        return comparison_tables.table(self)
+        return tables.table(self)
 
     @property
     def pairs(self) -> Any:
         """A pandas table with a row for each measure, world and pair of contenders: the difference `one` - `other`."""
-        return comparison_tables.pairs(self)
+        return tables.pairs(self)
 
     @property
     def ranks(self) -> Any:
         """A pandas table with a row for each measure and contender: its average rank, and where it is first."""
-        return comparison_tables.ranks(self)
+        return tables.ranks(self)
 
     @property
     def duels(self) -> Any:
         """A pandas table with a row for each measure and pair: who is ahead in how much of the worlds they all met."""
-        return comparison_tables.duels(self)
+        return tables.duels(self)
 
     def by(self, *axes: str) -> Any:
         """A pandas table: for each combination of these axes' values and contender, how often it stands where.
@@ -73,7 +74,7 @@ class Comparison(Standings):
         their difference (`_difference`): the median over these worlds, and the worst. Raises InputError where worlds do
         not differ in such an axis.
         """
-        return comparison_groups.groups(self, axes)
+        return groups.groups(self, axes)
 
     def __str__(self) -> str:
         """What came of it, in sentences."""

@@ -3,8 +3,8 @@ r"""A comparison as a LaTeX table of the package booktabs, to be read into a pap
 from pathlib import Path
 
 from swarmcensus.basics.files import whole
-from swarmcensus.results.comparison_cells import MARKS, Cell, columns, marks_of, rows_of
-from swarmcensus.results.standings import Standings
+from swarmcensus.comparing.cells import MARKS, Cell, columns, marks_of, rows_of
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.summaries import is_idle
 
 ESCAPED = {

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from swarmcensus import brains, theory
 from swarmcensus.basics.counting import counted
-from swarmcensus.results.expecting import ALONE, MIXED, mixing_of, reasons
+from swarmcensus.explaining.expectations import ALONE, MIXED, mixing_of, reasons
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.basics.files import whole
-from swarmcensus.results.contests import pairs_of, world_ranks
-from swarmcensus.results.standings import AGAINST, RANKED, Standings
+from swarmcensus.comparing.pair_tests import pairs_of, world_ranks
+from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 
 
 def table(found: Standings) -> Any:

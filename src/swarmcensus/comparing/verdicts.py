@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.results.comparison_cells import amount, equals
-from swarmcensus.results.contests import Contest, pairs_of
-from swarmcensus.results.standings import Standings
+from swarmcensus.comparing.cells import amount, equals
+from swarmcensus.comparing.pair_tests import Contest, pairs_of
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.statistics.rankings import groups
 
 UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}

@@ -6,9 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.digits import places, rounded
-from swarmcensus.results.contests import pairs_of
+from swarmcensus.comparing.pair_tests import pairs_of
+from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.measures import Measure
-from swarmcensus.results.standings import Standings
 from swarmcensus.statistics.intervals import FEWEST
 
 MOST_DECIMALS = 6
