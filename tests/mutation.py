@@ -63,7 +63,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "engine/motion": ("test_walks", "test_moving statistical/test_fidelity"),
     "engine/neighbours": ("test_walks", "test_moving"),
     "engine/steering": ("test_walks", "test_steering"),
-    "engine/wishes": ("test_walks", "test_steering"),
+    "engine/return_values": ("test_walks", "test_steering"),
 }
 SECONDS = 240, 900  # after which tests have noticed: the fault goes on for ever
 PRELOADED = ["numba", "numpy", "scipy.stats", "xarray", "h5netcdf", "pydantic", "networkx", "pytest", "hypothesis",

@@ -9,9 +9,9 @@ from swarmcensus.brains import adversary
 from swarmcensus.brains.telling import HELPERS
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees, step_by_step
-from swarmcensus.conformance.promises import PROMISES
-from swarmcensus.engine.modes import HEARD, SENT
+from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests import reference, reference_walks

@@ -20,8 +20,8 @@ from swarmcensus.figures.arena_margins import LINK
 from swarmcensus.figures.arena_pictures import FINE, Arena, scene_of, snapshot
 from swarmcensus.figures.files import save
 from swarmcensus.figures.films import film
-from swarmcensus.results.origins import studies_of
 from swarmcensus.results.recordings import write_trace
+from swarmcensus.results.source_study import studies_of
 
 STUDY = """
 name = "pictures for $2 or $3"

@@ -11,7 +11,7 @@ from scipy.special import betainc
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance import hearing
+from swarmcensus.conformance import message_checks
 from swarmcensus.conformance.machine_code import agrees
 from swarmcensus.simulation.trials import record_trial
 from tests.small import SEED
@@ -478,7 +478,7 @@ class TestBeliefSharing:
 def test_other_parameters_conform_too(brain, parameters, untraced):
     """What the check of the defaults hardly meets: many observations, resets, soft feedback, steps in every round."""
     used = brain.with_parameters(parameters)
-    hearing.any_order(used)
+    message_checks.any_order(used)
     agrees(used)
 
 

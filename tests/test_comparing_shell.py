@@ -10,7 +10,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import swarmcensus as sc
-from swarmcensus.cli import comparison_page
+from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.pareto_fronts import draw_pareto, front
 from swarmcensus.figures.rank_lines import draw_ranks
@@ -278,7 +278,7 @@ def test_pareto_marks_what_never_came_and_refuses_more_worlds_than_fit():
 
 def test_one_world_has_no_column_of_worlds_and_a_verdict_of_its_own(capsys):
     found = sc.compare(made_up(worlds=("ring",), gap=0.6))
-    comparison_page.show(found, "title", "swarmcensus compare x.nc", 40, True)
+    compare_tables.show(found, "title", "swarmcensus compare x.nc", 40, True)
     out = capsys.readouterr().out
     assert out.splitlines()[1].startswith("contender ")
     assert "final error: minimalistic is best; bayes-bots prior=1 is behind; " in out

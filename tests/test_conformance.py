@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.cli import shelves
-from swarmcensus.conformance import lives, machine_code
+from swarmcensus.cli import list_brains
+from swarmcensus.conformance import machine_code, sample_minds
 from swarmcensus.conformance import suite as conformance
-from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import check, checks
 from tests.long import in_two_sizes
 
@@ -78,7 +78,7 @@ def test_of_what_a_brain_has_not_it_is_said_that_it_is_not_used(tmp_path, capsys
                 "tells an interval within [0, 1], the low end first"]  # fmt: skip
     assert unused("alone") == [*optional, "messages mean the same in any order", "SUMS only add up"]
     assert unused("leaver") == optional[1:]
-    assert shelves.checks("alone", list(conformance.examine("alone", PROMISES)))
+    assert list_brains.checks("alone", list(conformance.examine("alone", PROMISES)))
     assert f"-     {optional[0]}: not used\n" in capsys.readouterr().out
 
 
@@ -108,15 +108,17 @@ OF_EACH_FAMILY = [
 
 @pytest.mark.interpreted
 @pytest.mark.long(but=[f"{name}-quick" for name in OF_EACH_FAMILY])
-@in_two_sizes(("accuracies", "long"), ((0.0, 0.75), lives.LONG[:1]), (lives.ACCURACIES, lives.LONG))
+@in_two_sizes(
+    ("accuracies", "long"), ((0.0, 0.75), sample_minds.LONG[:1]), (sample_minds.ACCURACIES, sample_minds.LONG)
+)
 @pytest.mark.parametrize("name", brains.shipped())
 def test_shipped_brains_keep_their_promises(name, accuracies, long, monkeypatch):
     """Quick runs make fewer kinds of sensors; all of them, and all that the suite makes, where there is time."""
-    monkeypatch.setattr(lives, "ACCURACIES", accuracies)
-    monkeypatch.setattr(lives, "LONG", long)
-    lives.messages.cache_clear()
+    monkeypatch.setattr(sample_minds, "ACCURACIES", accuracies)
+    monkeypatch.setattr(sample_minds, "LONG", long)
+    sample_minds.messages.cache_clear()
     found = list(conformance.examine(name, PROMISES))
-    lives.messages.cache_clear()  # those of fewer sensors
+    sample_minds.messages.cache_clear()  # those of fewer sensors
     assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees
-from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.worlds import is_rs_robust

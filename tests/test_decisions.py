@@ -12,7 +12,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.comparing import cells
 from swarmcensus.conformance import suite
-from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.swarming import right_option

@@ -8,7 +8,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.engine.modes import HEARD, SENT
+from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, trials
 from swarmcensus.simulation.blaming import line_of_failure

@@ -14,7 +14,7 @@ from swarmcensus import metrics
 from swarmcensus.cli.commands import COMMANDS, main, parser
 from swarmcensus.cli.mission_options import KEYS
 from swarmcensus.conformance import suite as conformance
-from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of
 from swarmcensus.results import store as results
 from swarmcensus.runs.queues import Queue

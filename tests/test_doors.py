@@ -21,7 +21,7 @@ from scipy import stats
 
 import swarmcensus as sc
 from swarmcensus import brains, metrics
-from swarmcensus.basics import doors
+from swarmcensus.basics import plugins
 from swarmcensus.brains import adversary
 from swarmcensus.cli.commands import main
 from swarmcensus.figures import kinds
@@ -634,7 +634,7 @@ def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(packag
 
 def test_a_name_of_ours_is_found_without_a_look_at_other_packages(monkeypatch):
     forget()
-    monkeypatch.setattr(doors, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
     world = {"topology": ["full", "ring", "line", "scale-free", "moving"], "density": 2, "fill_ratio": 0.5,
              "floor": ["tiles", "half", {"clusters": 0.2}, {"stripes": 0.5}]}  # fmt: skip
     sc.Study(trials=1, swarm={"robots": 5, "accuracy": ["U(0.5, 0.9)", "N(0.7, 0.1)", 0.7]}, world=world)

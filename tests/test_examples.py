@@ -8,8 +8,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees
-from swarmcensus.conformance.promises import PROMISES
 
 EXAMPLE = Path(__file__).parents[1] / "studies" / "example"
 BRAINS = ["pairwise", "prior", "histogram", "quiet", "sprt", "leader", "liar", "forgetful"]

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.engine.constants import NEVER, PARTS, SENSING, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import NEVER, PARTS, SENSING, TALKING
 from swarmcensus.worlds.faults import Fault, as_to_an_oracle, outages, stops
 
 STUDY = """

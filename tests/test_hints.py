@@ -8,11 +8,11 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.hints import OTHER_WORDS, did_you_mean
 from swarmcensus.cli.commands import main
-from swarmcensus.results import checking
+from swarmcensus.results import structure
 from swarmcensus.results.selecting import where
 from tests.conftest import SMALL
 
-KNOWN = [*checking.TEXTS, *checking.NUMBERS, "setting"]
+KNOWN = [*structure.TEXTS, *structure.NUMBERS, "setting"]
 
 
 @pytest.mark.parametrize(

@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from swarmcensus.engine import modules
+from swarmcensus.engine import code_cache
 
 FILES = {
     "__init__.py": "",
@@ -52,7 +52,7 @@ def folder(tmp_path_factory):
         patch.setenv("SWARMCENSUS_CACHE", str(root))
         assert ran() == ["42", "3.0", "0"]
         assert ran() == ["42", "3.0", "2"]
-        yield root / modules._digest(FILES)
+        yield root / code_cache._digest(FILES)
 
 
 @pytest.mark.long(but=["*.1.nbc-flip"])
@@ -111,5 +111,5 @@ def test_a_full_disk_leaves_no_half_of_a_module(tmp_path, monkeypatch):
 
     monkeypatch.setattr("pathlib.Path.write_bytes", full)
     with pytest.raises(OSError, match="No space left"):
-        modules._write_once(tmp_path / "module", {"one.py": "x = 1\n"})
+        code_cache._write_once(tmp_path / "module", {"one.py": "x = 1\n"})
     assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.engine.modes import HEARD, SENT
+from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation import metrics
 from swarmcensus.simulation.inputs import inputs_of
 from swarmcensus.simulation.rides import record_ride, run_ride

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.engine import modes, motion
+from swarmcensus.engine import constants, motion
 from swarmcensus.engine.addresses import address
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics
@@ -92,17 +92,17 @@ def test_robots_that_leap_come_to_lie_apart(robots, crowd, speed, trial):
 def test_contact_ends_early_where_a_push_goes_beyond_those_listed():
     """Robot 1, between 0 and 2, is pushed into 2, which was too far away to be listed with it."""
     body = Body(speed=0.01).numbers[0]
-    state = np.zeros((modes.STATE, 3))
-    state[modes.X] = 0.0, 0.01, 0.2
+    state = np.zeros((constants.STATE, 3))
+    state[constants.X] = 0.0, 0.01, 0.2
     close, pushed = np.array([[0, 1]], np.uint32), np.zeros(3)
     assert called(motion.part)(state, body, 10.0, close, 1, pushed, 0) == 1
-    assert state[modes.X, 1] == pytest.approx(0.01 + body.radius - 0.005)
+    assert state[constants.X, 1] == pytest.approx(0.01 + body.radius - 0.005)
     assert pushed[1] > body.step + body.radius / 10
     close = np.array([[0, 1], [1, 2]], np.uint32)
     sweep = 1
     while sweep < motion.SWEEPS:
         sweep = called(motion.part)(state, body, 10.0, close, 2, pushed, sweep)
-    assert np.diff(state[modes.X]).min() > 2 * body.radius - 2e-6
+    assert np.diff(state[constants.X]).min() > 2 * body.radius - 2e-6
 
 
 def links_by_brute_force(xy, body):

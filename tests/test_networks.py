@@ -9,8 +9,8 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.basics import doors
-from swarmcensus.engine.modes import FULL, LISTED, PAIRS
+from swarmcensus.basics import plugins
+from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.worlds import networks, wiring
 
 
@@ -278,7 +278,7 @@ def test_a_topology_is_a_file_of_its_name(tmp_path):
 
 
 def test_a_file_beside_the_study_comes_before_other_packages(tmp_path, monkeypatch):
-    monkeypatch.setattr(doors, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
+    monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
     wiring.DOOR.__dict__.pop("outside", None)
     (tmp_path / "torus").write_text("0,1\n")
     assert parse("torus", tmp_path).edges == ((0, 1),)

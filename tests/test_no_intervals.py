@@ -7,8 +7,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees, compiles
-from swarmcensus.conformance.promises import PROMISES
 from swarmcensus.simulation.rides import run_ride
 from swarmcensus.simulation.trials import Metrics, run_batch
 from tests.second import MEANS, SAYS, brain, changed, fixed, moving

@@ -13,7 +13,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus.figures.notebook import shown
 from swarmcensus.runs import progress
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 
 CELLS = [
     "import swarmcensus as sc\nstudy = sc.Study(trials=2, swarm={'robots': [2, 3], 'accuracy': 0.8}, "

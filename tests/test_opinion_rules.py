@@ -9,8 +9,8 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.conformance import suite
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.machine_code import agrees
-from swarmcensus.conformance.promises import PROMISES
 from tests.opinions import BINARY, DANCERS, QUICK, SWITCHERS, TELLERS, quick, robot, rounds, telling
 
 

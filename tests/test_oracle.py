@@ -8,7 +8,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import parse
-from swarmcensus.engine.modes import SENSING
+from swarmcensus.engine.constants import SENSING
 from swarmcensus.results.replaying import recording
 
 ORACLE = brains.load("oracle")

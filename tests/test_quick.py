@@ -11,10 +11,10 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.copies import beside
+from swarmcensus.basics.fork import beside
 from swarmcensus.cli.commands import main
-from swarmcensus.engine import compiler, glue
-from swarmcensus.engine.modes import PHASES
+from swarmcensus.engine import codegen, compiler
+from swarmcensus.engine.constants import PHASES
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.small import GO, SEED, settings_of
 
@@ -92,7 +92,7 @@ def brain_of(source):
 )
 def test_brains_that_differ_in_words_alone_share_machine_code(other):
     assert other != SOURCE
-    assert glue.essence(other) == glue.essence(SOURCE)
+    assert codegen.essence(other) == codegen.essence(SOURCE)
     assert compiler._brain_files(brain_of(other)) == compiler._brain_files(brain_of(SOURCE))
     assert compiler.compile_brain(brain_of(other)).tolist() == compiler.compile_brain(brain_of(SOURCE)).tolist()
 
@@ -120,15 +120,15 @@ def test_what_memory_begins_with_is_no_part_of_machine_code_but_of_results(tmp_p
 
 def test_a_file_that_reads_what_it_declares_keeps_it():
     reads = SOURCE.replace("def broadcast", 'FIRST = MEMORY["x"]\n\n\ndef broadcast')
-    assert "MEMORY" in glue.essence(reads)
-    assert "MEMORY" not in glue.essence(SOURCE)
-    assert '"""' not in glue.essence(SOURCE)
+    assert "MEMORY" in codegen.essence(reads)
+    assert "MEMORY" not in codegen.essence(SOURCE)
+    assert '"""' not in codegen.essence(SOURCE)
 
 
 def test_a_function_of_words_alone_still_compiles():
     source = SOURCE.replace("def share", 'def nothing(me):\n    """Do nothing."""\n\n\ndef share')
-    assert "pass" in glue.essence(source)
-    compile(glue.essence(source), "mine", "exec")
+    assert "pass" in codegen.essence(source)
+    compile(codegen.essence(source), "mine", "exec")
 
 
 @pytest.mark.parametrize("use", ["network", "moving", "alone", "recorded"])
@@ -223,7 +223,7 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp
 def test_work_is_done_beside_and_its_result_or_error_comes_back():
     code = """
         import os
-        from swarmcensus.basics.copies import beside
+        from swarmcensus.basics.fork import beside
         here = os.getpid()
         def fails():
             raise ValueError("no")
@@ -257,7 +257,7 @@ def test_a_worker_of_somebody_s_pool_copies_nothing():
     """Which may have no children of its own; nor is anything done where the system refuses one."""
     code = """
         import multiprocessing, os
-        from swarmcensus.basics.copies import beside
+        from swarmcensus.basics.fork import beside
         def same(_):
             return beside(os.getpid)() == os.getpid()
         with multiprocessing.get_context("fork").Pool(1) as pool:
@@ -286,7 +286,7 @@ def test_closed_streams_change_no_exit_code(closed, small_file, tmp_path):
 
 def test_an_expression_too_deep_to_be_written_anew_is_taken_as_it_is():
     deep = SOURCE.replace("    return me.x\n", "    return me.x + " + " + ".join(["0.0"] * 600) + "\n")
-    assert glue.essence(deep) == deep
+    assert codegen.essence(deep) == deep
 
 
 @pytest.mark.long

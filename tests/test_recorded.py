@@ -8,8 +8,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
+from swarmcensus.engine.constants import SENSING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import SENSING
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation import metrics, trials

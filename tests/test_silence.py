@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.engine.modes import HEARD, SENT
+from swarmcensus.engine.constants import HEARD, SENT
 from swarmcensus.simulation.rides import record_ride, run_ride
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.second import brain, changed, fixed, moving

@@ -12,7 +12,7 @@ import swarmcensus as sc
 from swarmcensus.basics.shipped import shipped_studies
 from swarmcensus.cli import health
 from swarmcensus.cli.commands import main
-from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import examine
 from swarmcensus.studies.study import Study
 

@@ -13,9 +13,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.conformance import lives, machine_code, promises
+from swarmcensus.conformance import contract_checks, machine_code, sample_minds
 from swarmcensus.conformance import suite as conformance
-from swarmcensus.engine.wishes import chosen
+from swarmcensus.engine.return_values import chosen
 from swarmcensus.results.replaying import recording
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.worlds.bodies import Body
@@ -317,7 +317,7 @@ LONG = pytest.mark.long  # each takes a second, and there are many
 def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):
     """Once, by CPython's checks; those that compile are tested below."""
     (tmp_path / "bad.py").write_text(f"{brains.load('minimalistic').source}\n\n{steer}\n")
-    found = conformance.examine(tmp_path / "bad.py", promises.PROMISES)
+    found = conformance.examine(tmp_path / "bad.py", contract_checks.PROMISES)
     faults = {c.fault for c in found} - {None, "the same as above"}
     assert len(faults) == 1
     assert said in faults.pop()
@@ -338,7 +338,7 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     """Bit for bit, on minds of many histories; and the suite sees it where they are not."""
     brain = brains.load(folder / "steered.py")
     minds, said = [], []
-    for _, me in lives.lives(brain):
+    for _, me in sample_minds.lives(brain):
         for w in WANTS.values():
             me.w = w
             if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
@@ -352,5 +352,5 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
     beliefs = np.full(2, WANTS["STRAIGHT"])
     machine_code.wishes_agree(brain, trace, beliefs, beliefs)
     monkeypatch.setattr(brain.functions, "steer", lambda me: (0.14, 1e-9))
-    with pytest.raises(lives.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
+    with pytest.raises(sample_minds.Fault, match=r"steer gives \(0.14, 0.0\) and in CPython \(0.14, 1e-09\)"):
         machine_code.wishes_agree(brain, trace, beliefs, beliefs)

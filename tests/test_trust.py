@@ -15,7 +15,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.results import checking, labels
+from swarmcensus.results import check_against_study, structure
 from swarmcensus.results.values import ENDLESS, EVERY, MESSAGES
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
@@ -155,7 +155,7 @@ def unheld(what):
     only_written = name == "study" and what.endswith(" '")
     if not what.startswith("attribute ") or name in ("study", "merged"):
         return only_written
-    return any(phrase.startswith(f"{name}: ") for phrase in labels.unchecked(xr.Dataset(attrs={name: ""})))
+    return any(phrase.startswith(f"{name}: ") for phrase in check_against_study.unchecked(xr.Dataset(attrs={name: ""})))
 
 
 @pytest.mark.long(but=["some of rule"])
@@ -187,12 +187,12 @@ def test_whatever_is_changed_is_noticed(name, step, request, files, quick, untra
 def test_what_is_missing_or_infinite_has_one_form(name, request, files):
     """Other forms are refused wherever results are read, not only where trials are run again."""
     data = sc.load(request.getfixturevalue(name) if name == "everything" else files / f"{name}.nc")
-    assert checking.wrong(data) is None
+    assert structure.wrong(data) is None
     forms = ("nan", "inf", "-1", "-2", "as ", "all NaN", "all -1")
     ways = [(w, d) for w, d in alterations(data, {*EVERY}) if any(form in w for form in forms) and ": " not in w]
     ways = [(w, d) for w, d in ways if not (w.split()[0] in ENDLESS and w.endswith("= inf"))]  # never, or not
     assert len(ways) > 100
-    assert [what for what, changed in ways if checking.wrong(changed) is None] == []
+    assert [what for what, changed in ways if structure.wrong(changed) is None] == []
     with pytest.raises(InputError, match="damaged or changed"):
         sc.merge([data, ways[0][1]])
 

@@ -12,7 +12,7 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
-from swarmcensus.conformance.promises import PROMISES
+from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.simulation.trials import record_trial, run_batch
 from tests.second import ADDS, ALL, brain, changed, fixed
 from tests.small import GO, SEED

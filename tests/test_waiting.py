@@ -9,9 +9,9 @@ import time
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics import copies
+from swarmcensus.basics import fork
 from swarmcensus.runs import pools, progress
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 
 NAMES = ["minimalistic", "legacy", "voter"]
 
@@ -113,10 +113,10 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
 
 
 def test_who_waits_for_a_copy_is_called_meanwhile(monkeypatch):
-    monkeypatch.setattr(copies, "WAIT_SECONDS", 0.01)
+    monkeypatch.setattr(fork, "WAIT_SECONDS", 0.01)
     monkeypatch.setattr(threading, "active_count", lambda: 1)
     calls = []
-    ended = copies.beside(lambda: time.sleep(0.2) or 7, lambda: calls.append(1))
+    ended = fork.beside(lambda: time.sleep(0.2) or 7, lambda: calls.append(1))
     assert ended() == 7
     if sys.platform == "linux" and os.cpu_count() > 1:
         assert calls

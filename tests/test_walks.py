@@ -10,7 +10,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.engine.addresses import address
-from swarmcensus.engine.modes import STATE
+from swarmcensus.engine.constants import STATE
 from swarmcensus.engine.neighbours import have_strayed
 from swarmcensus.simulation import metrics, rides
 from swarmcensus.simulation.rides import record_ride, run_ride

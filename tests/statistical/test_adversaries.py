@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.engine.modes import HEARD
+from swarmcensus.engine.constants import HEARD
 from swarmcensus.simulation.trials import Metrics, record_trial, run_batch
 from tests.long import in_two_sizes
 

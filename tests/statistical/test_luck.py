@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.engine.modes import LUCK_ALONE, LUCK_ALONE_FUSE, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
+from swarmcensus.engine.constants import LUCK_ALONE, LUCK_ALONE_FUSE, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
 from swarmcensus.simulation.oracle import own_luck
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial

@@ -5,13 +5,13 @@ Out: a Brain: its functions, memory, message, parameters and source; of an adver
 Must not know: how brains are compiled, worlds, studies.
 """
 
-from swarmcensus.basics.plain import digest, read_source
+from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.adversary import Adversary
+from swarmcensus.brains.adversary_source import worn
 from swarmcensus.brains.brain import DOOR, Brain, find, load, parse, shipped, unread
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 from swarmcensus.brains.syntax import BELIEFS
-from swarmcensus.brains.wearing import worn
 
 __all__ = [
     "BELIEFS",

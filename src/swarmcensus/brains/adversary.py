@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
 
-from swarmcensus.basics import plain
-from swarmcensus.basics.doors import Door
+from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.plugins import Door
 from swarmcensus.brains import syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
 from swarmcensus.brains.contract import functions_in, need
@@ -45,18 +45,18 @@ class Adversary(Program):
 def load(name: str | Path, base: Path | None = None) -> Adversary:
     """Read an adversary by its name, or a file by its path, relative to `base`. Raises InputError."""
     path = find(name, base)
-    return parse(plain.read_source("adversary", path), str(name), path)
+    return parse(safe_source.read_source("adversary", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where an adversary's file is. Raises InputError where there is none."""
-    return plain.find(DOOR, str(name), base)
+    return safe_source.find(DOOR, str(name), base)
 
 
 def parse(source: str, name: str, path: Path) -> Adversary:
     """Check an adversary's source against its contract and run it once. Raises InputError."""
     tree, says = _checked(source, path)
-    return Adversary(name, path, source, says, plain.loaded(tree, "adversary", path))
+    return Adversary(name, path, source, says, safe_source.loaded(tree, "adversary", path))
 
 
 def unread(source: str, name: str, path: Path) -> Adversary:
@@ -78,7 +78,7 @@ def is_meant(name: str, base: Path | None) -> bool:
     """Whether a name, or the path of a file relative to `base`, is that of an adversary."""
     path = (base or Path()) / name
     if name not in DOOR.shipped and path.is_file():
-        return is_adversary(plain.read_source("brain", path))
+        return is_adversary(safe_source.read_source("brain", path))
     return name in DOOR
 
 
@@ -94,7 +94,7 @@ def refuse_adversary(name: str, base: Path | None, brains: Door) -> None:
 
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
-    tree, constants = plain.checked(source, "adversary", path)
+    tree, constants = safe_source.checked(source, "adversary", path)
     try:
         return tree, _contents(tree, constants)
     except syntax.Wrong as wrong:

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar
 
-from swarmcensus.basics import plain
-from swarmcensus.basics.doors import Door
+from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.plugins import Door
 from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import Contents, contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
@@ -140,24 +140,24 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
     """
     refuse_adversary(str(name), base, DOOR)
     path = find(name, base)
-    return parse(plain.read_source("brain", path), str(name), path)
+    return parse(safe_source.read_source("brain", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where a brain's file is. Raises InputError where there is none."""
-    return plain.find(DOOR, str(name), base)
+    return safe_source.find(DOOR, str(name), base)
 
 
 def parse(source: str, name: str, path: Path) -> Brain:
     """Check a brain's source against the contract and run it once. Raises InputError."""
     tree, says = _read(source, path)
-    return Brain(name, path, source, says, plain.loaded(tree, "brain", path))
+    return Brain(name, path, source, says, safe_source.loaded(tree, "brain", path))
 
 
 @functools.lru_cache(maxsize=32)
 def _read(source: str, path: Path) -> tuple[ast.Module, Contents]:
     """What a source holds and says. The check takes tens of milliseconds, and each study asks for the same few."""
-    tree, constants = plain.checked(source, "brain", path)
+    tree, constants = safe_source.checked(source, "brain", path)
     return tree, contents(tree, constants, path)
 
 

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from swarmcensus.basics import plain
+from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import syntax
 from swarmcensus.brains.fields import Value, fields_of, length
@@ -146,7 +146,7 @@ def _unlike(name: str, before: tuple[str, ...]) -> str:
 
 
 def _are_names(value: object) -> bool:
-    return isinstance(value, tuple) and all(plain.is_name(v) for v in value)
+    return isinstance(value, tuple) and all(safe_source.is_name(v) for v in value)
 
 
 def functions_in(

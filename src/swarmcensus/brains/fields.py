@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Any, NoReturn
 
-from swarmcensus.basics import plain
+from swarmcensus.basics import safe_source
 
 Value = float | tuple[float, ...]
 LONGEST = 4096  # numbers of a vector
@@ -89,7 +89,7 @@ def fields_of(given: Any, what: str, taken: tuple[str, ...]) -> dict[str, Value]
     """What a brain file says under MEMORY or PARAMETERS. Raises ValueError."""
     fields = {}
     for key, value in given.items():
-        if not plain.is_name(key):
+        if not safe_source.is_name(key):
             raise ValueError(f"{what} key {key!r} is not a name")
         if key in taken:
             raise ValueError(f"{what} key {key!r} is taken by the engine")

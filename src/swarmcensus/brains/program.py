@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
-from swarmcensus.basics import plain
+from swarmcensus.basics import safe_source
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains.fields import Value, length, value_of
 
@@ -36,7 +36,7 @@ class Program:
     @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
-        return plain.digest(self.source)
+        return safe_source.digest(self.source)
 
     @property
     def is_read(self) -> bool:

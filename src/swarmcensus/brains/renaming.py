@@ -5,7 +5,7 @@ import math
 from collections.abc import Collection, Iterable, Mapping
 from copy import deepcopy
 
-from swarmcensus.basics.plain import set_by
+from swarmcensus.basics.safe_source import set_by
 
 # the low bits of luck: independent of what a brain makes of the high ones
 OWN_LUCK = "me.luck * 1048576.0 % 1.0"

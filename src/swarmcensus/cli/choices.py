@@ -7,7 +7,7 @@ from collections.abc import Collection, Iterator
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import DOORS
-from swarmcensus.cli.voice import answer
+from swarmcensus.cli.output import answer
 
 MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments a study gives
 

@@ -9,21 +9,21 @@ from pathlib import Path
 
 from swarmcensus.basics.errors import STOPPED, InputError, Interrupted
 from swarmcensus.basics.options import of_a_shell
-from swarmcensus.cli.boards import leaderboard
 from swarmcensus.cli.choices import choices
-from swarmcensus.cli.comparing import compare
+from swarmcensus.cli.compare import compare
 from swarmcensus.cli.completion import completion
-from swarmcensus.cli.explaining import explain
-from swarmcensus.cli.making import brains, reproduce, run, status
+from swarmcensus.cli.explain import explain
+from swarmcensus.cli.leaderboard import leaderboard
 from swarmcensus.cli.options import parser
-from swarmcensus.cli.planning import plan
-from swarmcensus.cli.plotting import plot
-from swarmcensus.cli.reading import export, merge, show, verify
-from swarmcensus.cli.starting import doctor, new, studies
-from swarmcensus.cli.tracing import infer, replay
-from swarmcensus.cli.tuning import tune
-from swarmcensus.cli.voice import speaking
-from swarmcensus.cli.watching import watch
+from swarmcensus.cli.output import speaking
+from swarmcensus.cli.plan import plan
+from swarmcensus.cli.plot import plot
+from swarmcensus.cli.read_results import export, merge, show, verify
+from swarmcensus.cli.replay import infer, replay
+from swarmcensus.cli.run import brains, reproduce, run, status
+from swarmcensus.cli.start import doctor, new, studies
+from swarmcensus.cli.tune import tune
+from swarmcensus.cli.watch import watch
 from swarmcensus.results.presence import check_there
 
 

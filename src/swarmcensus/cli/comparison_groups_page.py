@@ -8,7 +8,7 @@ from rich.table import Table
 
 from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.cli.comparison_page import tell
+from swarmcensus.cli.compare_tables import tell
 from swarmcensus.comparing.cells import MARKS, marks_of
 from swarmcensus.comparing.comparison import Comparison
 from swarmcensus.comparing.groups import gap_of

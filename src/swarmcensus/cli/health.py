@@ -48,7 +48,7 @@ class Health:
 
 def health() -> Health:
     """Look at this installation; nothing is imported that is only counted."""
-    from swarmcensus.engine.modules import cache_root, keeps
+    from swarmcensus.engine.code_cache import cache_root, keeps
 
     faults = []
     libraries = {name: _version(name) for name in LIBRARIES}

@@ -15,7 +15,7 @@ from swarmcensus.basics.counting import counted, grouped
 from swarmcensus.basics.digits import places, rounded
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.options import MOST_ROWS
-from swarmcensus.cli.voice import answer
+from swarmcensus.cli.output import answer
 from swarmcensus.results.disturbances import disturbances
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary

@@ -12,11 +12,11 @@ import xarray as xr
 
 from swarmcensus.basics.errors import uncoloured
 from swarmcensus.brains import FUNCTIONS, Brain, Vector, numbers
-from swarmcensus.conformance.lives import ACCURACIES, SEED, Fault
-from swarmcensus.conformance.promises import is_wish
-from swarmcensus.engine import compiler, glue
+from swarmcensus.conformance.contract_checks import is_wish
+from swarmcensus.conformance.sample_minds import ACCURACIES, SEED, Fault
+from swarmcensus.engine import codegen, compiler
 from swarmcensus.engine.compiling import INSIDE
-from swarmcensus.engine.modes import LUCK_STEER
+from swarmcensus.engine.constants import LUCK_STEER
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inferring import infer
 from swarmcensus.simulation.swarming import swarm
@@ -123,7 +123,7 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     b, w, readings, ring = history()
     module = compiler.phases_of(brain)
     real = numba.float64
-    kind = np.dtype((np.record, glue.record_fields(brain)))  # what Numba takes: it asks a record for NumPy's `data`
+    kind = np.dtype((np.record, codegen.record_fields(brain)))  # what Numba takes: it asks a record for NumPy's `data`
     same: dict[int, tuple[Any, Any]] = {}  # of each mind: as the oracle has it, and as Numba takes it
     record = numba.from_dtype(kind)
     blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())

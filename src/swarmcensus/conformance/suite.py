@@ -41,11 +41,11 @@ class Check:
 
 def checks() -> dict[str, Test]:
     """All checks by their names, in order; each raises Fault."""
-    from swarmcensus.conformance.promises import PROMISES
+    from swarmcensus.conformance.contract_checks import PROMISES
 
     def compiles(brain: brains.Brain) -> None:  # Numba is loaded once it is needed
         from swarmcensus.conformance import machine_code
-        from swarmcensus.conformance.lives import Fault
+        from swarmcensus.conformance.sample_minds import Fault
 
         try:
             machine_code.compiles(brain)
@@ -134,7 +134,7 @@ def fault_of(test: Test, brain: brains.Brain) -> str | None:
 
 def _tried(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
     """What a check finds wrong, and whether the brain has what it is about."""
-    from swarmcensus.conformance.lives import Fault, NotUsed, in_a_line
+    from swarmcensus.conformance.sample_minds import Fault, NotUsed, in_a_line
 
     try:
         test(brain)

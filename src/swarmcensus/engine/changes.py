@@ -11,8 +11,8 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.compiling import INSIDE, loop
+from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.draws import binomial_row
-from swarmcensus.engine.modes import COLUMNS, PART
 
 FROM, TO, AT, UNTIL = range(4)  # of a course
 SLOPE, LEAST, MOST = range(3)  # of a drift

@@ -8,10 +8,10 @@ import numpy as np
 
 from swarmcensus.basics.errors import uncoloured
 from swarmcensus.brains import Brain, numbers
-from swarmcensus.engine import glue
+from swarmcensus.engine import codegen
+from swarmcensus.engine.code_cache import LOCK, is_kept, module, source
 from swarmcensus.engine.compiling import not_compiled
-from swarmcensus.engine.modes import PHASES
-from swarmcensus.engine.modules import LOCK, is_kept, module, source
+from swarmcensus.engine.constants import PHASES
 from swarmcensus.engine.records import record_type
 from swarmcensus.metrics import GIVEN, Metric
 
@@ -40,7 +40,7 @@ class NotCompiled(Exception):
 @functools.lru_cache(maxsize=64)
 def mind_type(brain: Brain) -> np.dtype:
     """A robot's mind as a record."""
-    return record_type(glue.record_fields(brain))
+    return record_type(codegen.record_fields(brain))
 
 
 def blank(brain: Brain) -> np.ndarray:
@@ -56,12 +56,12 @@ def width(brain: Brain) -> int:
 
 def outbox(brain: Brain, robots: int, mixed: bool = False) -> np.ndarray:
     """Room for what so many robots say in a round, as the loops keep it."""
-    return np.zeros((robots, glue.outbox_width(brain, mixed)))
+    return np.zeros((robots, codegen.outbox_width(brain, mixed)))
 
 
 def flag_of(brain: Brain, mixed: bool = False) -> int:
     """Where in that it stands whether a robot said anything; -1 where all do."""
-    return glue.outbox_width(brain, mixed) - 1 if glue.is_flagged(brain, mixed) else -1
+    return codegen.outbox_width(brain, mixed) - 1 if codegen.is_flagged(brain, mixed) else -1
 
 
 def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
@@ -78,7 +78,7 @@ def blank_record(metric: Metric, **given: float) -> np.ndarray:
 
 
 def compile_brain(brain: Brain, use: str = "network", exact: bool = False, mixed: bool = False) -> Any:
-    """The addresses of a brain's functions, by their places in `modes.py`, as the engine's loops take them.
+    """The addresses of a brain's functions, by their places in `constants.py`, as the engine's loops take them.
 
     Only what the use needs is there: one of HEARING on fixed networks where that is known, else "network", or
     "moving", "alone" (local estimates) or "recorded". Brains that differ in comments or parameters share machine code;
@@ -124,7 +124,7 @@ def phases_of(brain: Brain, exact: bool = False, mixed: bool = False) -> types.M
 @functools.lru_cache(maxsize=64)
 def compile_metric(metric: Metric) -> types.ModuleType:
     """The module `watching.py` around a metric."""
-    files = {"__init__.py": "", "metric.py": metric.source, "gauge.py": glue.of_metric(metric)}
+    files = {"__init__.py": "", "metric.py": metric.source, "gauge.py": codegen.of_metric(metric)}
     return module(files | {"watching.py": source("watching.py")}, "watching")
 
 
@@ -154,7 +154,7 @@ def _loop_files() -> dict[str, str]:
 def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",
-        "brain.py": brain.source if exact else glue.essence(brain.source),
-        "mind.py": glue.of_brain(brain, mixed),
+        "brain.py": brain.source if exact else codegen.essence(brain.source),
+        "mind.py": codegen.of_brain(brain, mixed),
         "phases.py": source("phases.py"),
     }

@@ -9,7 +9,7 @@ import numpy as np
 from numba import njit
 
 from swarmcensus.engine.compiling import INSIDE, loop
-from swarmcensus.engine.modes import COLUMNS, PART
+from swarmcensus.engine.constants import COLUMNS, PART
 from swarmcensus.engine.random import unit, words
 
 LOW = np.uint64(COLUMNS - 1)

@@ -6,7 +6,7 @@ does again. It is without robots where nothing ever fails.
 """
 
 from swarmcensus.engine.compiling import loop
-from swarmcensus.engine.modes import PARTS
+from swarmcensus.engine.constants import PARTS
 
 
 @loop(from_cpython=True, forceinline=True)

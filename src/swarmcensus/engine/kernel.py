@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     BLOCK,
     BOUND,
     DECISION,

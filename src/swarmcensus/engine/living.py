@@ -4,7 +4,7 @@ import numpy as np
 
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.modes import BLOCK, FULL, HEARD, PAIRS, SENT, TALKING
+from swarmcensus.engine.constants import BLOCK, FULL, HEARD, PAIRS, SENT, TALKING
 from swarmcensus.engine.swarms import Swarm
 
 from .failures import works

@@ -4,7 +4,7 @@ import numpy as np
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.compiling import loop
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     BELIEVE,
     BOUND,
     CHANGED,

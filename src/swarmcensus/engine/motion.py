@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiling import compiled
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     AVOIDING,
     COS,
     COS_LATE,

@@ -8,7 +8,7 @@ Indices are unsigned: Numba then need not ask whether one counts from the end.
 import numpy as np
 
 from swarmcensus.engine.compiling import compiled, loop
-from swarmcensus.engine.modes import ALL_PAIRS, X, Y
+from swarmcensus.engine.constants import ALL_PAIRS, X, Y
 
 SURE = 0.99  # of the square of the skin, so that rounding loses nobody
 

@@ -2,7 +2,7 @@
 
 `.mind` is that brain (see `compiler.py`). The loops of the other files call these functions by their addresses
 (`calling.py`), which costs little because each call is for many robots. Minds lie in rows of float64, one a robot, as
-`record` says; messages likewise, a round's from row `place` of the outbox on (see `glue.py`); estimates go to `rows`
+`record` says; messages likewise, a round's from row `place` of the outbox on (see `codegen.py`); estimates go to `rows`
 from place `start` on: offsets, for a view of an array is counted, and that costs more than such a call. Robots are
 counted in uint64: Numba then need not ask whether an index counts from the end. `luck` is a random word for each call
 of the brain, of which one that does not ask for it reads nothing.
@@ -11,8 +11,8 @@ of the brain, of which one that does not ask for it reads nothing.
 import numpy as np
 
 from swarmcensus.engine.calling import ARRAY, REAL, WHOLE, phase, seen_as
-from swarmcensus.engine.modes import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, IS_DONE, VERDICTS, WRONG
-from swarmcensus.engine.wishes import chosen, ends_of
+from swarmcensus.engine.constants import CHANGED, DECIDED_IN, DECISION, DONE_ESTIMATE, DONE_IN, IS_DONE, VERDICTS, WRONG
+from swarmcensus.engine.return_values import chosen, ends_of
 
 from .mind import (
     add_sums,

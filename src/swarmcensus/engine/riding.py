@@ -10,7 +10,7 @@ from numba import njit
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import accuracy_in
 from swarmcensus.engine.compiling import INSIDE, entry, loop
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     ADD_UP,
     ASK,
     END_ROUND,

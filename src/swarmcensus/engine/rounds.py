@@ -9,8 +9,7 @@ from numba import njit
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew
 from swarmcensus.engine.compiling import INSIDE, loop
-from swarmcensus.engine.draws import arrange, count_blacks
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     ADD_UP,
     BLOCK,
     END_ROUND,
@@ -27,6 +26,7 @@ from swarmcensus.engine.modes import (
     LUCK_OBSERVE,
     SENSE,
 )
+from swarmcensus.engine.draws import arrange, count_blacks
 from swarmcensus.engine.random import words
 
 from .minds import (

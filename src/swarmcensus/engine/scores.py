@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiling import compiled, entry
-from swarmcensus.engine.modes import TILE_ZERO
+from swarmcensus.engine.constants import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit
 
 TILES, NODES = 0, 1  # what a draw is for

@@ -6,7 +6,7 @@ Compiled once on a machine, like all of the engine's loops.
 import numpy as np
 
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.modes import PACE
+from swarmcensus.engine.constants import PACE
 from swarmcensus.engine.swarms import Swarm
 
 from .riding import ask_all, live_on, room_of

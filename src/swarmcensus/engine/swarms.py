@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.engine.modes import BLOCK
+from swarmcensus.engine.constants import BLOCK
 
 
 class Swarm(NamedTuple):
@@ -15,7 +15,7 @@ class Swarm(NamedTuple):
     tell the type of a tuple of them.
     """
 
-    minds: Any  # (group, function): addresses of the brains' functions, see `modes.py`
+    minds: Any  # (group, function): addresses of the brains' functions, see `constants.py`
     bases: np.ndarray  # (group): where its rows begin, in numbers
     fields: np.ndarray  # (group): how long a row is
     named: np.ndarray  # (group): whether a mind holds its robot's name, before its beliefs

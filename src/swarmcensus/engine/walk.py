@@ -9,7 +9,19 @@ import math
 import numpy as np
 
 from swarmcensus.engine.compiling import entry
-from swarmcensus.engine.modes import COS, COS_LATE, COS_THEN, LEFT_TICKS, MOVING, PACE, SIN, SIN_LATE, SIN_THEN, X, Y
+from swarmcensus.engine.constants import (
+    COS,
+    COS_LATE,
+    COS_THEN,
+    LEFT_TICKS,
+    MOVING,
+    PACE,
+    SIN,
+    SIN_LATE,
+    SIN_THEN,
+    X,
+    Y,
+)
 from swarmcensus.engine.random import block, counter, unit
 
 from .failures import works

@@ -9,8 +9,8 @@ import numpy as np
 
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiling import compiled, entry
+from swarmcensus.engine.constants import TILE_ZERO
 from swarmcensus.engine.draws import arrange, count_blacks
-from swarmcensus.engine.modes import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit, words
 
 

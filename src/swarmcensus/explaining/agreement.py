@@ -19,7 +19,7 @@ from swarmcensus.explaining.one_setting import (
     mean_of,
     terms_of,
 )
-from swarmcensus.results.origins import origins_of
+from swarmcensus.results.source_study import origins_of
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in

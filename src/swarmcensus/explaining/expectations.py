@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from swarmcensus import theory
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.modes import LISTED
-from swarmcensus.results.origins import setting_of
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.summaries import done
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study

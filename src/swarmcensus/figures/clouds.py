@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.figures.coordinates import texts_of
-from swarmcensus.results.checking import finished
 from swarmcensus.results.selecting import require
+from swarmcensus.results.structure import finished
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics.intervals import interval_of
 from swarmcensus.worlds.networks import MOVING

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.times import in_ticks, parse_time
 from swarmcensus.results import replaying
-from swarmcensus.results.origins import setting_of
 from swarmcensus.results.selecting import require
+from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across

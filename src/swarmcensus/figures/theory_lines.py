@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 from swarmcensus.explaining.expectations import ALONE, SWARM, Line, expect
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.figures.panels import Panel
-from swarmcensus.results.checking import finished
+from swarmcensus.results.structure import finished
 
 STYLES = {ALONE: (0, (1, 1.5)), SWARM: (0, (4, 2))}  # dots, and dashes
 NAMES = {ALONE: "theory: a robot alone", SWARM: "theory: bound of the whole swarm"}

@@ -16,8 +16,8 @@ from swarmcensus.leaderboard.page import TITLE, page
 from swarmcensus.leaderboard.scores import COLUMNS, Scores, scores_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.store import load
+from swarmcensus.runs.collect import Reporting
 from swarmcensus.runs.running import run
-from swarmcensus.runs.working import Reporting
 from swarmcensus.studies.study import Study
 
 PAGE, FIGURE = "leaderboard.md", "leaderboard.png"

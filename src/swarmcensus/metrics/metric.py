@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics import plain
-from swarmcensus.basics.doors import Door
+from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.plugins import Door
 
 DOOR = Door("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
@@ -53,12 +53,12 @@ class Metric:
     @functools.cached_property
     def sha256(self) -> str:
         """The hash of the source, as stored with results."""
-        return plain.digest(self.source)
+        return safe_source.digest(self.source)
 
     @functools.cached_property
     def functions(self) -> types.ModuleType:
         """The file itself, run by CPython. Raises InputError."""
-        return plain.loaded(plain.checked(self.source, "metric", self.path)[0], "metric", self.path)
+        return safe_source.loaded(safe_source.checked(self.source, "metric", self.path)[0], "metric", self.path)
 
     @functools.cached_property
     def _record(self) -> type:
@@ -83,12 +83,12 @@ def load(name: str | Path, base: Path | None = None) -> Metric:
     Raises InputError where the file is not there or breaks the contract.
     """
     path = find(name, base)
-    return parse(plain.read_source("metric", path), str(name), path)
+    return parse(safe_source.read_source("metric", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where a metric's file is. Raises InputError where there is none."""
-    return plain.find(DOOR, str(name), base)
+    return safe_source.find(DOOR, str(name), base)
 
 
 @functools.lru_cache(maxsize=256)
@@ -98,7 +98,7 @@ def parse(source: str, name: str, path: Path) -> Metric:
     def bad(what: str, node: ast.stmt | ast.expr | None = None) -> InputError:
         return InputError(f"metric file {path}{f', line {node.lineno}' if node else ''}: {what}")
 
-    tree, constants = plain.checked(source, "metric", path)
+    tree, constants = safe_source.checked(source, "metric", path)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     for known, arity in (FUNCTIONS | MAY_HAVE).items():
         if known not in functions:
@@ -121,7 +121,7 @@ def parse(source: str, name: str, path: Path) -> Metric:
     if not _are_bounds(bounds):
         raise bad("BOUNDS should be two numbers, the least and the largest that the metric can be: (0.0, 1.0)")
     variable = variable_of(name)
-    if not plain.is_name(variable):
+    if not safe_source.is_name(variable):
         raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can, and .py after them")
     if variable in RESERVED or variable.startswith(PREFIXES) or variable.endswith(SUFFIXES):
         raise bad(f"the name {variable!r} is taken in the results: call the file otherwise")

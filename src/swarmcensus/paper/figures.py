@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import xarray as xr
 
-from swarmcensus.results.checking import finished
+from swarmcensus.results.structure import finished
 from swarmcensus.statistics.intervals import FEWEST
 
 if TYPE_CHECKING:

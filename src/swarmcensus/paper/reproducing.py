@@ -12,18 +12,18 @@ from pathlib import Path
 
 import xarray as xr
 
-from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_own, check_writable, data_path, whole
+from swarmcensus.basics.fork import beside
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
+from swarmcensus.runs.collect import Progress, Reporting
 from swarmcensus.runs.pools import compile_for
 from swarmcensus.runs.running import run, work_of
-from swarmcensus.runs.working import Progress, Reporting
 from swarmcensus.studies.study import Study
 
 FOLDERS = {"paper": "reproduction"}  # where each goes

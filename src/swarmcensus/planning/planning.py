@@ -15,8 +15,8 @@ from swarmcensus.planning.sites import NoNetwork
 from swarmcensus.planning.sizes import enough, smallest
 from swarmcensus.planning.starts import hardest
 from swarmcensus.planning.times import shortest
+from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.pools import threads
-from swarmcensus.runs.working import Progress
 
 SIZES = 5  # of a range of robots that a trade-off looks at
 

@@ -21,7 +21,7 @@ from swarmcensus.planning.starts import (
     worst,
 )
 from swarmcensus.planning.trying import Case, Curve, Show, affordable, curves, study_of
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 
 MOST_ROBOTS = 1000  # that are looked for where the mission says no number
 MOST_SECONDS = 3600.0  # of one core, predicted, for one run

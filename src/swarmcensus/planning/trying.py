@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Adversary, Brain
-from swarmcensus.engine.modes import NEVER, SENSING
+from swarmcensus.engine.constants import NEVER, SENSING
 from swarmcensus.planning.mission import Mission
 from swarmcensus.results.summaries import failed_trials
+from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import run, work_of
-from swarmcensus.runs.working import Progress
 from swarmcensus.simulation.trials import NOT_FINITE
 from swarmcensus.statistics.intervals import expected_share, interval_of
 from swarmcensus.studies.settings import Setting

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from swarmcensus.engine.modes import (
+from swarmcensus.engine.constants import (
     CHANGED,
     COVERAGE,
     DECIDED_IN,

@@ -12,7 +12,7 @@ import xarray as xr
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
-from swarmcensus.results import checking
+from swarmcensus.results import structure
 from swarmcensus.results.store import checked, load, read
 from swarmcensus.results.values import Values, blank
 
@@ -43,7 +43,7 @@ def opened(path: str | Path) -> xr.Dataset:
 
 def say_partial(data: xr.Dataset, path: Path) -> None:
     """Log where trials of a results file are still to come; of one that is not written yet it is said."""
-    lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(checking.failures(data))
+    lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(structure.failures(data))
     if lacking > 0 and path.exists():
         done, total = data.attrs["trials_done"], data.attrs["trials_total"]
         LOG.info("%s: %s of %s trials done", path, f"{done:,}", f"{total:,}")
@@ -80,9 +80,9 @@ def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
     data = sketch.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
     for name, array in values.arrays.items():
         data[name] = (values.kinds[name][0], array, sketch[name].attrs, sketch[name].encoding)
-    data.attrs["trials_done"] = int(checking.finished(data).sum())
+    data.attrs["trials_done"] = int(structure.finished(data).sum())
     data.attrs["trials_total"] = max(data.attrs["trials_total"], data.attrs["trials_done"])
-    wrong = checking.wrong(data)
+    wrong = structure.wrong(data)
     if wrong:
         raise InputError(f"what a run keeps beside its output is damaged or changed: {wrong}")
     return data

@@ -13,10 +13,10 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
 from swarmcensus.basics.options import option
-from swarmcensus.results import checking
-from swarmcensus.results.labels import MAKERS, most_trials, outline, unlike
-from swarmcensus.results.origins import studies_of
+from swarmcensus.results import structure
+from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike
 from swarmcensus.results.shards import Identity, Parts, listed
+from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load, save
 from swarmcensus.results.values import EVERY, MESSAGES, blank, is_missing, kinds_in, metrics_in, same_bits, told
 from swarmcensus.studies.study import Study
@@ -47,7 +47,7 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
                     f"{datasets[0].attrs.get(key)}"
                 )
         own = studies_of(data, run=False)
-        for wrong in filter(None, (checking.wrong(data), *unlike(data, own, whole=False))):
+        for wrong in filter(None, (structure.wrong(data), *unlike(data, own, whole=False))):
             raise InputError(f"{name}: damaged or changed: {wrong}")
         for study in own:
             studies.setdefault((study.text, *study.settings()), study)
@@ -97,16 +97,16 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
     """The finished trials: fingerprints of their settings, and their numbers."""
-    place, trial = np.nonzero(checking.finished(data))
+    place, trial = np.nonzero(structure.finished(data))
     return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
     """How many trials a dataset has of each setting, or is to have: of a rule that holds, those that it needed."""
     marks = data["fingerprint"].values.tolist()
-    failed = checking.failures(data)
+    failed = structure.failures(data)
     if any(study.until for study in studies):
-        done = checking.finished(data)
+        done = structure.finished(data)
         if data.attrs["trials_total"] == done.sum() + len(failed):
             lost = [sum(setting == number for setting, _ in failed) for number in data["setting"].values]
             return dict(zip(marks, (done.sum(axis=1) + lost).tolist(), strict=True))
@@ -162,7 +162,7 @@ def _put(
 ) -> None:
     """Copy a dataset's finished trials to their place. Raises InputError where it disagrees with what is there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
-    done = checking.finished(data)
+    done = structure.finished(data)
     ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)
     for name, (dims, *_) in kinds_in(data).items():
         where = np.ix_(*[{"setting": place, "trial": trials, "robot": robots, "checkpoint": ours}[d] for d in dims])

@@ -7,8 +7,8 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine.modes import LISTED, NEVER, PARTS
-from swarmcensus.results.origins import setting_of
+from swarmcensus.engine.constants import LISTED, NEVER, PARTS
+from swarmcensus.results.source_study import setting_of
 from swarmcensus.results.store import load
 from swarmcensus.simulation.inferring import trace_of
 from swarmcensus.simulation.rides import record_ride

@@ -17,13 +17,13 @@ from xarray.backends import H5NetCDFStore
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import reason, whole
 from swarmcensus.basics.version import __version__
-from swarmcensus.results import checking
+from swarmcensus.results import structure
 from swarmcensus.results.presence import check_there
 from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-FORMAT = checking.FORMATS[-1]
+FORMAT = structure.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 BARE = b"This is a netCDF dimension but not a netCDF variable"  # how netCDF marks what no reader shows
 
@@ -155,8 +155,8 @@ def _processor() -> str:
 
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
-    if data.attrs.get("format") in checking.FORMATS:
-        data = data.drop_attrs(deep=False).assign_attrs(checking.selected(data))
+    if data.attrs.get("format") in structure.FORMATS:
+        data = data.drop_attrs(deep=False).assign_attrs(structure.selected(data))
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
     fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
@@ -183,7 +183,7 @@ def load(path: str | Path) -> xr.Dataset:
 
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
     """The same dataset, read from a file. Raises InputError where it was changed."""
-    if wrong := checking.wrong(data):
+    if wrong := structure.wrong(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
 
@@ -215,7 +215,7 @@ def read(path: str | Path) -> xr.Dataset:
         ) from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
-    if wrong := checking.unmask(data):
+    if wrong := structure.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
 

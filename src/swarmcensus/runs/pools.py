@@ -11,9 +11,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from swarmcensus.basics.copies import beside
 from swarmcensus.basics.errors import InputError
-from swarmcensus.engine import compiler, modules
+from swarmcensus.basics.fork import beside
+from swarmcensus.engine import code_cache, compiler
 from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
@@ -101,7 +101,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     new = [one for one in tiny if not _is_compiled(*one)]
     for setting, study in tiny:
         if (setting, study) not in new:
-            LOG.debug("%s: machine code found in %s", _loops(setting), modules.cache_root())
+            LOG.debug("%s: machine code found in %s", _loops(setting), code_cache.cache_root())
     begun = time.monotonic()
     kinds = len({_loops(setting) for setting, _ in new})
     here, beside_it = deque(new), deque[tuple[Setting, Study]]()
@@ -117,7 +117,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
     def compile_moving() -> None:
         _run_all(moving)
 
-    alone = not moving or len(moving) == len(new) or not modules.keeps()
+    alone = not moving or len(moving) == len(new) or not code_cache.keeps()
     ended = compile_moving if alone else beside(compile_moving, tell)
     if ended is not compile_moving:
         here, beside_it = deque(one for one in new if not one[0].body), deque(moving)
@@ -130,7 +130,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         ended()
     _run_all(tiny)
     if new:
-        kept = f", kept in {modules.cache_root()}" if modules.keeps() else ""
+        kept = f", kept in {code_cache.cache_root()}" if code_cache.keeps() else ""
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 

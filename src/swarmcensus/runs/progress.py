@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines

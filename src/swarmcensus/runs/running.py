@@ -20,11 +20,11 @@ from swarmcensus.results import store
 from swarmcensus.results.rooms import Room
 from swarmcensus.results.values import Values
 from swarmcensus.runs import pools
+from swarmcensus.runs.collect import Progress, State, work
 from swarmcensus.runs.forecasts import tell_length
 from swarmcensus.runs.progress import showing
 from swarmcensus.runs.resuming import hold
 from swarmcensus.runs.tasks import bundled, plan
-from swarmcensus.runs.working import Progress, State, work
 from swarmcensus.simulation.trials import seconds
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study

@@ -12,8 +12,8 @@ import xarray as xr
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.results import shards
-from swarmcensus.results.checking import failures, finished
 from swarmcensus.results.store import load
+from swarmcensus.results.structure import failures, finished
 from swarmcensus.runs.progress import clock
 
 GOES_ON = "the same swarmcensus run goes on from here"

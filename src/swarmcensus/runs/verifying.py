@@ -15,9 +15,9 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.version import __version__
 from swarmcensus.metrics import Metric
-from swarmcensus.results import checking
-from swarmcensus.results.labels import settings_of, unchecked, unlike
-from swarmcensus.results.origins import Brains, metrics_may_run, must_be_read, studies_of
+from swarmcensus.results import structure
+from swarmcensus.results.check_against_study import settings_of, unchecked, unlike
+from swarmcensus.results.source_study import Brains, metrics_may_run, must_be_read, studies_of
 from swarmcensus.results.store import load, provenance
 from swarmcensus.results.values import (
     ESTIMATES,
@@ -32,8 +32,8 @@ from swarmcensus.results.values import (
     kinds_in,
     same_bits,
 )
+from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import half_width, recompute
-from swarmcensus.runs.working import Progress
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -92,14 +92,14 @@ def verify(
     if not 0.0 < sample <= 1.0:
         raise InputError(f"sample = {sample:g}: should be a share above 0, and 1 at the most")
     data = results if isinstance(results, xr.Dataset) else load(results)
-    if wrong := checking.wrong(data):
+    if wrong := structure.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
     labels = [*unlike(data, studies), *_ended(data, studies)]
     tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
-    for setting, trial in checking.failures(data):  # these should fail again
+    for setting, trial in structure.failures(data):  # these should fail again
         tried |= np.outer(data.variables["setting"].values == setting, data.variables["trial"].values == trial)
     done = np.argwhere(tried)
     count = min(len(done), max(1, math.ceil(sample * len(done))))
@@ -125,18 +125,18 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
         yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
-    if checking.is_old(data):
+    if structure.is_old(data):
         yield "the file is of the first format: descriptions and what a rule came to are not compared"
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
-        failed = len(checking.failures(data))
+        failed = len(structure.failures(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
     told = {name for study in studies for setting in study.settings() for name in setting.coordinates}
     for name in sorted({*IN_TIME} & told - {*map(str, data.variables)}):
         yield f"{name} is not in the file: the first files of its format did not have it"
     if "messages_sent" in data:
-        uncounted = int((checking.finished(data) & is_missing(data.variables["messages_sent"].values[:, :, 0])).sum())
+        uncounted = int((structure.finished(data) & is_missing(data.variables["messages_sent"].values[:, :, 0])).sum())
         if uncounted:
             yield f"messages of {counted(uncounted, 'trial')} are not in the file: an earlier format did not count them"
     own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
@@ -146,11 +146,11 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
 
 def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """Where results say that no trial is to come: what their rules ask for and is not there, and what they came to."""
-    if checking.is_old(data):
+    if structure.is_old(data):
         return  # intervals were others then
     failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
-    for setting, trial in checking.failures(data):
+    for setting, trial in structure.failures(data):
         failed[rows[setting], columns[trial]] = True
     values = Values.of(data)
     ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import line_of
-from swarmcensus.engine.modes import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
+from swarmcensus.engine.constants import FULL, LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER, PAIRS, SENSING, TALKING
 from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation import oracle
 from swarmcensus.simulation.inputs import inputs_of

@@ -12,8 +12,8 @@ from typing import Protocol
 import numpy as np
 
 from swarmcensus.engine import compiler
+from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.swarms import Swarm
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.engine.modes import LUCK_FUSE, LUCK_OBSERVE
+from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE
 from swarmcensus.engine.random import chance, word_of, words
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, free

@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.engine import compiler
-from swarmcensus.engine.modes import VERDICTS, WRONG
+from swarmcensus.engine.constants import VERDICTS, WRONG
 from swarmcensus.engine.swarms import Swarm, runs_of
 from swarmcensus.simulation.inputs import Inputs
 from swarmcensus.simulation.intervals import ENDS

@@ -13,7 +13,7 @@ import numpy as np
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.engine.modes import PART, VERDICTS
+from swarmcensus.engine.constants import PART, VERDICTS
 from swarmcensus.engine.swarms import Swarm
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.modes import ALL_PAIRS, COS, PACE, SIN, STATE, X, Y
+from swarmcensus.engine.constants import ALL_PAIRS, COS, PACE, SIN, STATE, X, Y
 from swarmcensus.worlds.bodies import Body
 
 CHUNK_BYTES = 4_000_000  # of a walk kept at a time

@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from typing import Any
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.doors import Door
 from swarmcensus.basics.forms import TEXT, Form, Schema
+from swarmcensus.basics.plugins import Door
 from swarmcensus.basics.times import MOST, WORDS
 from swarmcensus.brains import adversary
 from swarmcensus.brains.fields import LARGEST

@@ -11,8 +11,8 @@ from pydantic import ValidationError
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.plugins import Door
 from swarmcensus.brains import Adversary, Brain, adversary
 from swarmcensus.studies import display
 from swarmcensus.studies.checks import all_settings, check

@@ -13,8 +13,8 @@ from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain
 from swarmcensus.results import store
 from swarmcensus.results.presence import folder_of
+from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import run
-from swarmcensus.runs.working import Progress
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml
 

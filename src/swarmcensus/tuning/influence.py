@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 
 from swarmcensus.basics.seeds import seed_for
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.trying import Floats, Training
 

@@ -12,7 +12,7 @@ from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
 from swarmcensus.basics.seeds import seed_for
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 from swarmcensus.tuning.logs import Evaluation, Log, hint
 from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import Plan

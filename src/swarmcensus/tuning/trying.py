@@ -14,8 +14,8 @@ from swarmcensus.results import store
 from swarmcensus.results.measures import MADE_OF, OURS, Measure, chosen, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
 from swarmcensus.runs import pools
+from swarmcensus.runs.collect import Progress, State, work
 from swarmcensus.runs.tasks import bundled, plan
-from swarmcensus.runs.working import Progress, State, work
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.objectives import COMPANIONS

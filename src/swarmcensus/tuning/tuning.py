@@ -11,7 +11,7 @@ from swarmcensus.basics.files import check_writable, whole
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain, Value
 from swarmcensus.runs import pools
-from swarmcensus.runs.working import Progress
+from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.budgets import budget_of
 from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of

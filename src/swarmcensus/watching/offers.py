@@ -88,8 +88,8 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
 
 def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
     from swarmcensus.results.early import opened
-    from swarmcensus.results.origins import setting_of, studies_of
     from swarmcensus.results.selecting import require
+    from swarmcensus.results.source_study import setting_of, studies_of
 
     data = opened(of) if isinstance(of, Path) else of
     require(data)

@@ -6,7 +6,7 @@ import numpy as np
 
 from swarmcensus.basics.documents import plain
 from swarmcensus.brains.fields import slots
-from swarmcensus.engine.modes import LISTED
+from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.watching.shows import Show
 

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.engine.modes import LISTED
+from swarmcensus.engine.constants import LISTED
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.worlds.arena import tiles_across
 

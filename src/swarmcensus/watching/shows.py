@@ -13,8 +13,8 @@ import numpy as np
 
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.engine import compiler
+from swarmcensus.engine.constants import LISTED, NOISE, SAID, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.modes import LISTED, NOISE, SAID, TALKING
 from swarmcensus.simulation.intervals import ENDS
 from swarmcensus.simulation.living import Life, Stretch
 from swarmcensus.simulation.swarming import DECIDED, IS_DONE, fields_of, free, right_option

@@ -9,7 +9,7 @@ from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, ROBOTS
 from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
-from swarmcensus.engine.modes import MOVING, NEVER, PARTS, SENSING, TALKING
+from swarmcensus.engine.constants import MOVING, NEVER, PARTS, SENSING, TALKING
 
 NAMES = {"moving": MOVING, "sensing": SENSING, "talking": TALKING}
 HOW_MANY = "robots of a fault are a whole number, or a fraction in [0, 1]"

@@ -8,7 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.engine.modes import LISTED
+from swarmcensus.engine.constants import LISTED
 from swarmcensus.worlds import generators
 from swarmcensus.worlds.networks import Topology, parse_topology
 from swarmcensus.worlds.wiring import DOOR

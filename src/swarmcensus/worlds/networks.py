@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.doors import Keys
 from swarmcensus.basics.hints import did_you_mean, first_meant
+from swarmcensus.basics.plugins import Keys
 from swarmcensus.engine.addresses import address
-from swarmcensus.engine.modes import FULL, LISTED, PAIRS
+from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, read_edges

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.doors import Door, told
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.plugins import Door, told
 from swarmcensus.engine.compiler import compile_world
 
 DOOR = Door("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.basics.doors import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.plugins import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.worlds.chance import Chance
 
 DOOR = Door("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")

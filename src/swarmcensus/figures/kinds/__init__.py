@@ -10,9 +10,9 @@ from collections.abc import Callable
 from types import ModuleType
 from typing import Any
 
-from swarmcensus.basics.doors import Door
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.plugins import Door
 
 Kind = inspect.Parameter
 DOOR = Door("figure", "swarmcensus.figures", __name__)

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.conformance.lives import (
+from swarmcensus.conformance.sample_minds import (
     SEED,
     Fault,
     at,

@@ -4,8 +4,8 @@ import argparse
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.plotting import brain_of, figure_files, save_figure
-from swarmcensus.cli.voice import wrote
+from swarmcensus.cli.output import wrote
+from swarmcensus.cli.plot import brain_of, figure_files, save_figure
 
 
 def replay(options: argparse.Namespace) -> int:

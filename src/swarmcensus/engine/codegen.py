@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
-from swarmcensus.engine.modes import NOISE, SAID
+from swarmcensus.engine.constants import NOISE, SAID
 from swarmcensus.metrics import Metric
 
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
@@ -18,7 +18,7 @@ from swarmcensus.engine.calling import nobody, word_at
 from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import chance
 from swarmcensus.engine.records import record_type
-from swarmcensus.engine.wishes import spoken, whole_vector
+from swarmcensus.engine.return_values import spoken, whole_vector
 
 from . import brain
 

@@ -28,8 +28,8 @@ HERE = Path(__file__).parent
 SOURCES = (
     "draws.py",
     "random.py",
-    "modes.py",
-    "wishes.py",
+    "constants.py",
+    "return_values.py",
     "calling.py",
     "swarms.py",
     "compiling.py",

@@ -6,8 +6,9 @@ import numpy as np
 
 from swarmcensus.brains import Brain
 from swarmcensus.brains.syntax import INTERVAL
-from swarmcensus.conformance.hearing import any_order, sums_add
-from swarmcensus.conformance.lives import (
+from swarmcensus.conformance.message_checks import any_order, sums_add
+from swarmcensus.conformance.reading_checks import looks_add_up
+from swarmcensus.conformance.sample_minds import (
     Fault,
     NotUsed,
     at,
@@ -17,7 +18,6 @@ from swarmcensus.conformance.lives import (
     lives,
     of,
 )
-from swarmcensus.conformance.seeing import looks_add_up
 from swarmcensus.simulation.oracle import fixed
 
 

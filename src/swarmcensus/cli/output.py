@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from swarmcensus.runs.working import Progress
+    from swarmcensus.runs.collect import Progress
 
 LOG = logging.getLogger("swarmcensus")
 WROTE = LOG.getChild("wrote")

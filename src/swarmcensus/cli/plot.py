@@ -10,7 +10,7 @@ from typing import Any
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.voice import LOG, wrote
+from swarmcensus.cli.output import LOG, wrote
 
 HANDED_ON = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
@@ -50,7 +50,7 @@ def plot(options: argparse.Namespace) -> int:
 
 def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, Any]:
     """The options of a kind as they are given, or by default. Raises InputError for those that it has not."""
-    from swarmcensus.basics.doors import keys_of, read_keys
+    from swarmcensus.basics.plugins import keys_of, read_keys
     from swarmcensus.basics.times import Time
     from swarmcensus.figures.kinds import DOOR, find
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from swarmcensus.brains import Brain
-from swarmcensus.conformance import chances
-from swarmcensus.conformance.lives import (
+from swarmcensus.conformance import random_checks
+from swarmcensus.conformance.sample_minds import (
     CLOSE,
     PLAIN,
     SEED,
@@ -34,7 +34,7 @@ ONE_BY_ONE = 2000  # and not more: a brain may take its time
 def looks_add_up(brain: Brain) -> None:
     """Readings of one colour at once, in parts, and one by one; mixed ones where their order means nothing."""
     if "observe" in brain.uses.lucky:
-        chances.looks_add_up(brain, _starts(brain))
+        random_checks.looks_add_up(brain, _starts(brain))
         return
     for where, start, cases in _starts(brain):
         for blacks, looks in cases:
@@ -93,7 +93,7 @@ def _halves(blacks: int, looks: int) -> list[tuple[int, int]]:
 def _parts(blacks: int, looks: int, sizes: tuple[int, ...]) -> list[tuple[int, int]]:
     """Parts of these sizes, again and again, the black readings first."""
     parts: list[tuple[int, int]] = []
-    for size in chances.split(looks, sizes):
+    for size in random_checks.split(looks, sizes):
         parts.append((min(size, blacks), size))
         blacks -= parts[-1][0]
     return parts

@@ -7,8 +7,8 @@ import numpy as np
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.brains import Brain, Vector, numbers, slots
-from swarmcensus.conformance import chances
-from swarmcensus.conformance.lives import (
+from swarmcensus.conformance import random_checks
+from swarmcensus.conformance.sample_minds import (
     CLOSE,
     SEED,
     Fault,
@@ -35,7 +35,7 @@ SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together
 def any_order(brain: Brain) -> None:
     """The same messages leave the same mind, whatever their order; where there is luck, the same chances of it."""
     if "receive" in brain.uses.lucky:
-        chances.any_order(brain)
+        random_checks.any_order(brain)
         return
     heard = [call(brain, "before the first observation", "broadcast", brain.robot(0.8, 0.7))]
     for b, w, blacks in ((0.9, 0.6, 3.0), (0.6, 0.75, 11.0), (0.3, 0.6, 5.0), (0.75, 0.75, 8.0), (0.9, 0.9, 1.0)):

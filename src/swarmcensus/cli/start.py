@@ -9,7 +9,7 @@ import shutil
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.voice import answer, wrote
+from swarmcensus.cli.output import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # what to do with them

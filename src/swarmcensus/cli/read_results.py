@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
-from swarmcensus.cli.voice import answer, reporting, wrote
+from swarmcensus.cli.output import answer, reporting, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
@@ -22,8 +22,8 @@ def show(options: argparse.Namespace) -> int:
     from swarmcensus.results import selecting, summaries
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
     from swarmcensus.results.early import opened
-    from swarmcensus.results.origins import round_of
     from swarmcensus.results.remeasuring import remeasure
+    from swarmcensus.results.source_study import round_of
 
     stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
     data = selecting.where(stored, options.where)

@@ -3,7 +3,7 @@
 import argparse
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.cli.voice import answer, reporting, say, wrote
+from swarmcensus.cli.output import answer, reporting, say, wrote
 
 if TYPE_CHECKING:
     from collections.abc import Iterator

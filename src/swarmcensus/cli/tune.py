@@ -5,7 +5,7 @@ import time
 from pathlib import Path
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.cli.voice import answer, reporting, say, wrote
+from swarmcensus.cli.output import answer, reporting, say, wrote
 
 
 def tune(options: argparse.Namespace) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.options import MOST_ROWS
-from swarmcensus.cli.voice import answer, say, wrote
+from swarmcensus.cli.output import answer, say, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.comparing.comparison import Comparison
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 def compare(options: argparse.Namespace) -> int:
     """Compare brains within each world."""
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.cli import comparison_groups_page, comparison_page
-    from swarmcensus.cli.plotting import figure_files
+    from swarmcensus.cli import compare_tables, comparison_groups_page
+    from swarmcensus.cli.plot import figure_files
     from swarmcensus.cli.tables import head
     from swarmcensus.comparing.comparison import compare as compare_results
     from swarmcensus.comparing.latex import write_latex
@@ -45,7 +45,7 @@ def compare(options: argparse.Namespace) -> int:
     elif options.by:
         comparison_groups_page.show(found, title, again, list(dict.fromkeys(options.by)), limit)
     else:
-        comparison_page.show(found, title, again, limit, options.pairs)
+        compare_tables.show(found, title, again, limit, options.pairs)
     if options.csv:
         wrote(f"{options.csv}: {counted(write_csv(found, options.csv), 'row')}")
     if options.latex:
@@ -80,7 +80,7 @@ def _again(options: argparse.Namespace) -> str:
 
 def _draw(found: "Comparison", figures: dict[str, Path]) -> None:
     """Draw what can be drawn of it, and say what cannot."""
-    from swarmcensus.cli.plotting import save_figure
+    from swarmcensus.cli.plot import save_figure
     from swarmcensus.figures.pareto_fronts import draw_pareto
     from swarmcensus.figures.rank_lines import draw_ranks
 

@@ -17,7 +17,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import option
 from swarmcensus.basics.times import Time, in_ticks
 from swarmcensus.brains import adversary
-from swarmcensus.results.checking import adversaries_in, made_from
+from swarmcensus.results.structure import adversaries_in, made_from
 from swarmcensus.results.values import additions_in, edited, metrics_in
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from urllib.parse import parse_qsl, urlsplit
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.voice import say, wrote
+from swarmcensus.cli.output import say, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.watching.offers import Offer

@@ -4,7 +4,7 @@ import argparse
 import time
 
 from swarmcensus.cli.mission_options import tables_of
-from swarmcensus.cli.voice import answer, reporting, say
+from swarmcensus.cli.output import answer, reporting, say
 
 
 def plan(options: argparse.Namespace) -> int:
@@ -15,7 +15,7 @@ def plan(options: argparse.Namespace) -> int:
 
     from swarmcensus.basics.errors import InputError
     from swarmcensus.basics.files import check_writable
-    from swarmcensus.cli.plan_page import show
+    from swarmcensus.cli.plan_table import show
     from swarmcensus.planning.mission import load_mission, mission_of
     from swarmcensus.planning.planning import plan as plan_of
     from swarmcensus.planning.plans import check_lines, check_out

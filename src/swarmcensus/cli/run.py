@@ -7,7 +7,7 @@ from pathlib import Path
 
 from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.cli.voice import answer, reporting, say, wrote
+from swarmcensus.cli.output import answer, reporting, say, wrote
 
 
 def reproduce(options: argparse.Namespace) -> int:
@@ -93,17 +93,17 @@ def _cluster(options: argparse.Namespace) -> str | None:
 
 def brains(options: argparse.Namespace) -> int:
     """List, show or check brains and adversaries."""
-    from swarmcensus.cli import shelves
+    from swarmcensus.cli import list_brains
 
     if options.check is None and options.show is None:
         if options.wearing:
             raise InputError(f"--wearing {options.wearing}: it goes with --check or --show, and an adversary")
-        known, liars = shelves.brains(), shelves.adversaries()
+        known, liars = list_brains.brains(), list_brains.adversaries()
         if options.json:
             answer("brains", {"brains": known, "adversaries": liars})
         else:
-            shelves.show_brains(known)
-            shelves.show_adversaries(liars)
+            list_brains.show_brains(known)
+            list_brains.show_adversaries(liars)
         return 0
     from swarmcensus.brains import find
     from swarmcensus.conformance.suite import check, subject
@@ -118,7 +118,7 @@ def brains(options: argparse.Namespace) -> int:
     say(f"checking {options.check}: compiled too, which takes up to a minute")
     found = check(options.check, wearing=options.wearing)
     if not options.json:
-        return 0 if shelves.checks(options.check, found) else 2
+        return 0 if list_brains.checks(options.check, found) else 2
     conforms = all(one.fault is None for one in found)
     answer("checks", {"file": options.check, "conforms": conforms, "checks": found})
     return 0 if conforms else 2

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.counting import counted
-from swarmcensus.cli.voice import answer
+from swarmcensus.cli.output import answer
 
 if TYPE_CHECKING:
     from swarmcensus.explaining.one_setting import Explanation, Interval
