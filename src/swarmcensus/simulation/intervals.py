@@ -17,7 +17,7 @@ class Asked(NamedTuple):
 
     truths: np.ndarray  # (checkpoint): the fill ratios that intervals should hold
     bounds: np.ndarray  # (end, robot): room for those of a checkpoint; no robots where nobody has any
-    sure: np.ndarray  # (trial, what, checkpoint): see `engine.modes`; NaN where nobody honest has any
+    sure: np.ndarray  # (trial, what, checkpoint): see `engine.constants`; NaN where nobody honest has any
     wrong: np.ndarray  # (trial, 4): the first that is none: the robot, below 0 for nobody, the round and both ends
 
     @classmethod
