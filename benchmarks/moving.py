@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.engine.addresses import address
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.inputs import inputs_of

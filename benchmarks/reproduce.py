@@ -11,7 +11,7 @@ import tempfile
 import time
 
 from swarmcensus import Study, run
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 
 COMMAND = [sys.executable, "-m", "swarmcensus", "reproduce"]
 

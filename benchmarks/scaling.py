@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.runs.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
 from swarmcensus.runs.tasks import bundled, plan

@@ -16,10 +16,9 @@ from rich.console import Console
 from rich.table import Table
 
 import swarmcensus as sc
-from swarmcensus.tuning import objectives, rounds
-from swarmcensus.tuning.budgets import budget_of
+from swarmcensus.tuning import rounds, trying
 from swarmcensus.tuning.logs import Log
-from swarmcensus.tuning.plans import plan_of
+from swarmcensus.tuning.plans import budget_of, plan_of
 from swarmcensus.tuning.trying import Training
 
 BEST = (0.6, 0.4)
@@ -109,11 +108,11 @@ def flat(console, folder, studies):
         title=f"consensus_right of {studies} winners, from explore = 500, listen = 900: 0 %",
     )  # fmt: skip
     study = sc.Study.parse(VOTERS, context={"base": folder})
-    kept = dict(objectives.COMPANIONS)
+    kept = dict(trying.COMPANIONS)
     for budget in (60, 200):
         for companion in (True, False):
-            objectives.COMPANIONS.clear()
-            objectives.COMPANIONS.update(kept if companion else {})
+            trying.COMPANIONS.clear()
+            trying.COMPANIONS.update(kept if companion else {})
             right = []
             for seed in range(studies):
                 asked = ["explore=1:1000", "listen=1:1000"]
@@ -127,7 +126,7 @@ def flat(console, folder, studies):
                 right.append(float(data["consensus_right"].mean()))
             ties = "decided_right" if companion else "not broken"
             out.add_row(f"{budget}", ties, f"{np.mean(right):.0%}", f"{np.sum(np.array(right) == 0)}")
-    objectives.COMPANIONS.update(kept)
+    trying.COMPANIONS.update(kept)
     console.print(out)
 
 

@@ -10,7 +10,7 @@ from unittest import mock
 from mkdocs.config.defaults import MkDocsConfig
 from mkdocs.structure.files import File, Files
 
-from swarmcensus.cli.commands import COMMANDS, parser
+from swarmcensus.cli.commands import parser
 
 URI = "reference/command-line.md"
 Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
@@ -25,7 +25,7 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
 
 def page() -> str:
     """All commands and options, as Markdown."""
-    top = parser(COMMANDS)
+    top = parser()
     [commands] = (a for a in top._actions if isinstance(a, argparse._SubParsersAction))
     return "\n".join(["# Command line", "", *_opening(top, commands), *_sections(commands)])
 

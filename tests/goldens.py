@@ -100,7 +100,7 @@ def of_study(name: str, trials: int) -> str:
 def of_the_rest() -> dict[str, str]:
     """Texts by the names of their files."""
     example = ROOT / "studies" / "example"
-    plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 20)
+    plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 40)
     found = {
         "schemas": printed("studies", "--schema") + printed("plan", "--schema"),
         "lists": printed("list") + printed("brains") + printed("studies") + printed("list", "--json"),
@@ -108,7 +108,7 @@ def of_the_rest() -> dict[str, str]:
         "plan": printed(*plan, "--robots", "5:40", "--minutes", 8, "--out", "plan.json")
         + printed(*plan, "--robots", 20, "--minutes", "1:20", "--out", "plan.toml", "--plot", "plan.png"),
         "tune": printed(
-            *("tune", example / "tuning.toml", "--parameters", "prior=1:100:log", "--budget", 12, "--trials", 4),
+            *("tune", example / "tuning.toml", "--parameters", "prior=1:100:log", "--budget", 26, "--trials", 4),
             *("--out", "tuned.toml"),
         ),
         "watch": printed("watch", "--export", "watch.html", "--set", "tick=50", "--set", "robots=10"),

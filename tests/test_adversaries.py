@@ -6,7 +6,7 @@ import pytest
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import adversary
-from swarmcensus.brains.telling import HELPERS
+from swarmcensus.brains.adversary_source import HELPERS
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import suite
 from swarmcensus.conformance.contract_checks import PROMISES

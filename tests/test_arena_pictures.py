@@ -17,9 +17,9 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.arena_margins import LINK
-from swarmcensus.figures.arena_pictures import FINE, Arena, scene_of, snapshot
 from swarmcensus.figures.files import save
-from swarmcensus.figures.films import film
+from swarmcensus.figures.kinds.arena import FINE, Arena, scene_of, snapshot
+from swarmcensus.figures.kinds.film import write_film
 from swarmcensus.results.recordings import write_trace
 from swarmcensus.results.source_study import studies_of
 
@@ -356,7 +356,7 @@ def test_the_key_names_the_parts_that_fail_and_no_others(scene, tmp_path: Path):
     assert "stopped moving" not in said
     dark = []
     for tick in (29, 30):
-        film(trace, floor, tmp_path / "x.gif", first=tick, last=tick)
+        write_film(trace, floor, tmp_path / "x.gif", first=tick, last=tick)
         with Image.open(tmp_path / "x.gif") as gif:
             dark.append(np.mean(np.asarray(gif.convert("L"))[60:450, 25:425] < 40))
     assert dark[1] > dark[0] + 0.001  # strokes are drawn in films too
@@ -373,7 +373,7 @@ def test_a_film_has_its_frames_and_they_are_snapshots(scene, tmp_path: Path, suf
     told = []
     if suffix == "mp4":
         ffmpeg = pytest.importorskip("imageio_ffmpeg")
-    assert film(trace, floor, path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
+    assert write_film(trace, floor, path, first=3, last=12, every=4, fps=10, progress=lambda *n: told.append(n)) == 3
     assert told == [(1, 3), (2, 3), (3, 3)]
     assert list(tmp_path.iterdir()) == [path]
     if suffix == "mp4":
@@ -413,7 +413,7 @@ def test_a_film_is_whole_or_not_at_all(scene, tmp_path: Path):
     for path in (tmp_path / "x.gif", tmp_path / "x.mp4"):
         path.write_text("old")
         with pytest.raises(KeyboardInterrupt):
-            film(trace, floor, path, progress=stop)
+            write_film(trace, floor, path, progress=stop)
         assert path.read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 2
 
@@ -440,7 +440,7 @@ def test_a_film_that_ffmpeg_did_not_finish_is_an_error(scene, tmp_path: Path, mo
 
     monkeypatch.setattr(ffmpeg, "write_frames", cut if fault == "cut" else killed)
     with pytest.raises(InputError, match=r"^cannot write .*x\.mp4: ffmpeg (failed|stopped)$"):
-        film(trace, floor, tmp_path / "x.mp4", last=4)
+        write_film(trace, floor, tmp_path / "x.mp4", last=4)
     assert not list(tmp_path.iterdir())
 
 
@@ -454,13 +454,13 @@ def test_films_that_cannot_be_are_input_errors(scene, tmp_path: Path, monkeypatc
         ({"fps": 51}, "at most 50 frames a second"),
     ):
         with pytest.raises(InputError, match=said):
-            film(trace, floor, tmp_path / "x.gif", **wrong)
-    monkeypatch.setattr("swarmcensus.figures.films.MOST_GIF_FRAMES", 10)
+            write_film(trace, floor, tmp_path / "x.gif", **wrong)
+    monkeypatch.setattr("swarmcensus.figures.kinds.film.MOST_GIF_FRAMES", 10)
     with pytest.raises(InputError, match=r"11 frames: a GIF may have 10.*write an \.mp4"):
-        film(trace, floor, tmp_path / "x.gif", first=0, last=10, every=1)
+        write_film(trace, floor, tmp_path / "x.gif", first=0, last=10, every=1)
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(InputError, match="pip install 'imageio-ffmpeg"):
-        film(trace, floor, tmp_path / "x.mp4")
+        write_film(trace, floor, tmp_path / "x.mp4")
     assert not list(tmp_path.iterdir())
 
 

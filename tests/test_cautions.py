@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.cli.commands import main
 from swarmcensus.results.cautions import settled_at_start, warn_of_start
 

@@ -8,9 +8,9 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.figures.arena_pictures import Arena, scene_of
-from swarmcensus.figures.films import film
+from swarmcensus.figures.kinds.arena import Arena, scene_of
 from swarmcensus.figures.kinds.curves import curves
+from swarmcensus.figures.kinds.film import write_film
 from swarmcensus.simulation import rides
 from swarmcensus.worlds import patterns
 from swarmcensus.worlds.changes import Change, along
@@ -82,7 +82,7 @@ def test_figures_show_the_truth_and_the_floor_of_the_moment(tmp_path):
     before = empty.axes.get_facecolor()
     empty.show(100)
     assert empty.axes.get_facecolor() != before
-    assert film(trace, floor, tmp_path / "f.gif", first=29, last=33) == 3
+    assert write_film(trace, floor, tmp_path / "f.gif", first=29, last=33) == 3
 
 
 def test_a_floor_that_cannot_tell_which_tiles_turn_is_refused(tmp_path, monkeypatch):

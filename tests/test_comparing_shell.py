@@ -12,8 +12,8 @@ from matplotlib.figure import Figure
 import swarmcensus as sc
 from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.pareto_fronts import draw_pareto, front
-from swarmcensus.figures.rank_lines import draw_ranks
+from swarmcensus.figures.kinds.pareto import draw_pareto, front
+from swarmcensus.figures.kinds.ranks import draw_ranks
 from swarmcensus.results.values import MESSAGES
 from tests.contending import made_up
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from swarmcensus.basics.counting import counted, grouped
+from swarmcensus.basics.formatting import counted, grouped
 
 
 @pytest.mark.parametrize(

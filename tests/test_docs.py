@@ -11,8 +11,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import metrics
-from swarmcensus.cli.commands import COMMANDS, main, parser
-from swarmcensus.cli.mission_options import KEYS
+from swarmcensus.cli.commands import main, parser
+from swarmcensus.cli.plan import KEYS
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of
@@ -200,7 +200,7 @@ def commands(text):
             words = words[end + 1 :]
 
 
-PROGRAM = parser(COMMANDS)
+PROGRAM = parser()
 
 
 @examples("console", "sh")

@@ -20,9 +20,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.options import of_a_shell
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
-from swarmcensus.figures.dot_names import label_dots
 from swarmcensus.figures.kinds.decisions import decisions_grid
-from swarmcensus.figures.kinds.scatter import scatter_grid
+from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
 from swarmcensus.figures.looks import keyed, looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.values import SINCE_3
 from swarmcensus.worlds import arena

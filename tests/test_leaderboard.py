@@ -11,7 +11,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.leaderboard import entries
+from swarmcensus.leaderboard import board as entries
 from swarmcensus.leaderboard.board import leaderboard
 from swarmcensus.leaderboard.page import cell
 from swarmcensus.leaderboard.scores import COLUMNS, scores_of

@@ -2,7 +2,7 @@
 
 import pytest
 
-from swarmcensus.basics.digits import told_apart
+from swarmcensus.basics.formatting import told_apart
 from swarmcensus.figures.lettering import shortened, width_of, wrapped
 
 NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"

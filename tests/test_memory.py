@@ -9,9 +9,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.results import rooms, shards, store
-from swarmcensus.results.rooms import Room
-from swarmcensus.results.values import Values
+from swarmcensus.results import shards, store
+from swarmcensus.results import values as rooms
+from swarmcensus.results.values import Room, Values
 from swarmcensus.runs import pools, tasks
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_estimates, record_trial

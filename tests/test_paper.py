@@ -13,9 +13,9 @@ import xarray as xr
 from rich.console import Console
 
 import swarmcensus as sc
-from swarmcensus.basics import shipped
+from swarmcensus.basics import files as shipped
 from swarmcensus.basics.errors import InputError, Interrupted
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.decisions import decisions_grid
 from swarmcensus.figures.kinds.scatter import scatter_grid
@@ -23,7 +23,7 @@ from swarmcensus.paper import claims, page, report
 from swarmcensus.paper import reproducing as paper
 from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.paper.strips import strip
+from swarmcensus.paper.page import strip
 from swarmcensus.results import store as results
 
 CLAIM = claims.CLAIMS[0]

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.paper import claims, report
 from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail

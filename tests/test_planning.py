@@ -10,9 +10,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.planning.mission import mission_of
 from swarmcensus.planning.planning import question_of
-from swarmcensus.planning.reaching import reached
 from swarmcensus.planning.search import Search
 from swarmcensus.planning.sizes import smallest
+from swarmcensus.planning.times import reached
 from swarmcensus.planning.trying import Case, Curve, curves, study_of
 from swarmcensus.planning.wishes import Goal
 

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 
 from swarmcensus import theory
-from swarmcensus.planning.meetings import meeting_factors, meeting_rate
 from swarmcensus.planning.mission import mission_of
-from swarmcensus.planning.starts import limit_of, readings_needed, start_of, tiles_of, variance, worst
+from swarmcensus.planning.starts import (
+    limit_of,
+    meeting_factors,
+    meeting_rate,
+    readings_needed,
+    start_of,
+    tiles_of,
+    variance,
+    worst,
+)
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.ground import reachable
 

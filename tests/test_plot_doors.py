@@ -20,8 +20,8 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds import DOOR, find
+from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
-from swarmcensus.figures.overlaps import stretches
 from swarmcensus.results.selecting import TooMuch
 from swarmcensus.statistics.intervals import interval_of
 from tests.test_docs import ROOT, blocks, commands

@@ -15,13 +15,13 @@ import pytest
 from filelock import FileLock
 
 import swarmcensus as sc
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
 from swarmcensus.results import shards
 from swarmcensus.results import store as results
-from swarmcensus.results.early import opened
+from swarmcensus.results.partial import opened
 from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
 from swarmcensus.runs import tasks
 from swarmcensus.runs.resuming import hold

@@ -16,7 +16,7 @@ import pytest
 import xarray as xr
 
 import swarmcensus as sc
-from swarmcensus.basics.shipped import shipped_study
+from swarmcensus.basics.files import shipped_study
 from swarmcensus.paper import claims, report, rival_explanations, rival_measures
 from swarmcensus.paper.evaluations import RIVALS
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Evidence, Missing, outcome

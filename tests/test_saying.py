@@ -13,9 +13,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.documents import plain
-from swarmcensus.cli import commands, options
+from swarmcensus.cli import commands
 from swarmcensus.cli.commands import main
-from swarmcensus.cli.common_options import TABLES
 
 STUDY = """
 name = "two"
@@ -73,12 +72,11 @@ def test_numbers_that_json_lacks_are_words():
 
 def test_every_command_has_the_same_options_of_what_it_says():
     """And --json those that print a table; what a person may type is told by --help."""
-    top = options.parser(commands.COMMANDS)
+    top = commands.parser()
     for name, one in top._subparsers._group_actions[0].choices.items():
         has = set(one._option_string_actions)
         assert {"--quiet", "-q", "--verbose", "-v"} <= has
-        assert ("--json" in has) == (name in TABLES)
-    assert set(TABLES) <= set(commands.COMMANDS)
+        assert ("--json" in has) == commands.COMMANDS[name].json
 
 
 def test_run_and_show_tell_the_same_summary(both):
@@ -267,7 +265,9 @@ def test_a_summary_tells_who_was_done_and_what_was_done_to_robots(said, results)
 def test_the_page_of_the_command_line_lists_every_document():
     page = (Path(__file__).parent.parent / "docs" / "command-line.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| (`.*?) \| `swarmcensus [a-z]+ 1` \|", page, re.MULTILINE)
-    assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == set(TABLES)
+    assert {word.split()[0] for row in rows for word in re.findall(r"`(.*?)`", row)} == {
+        name for name, command in commands.COMMANDS.items() if command.json
+    }
 
 
 def test_the_page_of_the_command_line_shows_an_error_as_it_is(said):

@@ -8,9 +8,9 @@ import tomllib
 import jsonschema
 import pytest
 
-from swarmcensus.basics.shipped import shipped_studies
+from swarmcensus.basics.files import shipped_studies
 from swarmcensus.cli.commands import main
-from swarmcensus.planning import schema as of_missions
+from swarmcensus.planning import mission as of_missions
 from swarmcensus.studies.schema import schema
 from tests.test_docs import PAGES, blocks
 

@@ -11,7 +11,7 @@ from pydantic import ValidationError
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.planning import schema as of_missions
+from swarmcensus.planning import mission as of_missions
 from swarmcensus.planning.mission import Mission, mission_of
 from swarmcensus.studies import schema as of_studies
 from swarmcensus.studies.tables import Tables

@@ -9,8 +9,8 @@ import sys
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.shipped import shipped_studies
-from swarmcensus.cli import health
+from swarmcensus.basics.files import shipped_studies
+from swarmcensus.cli import start
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.conformance.suite import examine
@@ -133,14 +133,14 @@ def test_a_doctor_names_what_there_is(capsys):
     assert found["python"] == ".".join(map(str, sys.version_info[:3]))
     assert all(name in told and version in told for name, version in found["libraries"].items())
     assert found["faults"] == []
-    assert found["extras"] == dict.fromkeys(health.EXTRAS, True)  # as the tests' own extra has them all
+    assert found["extras"] == dict.fromkeys(start.EXTRAS, True)  # as the tests' own extra has them all
 
 
 def test_it_says_what_is_missing(here, monkeypatch, capsys):
     (here / "file").write_text("")
     monkeypatch.setenv("SWARMCENSUS_CACHE", str(here / "file" / "cache"))
-    monkeypatch.setattr(health, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
-    monkeypatch.setitem(health.EXTRAS, "film", ("no_such_thing",))
+    monkeypatch.setattr(start, "LIBRARIES", ("numpy", "swarmcensus-of-bees"))
+    monkeypatch.setitem(start.EXTRAS, "film", ("no_such_thing",))
     assert main(["doctor"]) == 2
     told = capsys.readouterr().out
     assert "not there: pip install 'swarmcensus[film]'" in told

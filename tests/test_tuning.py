@@ -17,12 +17,11 @@ from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.simulation import trials as simulated
 from swarmcensus.tuning import trying
-from swarmcensus.tuning.budgets import budget_of
-from swarmcensus.tuning.influence import without_idle
-from swarmcensus.tuning.objectives import COMPANIONS, loss, scales_of
-from swarmcensus.tuning.plans import plan_of
+from swarmcensus.tuning.evidence import without_idle
+from swarmcensus.tuning.plans import budget_of, plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
 from swarmcensus.tuning.searching import Search
+from swarmcensus.tuning.trying import COMPANIONS, loss, scales_of
 from tests.long import in_two_sizes
 from tests.tunable import SOURCE, study_of
 

@@ -33,10 +33,9 @@ def test_the_search_prints_and_writes_what_the_page_shows(ran, monkeypatch, caps
 
 
 def test_the_page_lists_every_option():
-    from swarmcensus.cli.commands import COMMANDS
-    from swarmcensus.cli.options import parser
+    from swarmcensus.cli.commands import parser
 
     words = set(re.findall(r"`(--\w+)", PAGE.read_text(encoding="utf-8")))
     common = ("--verbose", "--quiet", "--json")  # of every command
-    known = parser(COMMANDS)._subparsers._group_actions[0].choices["tune"]._option_string_actions
+    known = parser()._subparsers._group_actions[0].choices["tune"]._option_string_actions
     assert {one for one in known if one.startswith("--")} - {"--help", *common} <= words

@@ -5,7 +5,7 @@ import re
 import traceback
 from pathlib import Path
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 
 STOPPED = 130  # the exit code that a shell expects of a program that Ctrl-C ended
 

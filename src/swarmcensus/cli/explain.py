@@ -2,12 +2,13 @@
 
 import argparse
 import math
-import shlex
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.options import from_zero
 from swarmcensus.cli.output import answer
+from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
     from swarmcensus.explaining.one_setting import Explanation, Interval
@@ -28,11 +29,18 @@ NEGLIGIBLE = 1e-12  # a squared error that comes of rounding, or of a prior
 MOST_CHECKPOINTS = 6  # that are shown
 
 
+def add_explain_options(sub: argparse.ArgumentParser) -> None:
+    """Of `explain`."""
+    add_source_options(sub)
+    sub.add_argument("--setting", type=from_zero, metavar="N", help="one, as 'show' numbers them (default: all)")
+    add_limit_option(sub)
+
+
 def explain(options: argparse.Namespace) -> int:
     """Explain a setting, or hold all against theory."""
     from swarmcensus.basics.errors import InputError
     from swarmcensus.explaining import one_setting
-    from swarmcensus.results.early import opened, say_partial
+    from swarmcensus.results.partial import say_partial
 
     if options.setting is None:
         return _all(options)
@@ -40,7 +48,7 @@ def explain(options: argparse.Namespace) -> int:
         given = getattr(options, name)
         if given is not None:
             raise InputError(f"--{name} is of all settings: it does not go with --setting")
-    data = opened(options.results)
+    data = read(options).stored
     found = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
     if options.json:
@@ -52,25 +60,19 @@ def explain(options: argparse.Namespace) -> int:
 
 def _all(options: argparse.Namespace) -> int:
     from swarmcensus.basics.errors import InputError
-    from swarmcensus.cli import agreement_page
-    from swarmcensus.cli.options import MOST_ROWS
+    from swarmcensus.cli import explain_table
     from swarmcensus.cli.tables import head
     from swarmcensus.explaining.agreement import agreement
-    from swarmcensus.results import selecting
-    from swarmcensus.results.early import opened
 
     if options.json and options.limit is not None:
         raise InputError(f"--limit {options.limit} is of the table's rows: it does not go with --json, which has all")
-    stored = opened(options.results)
-    data = selecting.where(stored, options.where)
+    stored, data = read(options)
     found = agreement(data)
     if options.json:
         answer("agreement", found._asdict())
         return 0
-    again = ["swarmcensus", "explain", str(options.results)]
-    again += ["--where", options.where] if options.where is not None else []
     limit = MOST_ROWS if options.limit is None else options.limit
-    agreement_page.show(found, data, head(stored, options.results), shlex.join(again), limit)
+    explain_table.show(found, data, head(stored, options.results), again(options, "explain"), limit)
     return 0
 
 

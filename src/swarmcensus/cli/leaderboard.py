@@ -1,8 +1,10 @@
 """The command `leaderboard`: brains of one's own beside the shipped ones. Imports wait until needed."""
 
 import argparse
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from swarmcensus.cli.options import add_run_options
 from swarmcensus.cli.output import answer, reporting, say, wrote
 
 if TYPE_CHECKING:
@@ -10,6 +12,13 @@ if TYPE_CHECKING:
 
     from swarmcensus.leaderboard.board import Board
     from swarmcensus.leaderboard.scores import Scores
+
+
+def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
+    """Of `leaderboard`."""
+    sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
+    sub.add_argument("--out", type=Path, default=Path("leaderboard"), help="folder to write (default: %(default)s)")
+    add_run_options(sub)
 
 
 def leaderboard(options: argparse.Namespace) -> int:

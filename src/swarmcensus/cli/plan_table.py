@@ -3,7 +3,7 @@
 import math
 
 from swarmcensus.basics import terminal
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.plans import Plan, Row
 

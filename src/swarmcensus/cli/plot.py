@@ -8,9 +8,11 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.options import from_zero, name_list, positive, round_or_time
 from swarmcensus.cli.output import LOG, wrote
+from swarmcensus.cli.source import add_source_options, read
 
 HANDED_ON = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
@@ -19,12 +21,51 @@ HANDED_ON = (
 ASKED_ANEW = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # kinds of ours that draw it
 
 
+def add_plot_options(sub: argparse.ArgumentParser) -> None:
+    """Of `plot`."""
+    add_source_options(sub)
+    sub.add_argument(
+        "--kind",
+        default="scatter",
+        help="what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: %(default)s)",
+    )
+    sub.add_argument("--x", metavar="NAME", help="the coordinate along the x axis (lines, heatmap)")
+    sub.add_argument("--y", metavar="NAME", help="the variable of lines, or the other coordinate of a heatmap")
+    sub.add_argument("--color", metavar="NAME", help="the coordinate that colours tell apart (default: accuracy)")
+    sub.add_argument(
+        "--panels", type=name_list, metavar="NAMES", help="coordinates with a panel for each value, as topology,robots"
+    )
+    sub.add_argument(
+        "--set",
+        action="append",
+        default=[],
+        metavar="OPTION=VALUE",
+        help="any other option of the kind, as scale=linear",
+    )
+    sub.add_argument("--local", action="store_true", default=None, help="the local estimate instead (scatter)")
+    sub.add_argument(
+        "--theory", action="store_true", default=None, help="lay theory's curves over it (scatter, decisions, curves)"
+    )
+    sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
+    sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
+    sub.add_argument(
+        "--tick", type=round_or_time, help="when the arena is drawn, a tick or a time as '1 min' (default: the last)"
+    )
+    sub.add_argument("--robot", type=from_zero, help="whose radio range the arena shows (default: 0)")
+    sub.add_argument("--first", type=round_or_time, help="the tick, or time, that a film begins at (default: 1)")
+    sub.add_argument("--last", type=round_or_time, help="the tick, or time, that it ends at (default: 600 ticks)")
+    sub.add_argument("--every", type=positive, help="ticks from frame to frame (default: 2)")
+    sub.add_argument("--fps", type=positive, help="frames a second (default: 20)")
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE", help="default: RESULTS-KIND.png and .svg (also .pdf), or .mp4 (also .gif)"
+    )
+
+
 def plot(options: argparse.Namespace) -> int:
     """Draw a results file."""
     from swarmcensus.figures.kinds import find
-    from swarmcensus.results.early import opened, say_partial
-    from swarmcensus.results.remeasuring import remeasure
-    from swarmcensus.results.selecting import where
+    from swarmcensus.results.partial import say_partial
 
     draw = find(options.kind)
     given = _given(options, draw)
@@ -34,9 +75,8 @@ def plot(options: argparse.Namespace) -> int:
         given["out"] = out
     else:
         figure_files(out)
-    every = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
+    every, data = read(options)
     say_partial(every, options.results)
-    data = where(every, options.where)
     if options.setting in every["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
     with _failures(options.kind), _telling(given, data):

@@ -1,32 +1,44 @@
-"""Commands that read results: `show`, `merge`, `verify`, `export`. Imports wait until needed."""
+"""The commands `show`, `export`, `merge` and `verify`: results are read. Imports wait until needed."""
 
 import argparse
-import shlex
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.options import MOST_ROWS
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.options import from_zero, positive, round_or_time
 from swarmcensus.cli.output import answer, reporting, wrote
+from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
 
+SHOWN = ("checkpoint", "sort", "reverse")  # options of `show` beside those of all results
 DIFFER = 1  # results that do not come out again as stored
+
+
+def add_show_options(sub: argparse.ArgumentParser) -> None:
+    """Of `show`."""
+    add_source_options(sub)
+    sub.add_argument(
+        "--checkpoint",
+        type=round_or_time,
+        metavar="K",
+        help="the round of 'right', or a time as '5 min' (default: the last)",
+    )
+    sub.add_argument("--sort", metavar="COLUMN", help="as error, right, K or fill_ratio (default: as stored)")
+    sub.add_argument("--reverse", action="store_true", help="the other way round")
+    add_limit_option(sub, "; of --json all")
 
 
 def show(options: argparse.Namespace) -> int:
     """Print the summary of a results file."""
     from swarmcensus.cli import tables
-    from swarmcensus.results import selecting, summaries
+    from swarmcensus.results import summaries
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
-    from swarmcensus.results.early import opened
-    from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.source_study import round_of
 
-    stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
-    data = selecting.where(stored, options.where)
+    stored, data = read(options)
     checkpoint = round_of(data, options.checkpoint, "--checkpoint")
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
@@ -38,20 +50,18 @@ def show(options: argparse.Namespace) -> int:
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     title = tables.head(stored, options.results)
-    tables.settings(data, options.results, limit, checkpoint, title, _again(options))
+    tables.settings(data, options.results, limit, checkpoint, title, again(options, "show", SHOWN))
     tables.failures(data)
     warn_of_start(data)
     warn_of_edges(data)
     return 0
 
 
-def _again(options: argparse.Namespace) -> str:
-    """The command `show` with what it was given, but for --limit."""
-    words = ["swarmcensus", "show", str(options.results)]
-    for name in ("where", "bins", "delta", "checkpoint", "sort"):
-        value = getattr(options, name)
-        words += [f"--{name}", str(value)] if value is not None else []
-    return shlex.join([*words, *(["--reverse"] if options.reverse else [])])
+def add_merge_options(sub: argparse.ArgumentParser) -> None:
+    """Of `merge`."""
+    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True)
+    sub.add_argument("--fresh", action="store_true", help="replace what --out holds, though it is not in the others")
 
 
 def merge(options: argparse.Namespace) -> int:
@@ -64,6 +74,21 @@ def merge(options: argparse.Namespace) -> int:
     done, total = data.attrs["trials_done"], data.attrs["trials_total"]
     wrote(f"{options.out}: {counted(data.sizes['setting'], 'setting')}, {done:,} of {counted(total, 'trial')}")
     return 0
+
+
+def add_verify_options(sub: argparse.ArgumentParser) -> None:
+    """Of `verify`."""
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    which = sub.add_mutually_exclusive_group()
+    which.add_argument(
+        "--sample", type=float, default=0.01, metavar="SHARE", help="of the trials (default: %(default)s)"
+    )
+    which.add_argument("--all", action="store_true", help="every trial")
+    sub.add_argument(
+        "--brain", action="append", default=[], metavar="FILE", help="a brain or metric file, if any is used"
+    )
+    sub.add_argument("--seed", type=from_zero, help="of the choice, to make the same one again")
+    sub.add_argument("--jobs", type=positive, help="threads (default: one a core)")
 
 
 def verify(options: argparse.Namespace) -> int:
@@ -104,13 +129,18 @@ def _code(found: "Verification") -> int:
     return DIFFER if found.differences or found.labels else 0
 
 
+def add_export_options(sub: argparse.ArgumentParser) -> None:
+    """Of `export`."""
+    add_source_options(sub)
+    sub.add_argument("--to", choices=("csv", "parquet"), help="default: as --out ends, else csv")
+    sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")
+
+
 def export(options: argparse.Namespace) -> int:
     """Write results as a table."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.results import store
-    from swarmcensus.results.early import opened, say_partial
-    from swarmcensus.results.remeasuring import remeasure
-    from swarmcensus.results.selecting import where
+    from swarmcensus.results.partial import say_partial
 
     kinds = {".csv": "csv", ".parquet": "parquet"}
     kind = options.to or (kinds.get(options.out.suffix.lower(), "csv") if options.out else "csv")
@@ -118,8 +148,8 @@ def export(options: argparse.Namespace) -> int:
     if kinds.get(out.suffix.lower(), kind) != kind:
         raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
     check_writable(out, options.results)
-    data = remeasure(opened(options.results), delta=options.delta)
-    say_partial(data, options.results)
-    rows = store.export(where(data, options.where), out, kind)
+    source = read(options)
+    say_partial(source.stored, options.results)
+    rows = store.export(source.selected, out, kind)
     wrote(f"{out}: {counted(rows, 'row')}")
     return 0

@@ -1,4 +1,4 @@
-"""Commands that leave a trace: `replay` of a trial, `infer` from recorded data. Imports wait until needed."""
+"""The commands `replay` and `infer`: a trace of a trial, or from recorded data. Imports wait until needed."""
 
 import argparse
 from pathlib import Path
@@ -8,13 +8,24 @@ from swarmcensus.cli.output import wrote
 from swarmcensus.cli.plot import brain_of, figure_files, save_figure
 
 
+def add_replay_options(sub: argparse.ArgumentParser) -> None:
+    """Of `replay`."""
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("--setting", type=int, required=True)
+    sub.add_argument("--trial", type=int, required=True)
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="every robot's memory after every round")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="every robot's estimate against rounds")
+    sub.add_argument("--recording", type=Path, metavar="FOLDER", help="the trial as observations.csv and links.csv")
+
+
 def replay(options: argparse.Namespace) -> int:
     """Run one trial again."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings, replaying
-    from swarmcensus.results.early import opened
+    from swarmcensus.results.partial import opened
     from swarmcensus.runs.progress import compiling
 
     if options.plot:
@@ -42,6 +53,17 @@ def replay(options: argparse.Namespace) -> int:
         wrote(options.recording)
     rounds(trace, options.json)
     return 0
+
+
+def add_infer_options(sub: argparse.ArgumentParser) -> None:
+    """Of `infer`."""
+    sub.add_argument("observations", type=Path, metavar="OBSERVATIONS.csv")
+    sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges, or messages: step, sender, receiver")
+    sub.add_argument("--accuracy", required=True, help="0.8 (b = w), 0.9,0.6 (b, w), or a CSV with a row a robot")
+    sub.add_argument("--every", type=int, metavar="STEPS", help="steps in a round (default: 10; 1 for messages)")
+    sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
+    sub.add_argument("--out", type=Path, metavar="FILE.csv|nc", help="default: OBSERVATIONS-trace.csv, here")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
 
 
 def infer(options: argparse.Namespace) -> int:

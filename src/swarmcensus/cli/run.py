@@ -1,13 +1,27 @@
-"""Commands that run studies and brains: `run`, `reproduce`, `status`, `brains`. Imports wait until needed."""
+"""The commands `run`, `reproduce` and `status`: studies are run. Imports wait until needed."""
 
 import argparse
-import sys
 import time
 from pathlib import Path
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.options import add_run_options, share
 from swarmcensus.cli.output import answer, reporting, say, wrote
+
+
+def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
+    """Of `reproduce`."""
+    sub.add_argument(
+        "of",
+        nargs="?",
+        default="paper",
+        metavar="WHAT",
+        help="paper (default), or rivals: what is known of them",
+    )
+    sub.add_argument("--out", type=Path, help="folder to write (default: reproduction, or reproduction-rivals)")
+    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4, fig5 or claims")
+    add_run_options(sub)
 
 
 def reproduce(options: argparse.Namespace) -> int:
@@ -35,6 +49,16 @@ def reproduce(options: argparse.Namespace) -> int:
             say(f"{few}: with fewer than {FEWEST}, intervals do not hold")
     wrote(done.page)
     return 0
+
+
+def add_study_options(sub: argparse.ArgumentParser) -> None:
+    """Of `run`."""
+    sub.add_argument("study", type=Path, metavar="STUDY.toml")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study file's name with .nc, here")
+    add_run_options(sub)
+    sub.add_argument("--share", type=share, metavar="K/N", help="run the K-th of N parts of the trials, to merge")
+    sub.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, as tcp://host:8786")
+    sub.add_argument("--cluster", metavar="WHERE", help="local:4 (processes here), or a TOML file (docs/clusters.md)")
 
 
 def run(options: argparse.Namespace) -> int:
@@ -91,37 +115,9 @@ def _cluster(options: argparse.Namespace) -> str | None:
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
 
 
-def brains(options: argparse.Namespace) -> int:
-    """List, show or check brains and adversaries."""
-    from swarmcensus.cli import list_brains
-
-    if options.check is None and options.show is None:
-        if options.wearing:
-            raise InputError(f"--wearing {options.wearing}: it goes with --check or --show, and an adversary")
-        known, liars = list_brains.brains(), list_brains.adversaries()
-        if options.json:
-            answer("brains", {"brains": known, "adversaries": liars})
-        else:
-            list_brains.show_brains(known)
-            list_brains.show_adversaries(liars)
-        return 0
-    from swarmcensus.brains import find
-    from swarmcensus.conformance.suite import check, subject
-
-    if options.wearing:
-        find(options.wearing)  # what is misspelt there is no fault of the adversary's
-    if options.show is not None:
-        if options.json:
-            raise InputError("--json is of the list and of --check: --show prints a program")
-        sys.stdout.write(subject(options.show, options.wearing).source)
-        return 0
-    say(f"checking {options.check}: compiled too, which takes up to a minute")
-    found = check(options.check, wearing=options.wearing)
-    if not options.json:
-        return 0 if list_brains.checks(options.check, found) else 2
-    conforms = all(one.fault is None for one in found)
-    answer("checks", {"file": options.check, "conforms": conforms, "checks": found})
-    return 0 if conforms else 2
+def add_status_options(sub: argparse.ArgumentParser) -> None:
+    """Of `status`."""
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
 
 
 def status(options: argparse.Namespace) -> int:

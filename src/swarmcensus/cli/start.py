@@ -1,18 +1,40 @@
-"""Commands that one begins with: `new`, `studies`, `doctor`. Imports wait until needed."""
+"""The commands to begin with: `new`, `studies` and `doctor`. Imports wait until needed."""
 
 import argparse
 import filecmp
+import importlib.metadata
+import importlib.util
 import itertools
+import os
+import platform
 import re
 import shlex
 import shutil
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.version import __version__
 from swarmcensus.cli.output import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
 NEXT = {"study": "run", "brain": "brains --check"}  # what to do with them
+
+
+def add_new_options(sub: argparse.ArgumentParser) -> None:
+    """Of `new`."""
+    sub.add_argument("what", choices=("study", "brain"), metavar="study|brain", help="what to begin")
+    sub.add_argument(
+        "file",
+        type=Path,
+        nargs="?",
+        metavar="FILE",
+        help="default: my_study.toml or my_brain.py, here, with a number where that is taken",
+    )
 
 
 def new(options: argparse.Namespace) -> int:
@@ -31,10 +53,18 @@ def new(options: argparse.Namespace) -> int:
     return 0
 
 
+def add_studies_options(sub: argparse.ArgumentParser) -> None:
+    """Of `studies`."""
+    what = sub.add_mutually_exclusive_group()
+    what.add_argument("name", nargs="?", metavar="NAME", help="one to copy, with the files that it names")
+    what.add_argument("--schema", action="store_true", help="print the JSON schema of study files, for editors")
+    sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: its own name, here")
+
+
 def studies(options: argparse.Namespace) -> int:
     """List the studies that come with swarmcensus, copy one with the files that it names, or print their schema."""
+    from swarmcensus.basics.files import shipped_studies
     from swarmcensus.basics.hints import did_you_mean
-    from swarmcensus.basics.shipped import shipped_studies
 
     if options.schema:
         return _schema(options)
@@ -146,7 +176,6 @@ def _first_words(study: Path) -> str:
 
 def doctor(options: argparse.Namespace) -> int:
     """Say what this installation is made of, and what is missing; 2 where compiled brains cannot be kept."""
-    from swarmcensus.cli.health import health
 
     found = health()
     if options.json:
@@ -158,3 +187,74 @@ def doctor(options: argparse.Namespace) -> int:
         for fault in found.faults:
             print(f"\n{fault}")
     return 2 if found.faults else 0
+
+
+LIBRARIES = (
+    "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
+    "filelock", "pillow", "shtab",
+)  # fmt: skip
+EXTRAS = {
+    "parquet": ("pyarrow",),
+    "film": ("imageio_ffmpeg",),
+    "cluster": ("distributed", "dask_jobqueue"),
+    "tune": ("cma",),
+    "watch": ("starlette", "uvicorn", "websockets"),
+}  # what each of pyproject's extras is imported as
+
+
+@dataclass(frozen=True)
+class Health:
+    """What was found, as JSON takes it, and what is wrong, a sentence each."""
+
+    told: dict[str, Any]
+    faults: list[str]
+
+    def lines(self) -> Iterator[tuple[str, Any]]:
+        """What each thing is, and what of it there is."""
+        yield "swarmcensus", self.told["swarmcensus"]
+        yield "Python", f"{self.told['python']}, {self.told['executable']}"
+        yield "system", f"{self.told['system']}, {counted(self.told['cores'], 'core')}"
+        yield from self.told["libraries"].items()
+        cache = self.told["cache"]
+        state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"
+        yield "cache", f"{cache['folder']}: {state if cache['usable'] else 'cannot be used'}"
+        for name, there in self.told["extras"].items():
+            yield f"extra {name}", "there" if there else f"not there: pip install 'swarmcensus[{name}]'"
+
+
+def health() -> Health:
+    """Look at this installation; nothing is imported that is only counted."""
+    from swarmcensus.engine.code_cache import cache_root, keeps
+
+    faults = []
+    libraries = {name: _version(name) for name in LIBRARIES}
+    faults += [f"{name} is not installed: pip install swarmcensus" for name, found in libraries.items() if not found]
+    try:
+        folder, usable = str(cache_root()), keeps()
+    except OSError:
+        folder, usable = "no home folder", False
+    if not usable:
+        faults.append(
+            f"{folder}: brains cannot be kept there and are compiled anew by every run: let $SWARMCENSUS_CACHE name a "
+            "folder that can be written"
+        )
+    kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
+    sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
+    told = {
+        "swarmcensus": __version__,
+        "python": platform.python_version(),
+        "executable": sys.executable,
+        "system": platform.platform(),
+        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "libraries": libraries,
+        "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
+        "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
+    }
+    return Health(told, faults)
+
+
+def _version(name: str) -> str:
+    try:
+        return importlib.metadata.version(name)
+    except importlib.metadata.PackageNotFoundError:
+        return ""

@@ -1,7 +1,9 @@
 """What the terminal shows: results, traces and brains as short tables."""
 
+import json
 import shlex
 import sys
+import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -11,12 +13,10 @@ import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
-from swarmcensus.basics.counting import counted, grouped
-from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.formatting import counted, grouped, places, rounded
 from swarmcensus.basics.terminal import UNFOLDED, console, table
-from swarmcensus.cli.options import MOST_ROWS
 from swarmcensus.cli.output import answer
-from swarmcensus.results.disturbances import disturbances
+from swarmcensus.cli.source import MOST_ROWS
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
@@ -258,3 +258,21 @@ def rounds(trace: xr.Dataset, json: bool = False) -> None:
     console().print(f"{trace.attrs['title']}: {whose} estimates")
     heads = [(name, True) for name in ("round", "lowest", "median", "highest")]
     console().print(table(heads, [(f"{k:,}", *(f"{value:.4f}" for value in values)) for k, *values in ends]))
+
+
+def disturbances(data: xr.Dataset) -> list[str]:
+    """A line for each fault of its studies, and one for the adversaries of its settings; none where all was well."""
+    texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
+    faults = [_told(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
+    liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
+    return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
+
+
+def _told(fault: dict[str, Any]) -> str:
+    """Such as "faults: 3 robots stop sensing and talking, from 50 on"."""
+    some, stop, at = fault["robots"], fault["stop"], fault["at"]
+    who = f"{100 * some:g} % of robots stop" if isinstance(some, float) else f"{counted(some, 'robot')} stop"
+    who = "1 robot stops" if some == 1 and isinstance(some, int) else who
+    what = stop if isinstance(stop, str) else " and ".join(stop)
+    until = f" until {fault['until']}" if "until" in fault else " on"
+    return f"faults: {who} {what}, from {at}{until}"

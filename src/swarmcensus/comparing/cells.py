@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.formatting import places, rounded
 from swarmcensus.comparing.pair_tests import pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.measures import Measure

@@ -13,9 +13,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
-from swarmcensus.basics.digits import told_apart
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted, told_apart
 from swarmcensus.basics.options import option
 from swarmcensus.results.summaries import restated
 

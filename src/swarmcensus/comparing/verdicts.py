@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.comparing.cells import amount, equals
 from swarmcensus.comparing.pair_tests import Contest, pairs_of
 from swarmcensus.comparing.standings import Standings

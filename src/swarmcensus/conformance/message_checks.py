@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain, Vector, numbers, slots
 from swarmcensus.conformance import random_checks
 from swarmcensus.conformance.sample_minds import (

@@ -16,8 +16,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-from swarmcensus.engine.compiling import INSIDE, not_compiled
-from swarmcensus.engine.keeping import sealed
+from swarmcensus.engine.code_cache import not_compiled, sealed
+from swarmcensus.engine.compiling import INSIDE
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
 NOT_THERE = "a function is called that was not compiled for this use"

@@ -9,8 +9,7 @@ import numpy as np
 from swarmcensus.basics.errors import uncoloured
 from swarmcensus.brains import Brain, numbers
 from swarmcensus.engine import codegen
-from swarmcensus.engine.code_cache import LOCK, is_kept, module, source
-from swarmcensus.engine.compiling import not_compiled
+from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import PHASES
 from swarmcensus.engine.records import record_type
 from swarmcensus.metrics import GIVEN, Metric

@@ -4,7 +4,7 @@ import types
 from collections.abc import Callable
 from typing import Any
 
-from swarmcensus.engine.keeping import sealed
+from swarmcensus.engine.code_cache import sealed
 
 # Of what machine code alone calls: no way in for CPython or C is made, which takes a fifth of the time of compiling.
 # CPython that calls such a function all the same ends without a word.
@@ -38,10 +38,3 @@ def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.Function
     import numba
 
     return numba.njit(nogil=True, _nrt=False, **options, **({} if from_cpython else INSIDE))  # type: ignore[call-overload, no-any-return]
-
-
-def not_compiled() -> bool:
-    """Whether Numba is switched off, and CPython runs all of the engine."""
-    import numba
-
-    return bool(numba.config.DISABLE_JIT)  # type: ignore[attr-defined]

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus import brains, theory
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.explaining.expectations import ALONE, MIXED, mixing_of, reasons
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study

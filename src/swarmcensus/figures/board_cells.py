@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 from numpy.typing import NDArray
 
-from swarmcensus.figures.cells import write_numbers
+from swarmcensus.figures.lettering import write_numbers
 
 LEAST = 1e-3  # errors below it look alike
 SIZE = 7.0

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.selecting import require
 from swarmcensus.results.structure import finished

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 
+import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.font_manager import FontProperties
+from matplotlib.image import AxesImage
 from matplotlib.textpath import text_to_path
+from numpy.typing import NDArray
 
 SPACING = 1.2  # of a line, in its letters' size
 MOST_LINES = 2  # of one name that is too long for a line; of a longer one, the middle is left out
@@ -91,3 +96,16 @@ def _broken(word: str, width: float, size: float) -> list[str]:
         lines.append(word[:fit])
         word = word[fit:]
     return [*lines, word]
+
+
+def write_numbers(
+    axes: Axes, image: AxesImage, values: NDArray[np.float64], told: Callable[[float], str], size: float
+) -> None:
+    """Write each finite value (row, column) into its cell."""
+    red, green, blue, _ = np.moveaxis(image.to_rgba(values), -1, 0)
+    bright = 0.2126 * red**2.2 + 0.7152 * green**2.2 + 0.0722 * blue**2.2 > 0.18  # WCAG: black reads better
+    for row, column in np.argwhere(np.isfinite(values)):
+        axes.text(
+            column, row, told(values[row, column]), ha="center", va="center",
+            fontsize=size, color="black" if bright[row, column] else "white",
+        )  # fmt: skip

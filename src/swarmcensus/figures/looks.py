@@ -12,7 +12,7 @@ from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from swarmcensus.basics.digits import told_apart
+from swarmcensus.basics.formatting import told_apart
 from swarmcensus.figures.coordinates import title_of
 from swarmcensus.figures.lettering import shortened
 

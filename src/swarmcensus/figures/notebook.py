@@ -8,7 +8,7 @@ import html
 import io
 from typing import Any
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 
 MOST_SETTINGS = 20
 

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from swarmcensus.basics.digits import told_apart
+from swarmcensus.basics.formatting import told_apart
 from swarmcensus.figures.coordinates import CAPTIONS, IDLE, varies
 from swarmcensus.results.selecting import TooMuch, require
 

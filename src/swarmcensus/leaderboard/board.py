@@ -9,8 +9,9 @@ from pathlib import Path
 
 import xarray as xr
 
-from swarmcensus.basics.files import check_own, check_writable, data_path, whole
-from swarmcensus.leaderboard.entries import OFFICIAL, named, of_file, official
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.files import check_own, check_writable, data_path, shipped_study, whole
 from swarmcensus.leaderboard.losses import Losses, losses_of
 from swarmcensus.leaderboard.page import TITLE, page
 from swarmcensus.leaderboard.scores import COLUMNS, Scores, scores_of
@@ -19,6 +20,7 @@ from swarmcensus.results.store import load
 from swarmcensus.runs.collect import Reporting
 from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import read_toml, to_toml
 
 PAGE, FIGURE = "leaderboard.md", "leaderboard.png"
 
@@ -110,3 +112,35 @@ def _draw(scores: Scores, mine: list[str], path: Path) -> None:
     order = scores.error.order
     names = [scores.contenders[k] for k in order]
     save(draw_board(names, [column.name for column in COLUMNS], scores.error.values[order], mine), path)
+
+
+OFFICIAL = "shipped"  # what the shipped brains' results are called
+
+
+def official() -> Study:
+    """The study of all shipped brains. Raises InputError where it is missing."""
+    return Study.load(shipped_study("leaderboard.toml"))
+
+
+def of_file(file: Path) -> Study:
+    """The same worlds for one brain file, by its path from here. Raises InputError, naming it and what is wrong."""
+    path = shipped_study("leaderboard.toml")
+    tables = read_toml(path.read_text(encoding="utf-8"), str(path))
+    tables["swarm"]["brain"] = str(file)
+    return Study.parse(to_toml(tables), where=f"leaderboard of {file}", context={"base": Path()})
+
+
+def named(files: list[Path]) -> dict[str, Path]:
+    """What each file's results are called. A file that is named twice is taken once.
+
+    Raises InputError where two would be called the same, or one as ours.
+    """
+    names: dict[str, Path] = {}
+    for file in files:
+        if str(file) in brains.shipped():
+            raise InputError(f"{file}: a shipped brain, which is on the board anyway: name a file of your own")
+        if file.stem == OFFICIAL:
+            raise InputError(f"{file}: results of this name are those of the shipped brains: call the file otherwise")
+        if names.setdefault(file.stem, file).resolve() != file.resolve():
+            raise InputError(f"{names[file.stem]} and {file}: both would be called {file.stem}: rename one of them")
+    return names

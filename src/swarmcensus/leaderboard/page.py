@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.comparing.cells import p_value
 from swarmcensus.leaderboard.losses import FEW, Losses

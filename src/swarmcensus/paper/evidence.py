@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import intervals
 from swarmcensus.statistics.intervals import Floats

@@ -6,7 +6,7 @@ import numpy as np
 
 from swarmcensus import brains
 from swarmcensus.basics.bins import right_bin
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.paper import measures, moving_measures
 from swarmcensus.paper.evidence import BELOW_ONE, NO, YES, Detail, Evidence
 from swarmcensus.paper.measures import ERROR, MIXED, SPARSE, K

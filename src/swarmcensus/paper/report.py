@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus.basics.digits import places, rounded
+from swarmcensus.basics.formatting import places, rounded
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
 from swarmcensus.statistics import intervals

@@ -13,10 +13,9 @@ from pathlib import Path
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_own, check_writable, data_path, whole
+from swarmcensus.basics.files import check_own, check_writable, data_path, shipped_study, whole
 from swarmcensus.basics.fork import beside
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.shipped import shipped_study
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
 from swarmcensus.paper.figures import PaperFigure

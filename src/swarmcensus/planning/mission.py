@@ -12,9 +12,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, Brain, adversary, load
-from swarmcensus.planning.liars import check_liars
 from swarmcensus.planning.sites import check_sites
-from swarmcensus.planning.wishes import Goal, check_wishes
+from swarmcensus.planning.wishes import Goal, check_liars, check_wishes
 from swarmcensus.studies.fields import (
     LARGEST,
     Accuracies,
@@ -27,6 +26,7 @@ from swarmcensus.studies.fields import (
     Topologies,
     Whole,
 )
+from swarmcensus.studies.schema import schema_of
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import arena
@@ -284,3 +284,11 @@ def load_mission(path: str | Path) -> dict[str, Any]:
 def text_of(tables: Mapping[str, Any]) -> str:
     """A mission's tables as TOML."""
     return to_toml(plain(dict(tables)))
+
+
+def schema() -> Schema:
+    """The schema, a JSON object, as `swarmcensus.studies.schema` has that of studies.
+
+    What it refuses is no mission; how keys go together is seen by `plan` alone.
+    """
+    return schema_of(Mission, "mission")

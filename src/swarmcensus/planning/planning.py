@@ -6,8 +6,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
 from swarmcensus.planning.search import BEGUN, Beyond, Search

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.worlds import arena
 
 MOST_ROBOTS = 1_000_000

@@ -10,13 +10,14 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from swarmcensus import theory
-from swarmcensus.planning.meetings import meeting_factors, meeting_rate
 from swarmcensus.planning.mission import Mission
 from swarmcensus.studies.fields import LARGEST
 from swarmcensus.theory.matrices import from_links, spectrum_of
 from swarmcensus.theory.mixing import variance_factors
+from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy
 
@@ -155,3 +156,21 @@ def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> 
     if spectrum_of(matrix) is None:
         return None
     return np.asarray(variance_factors(matrix, [int(t) for t in times]).mean(axis=1))
+
+
+def meeting_rate(robots: int, side: float, body: Body) -> float:
+    """How many others a robot meets in a tick, in a square of this side in metres."""
+    run = body.straight_mean
+    moving = run / (run + max(body.turn_most / 2.0, 1.0))  # turns on the spot take the rest of the time
+    speed = moving * body.speed * body.tick
+    return 2.0 * body.radio_range * (robots - 1) / side**2 * 4.0 / math.pi * speed
+
+
+def meeting_factors(robots: int, rate: float, ticks: ArrayLike) -> NDArray[np.float64]:
+    """The factor of the network after so many ticks, of the shape of `ticks`: 1/t of a robot alone, 1/(N t) of one that
+    knows all."""
+    t = np.asarray(ticks, np.float64)
+    if robots == 1 or rate <= 0.0:
+        return 1.0 / t
+    a = rate * robots / (2.0 * (robots - 1))
+    return np.asarray(1.0 / (robots * t) + (1.0 - 1.0 / robots) * -np.expm1(-a * t) / (a * t**2))

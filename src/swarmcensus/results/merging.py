@@ -9,9 +9,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.results import structure
 from swarmcensus.results.check_against_study import MAKERS, most_trials, outline, unlike

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
+from swarmcensus.basics.formatting import counted
 from swarmcensus.worlds.edge_lists import is_header, read_edges
 
 ACCURACY_HEADERS = ("b,w", "b", "accuracy")

@@ -23,8 +23,8 @@ from typing import Any
 import numpy as np
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import adversary

@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.runs.collect import Progress
 
 LOG = logging.getLogger(__name__)

@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import first_meant
 from swarmcensus.basics.options import option
 from swarmcensus.studies.tables import explain

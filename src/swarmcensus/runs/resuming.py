@@ -11,9 +11,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import store

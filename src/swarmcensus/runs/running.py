@@ -14,11 +14,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, Interrupted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.results import store
-from swarmcensus.results.rooms import Room
-from swarmcensus.results.values import Values
+from swarmcensus.results.values import Room, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress, State, work
 from swarmcensus.runs.forecasts import tell_length

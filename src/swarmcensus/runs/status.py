@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.results import shards
 from swarmcensus.results.store import load
 from swarmcensus.results.structure import failures, finished

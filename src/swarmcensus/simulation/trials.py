@@ -59,8 +59,8 @@ class Batch:
     fraction of robots in the right bin (checkpoint, trial); of robots that move the floor's fill ratio (trial);
     where they are kept, estimates at the checkpoints (checkpoint, trial, robot); what metrics of files say, by their
     variables, (trial, robot) or (trial); messages sent and heard (trial, what, robot); of brains that decide what
-    `engine.constants` names (trial, robot, what), and the first option that all agreed on, when, whether it is right, and
-    which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial)."""
+    `engine.constants` names (trial, robot, what), and the first option that all agreed on, when, whether it is right,
+    and which is (trial, 4); of brains with intervals their coverage and mean width (what, checkpoint, trial)."""
 
     convergence: np.ndarray
     error: np.ndarray

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.bins import right_bin, right_bins
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError, line_of, uncoloured
+from swarmcensus.basics.formatting import counted
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
 from swarmcensus.studies.settings import Setting

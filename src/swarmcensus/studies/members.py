@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.forms import ROBOTS, Several
 from swarmcensus.brains import Adversary, Brain, worn
 from swarmcensus.engine.addresses import address

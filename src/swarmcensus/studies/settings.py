@@ -6,17 +6,18 @@ meet the same tiles and readings, trial by trial, and no setting's numbers depen
 
 import functools
 import hashlib
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from swarmcensus.brains import Brain
+from swarmcensus.basics.formatting import counted
+from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
-from swarmcensus.studies.accuracies import accuracies, drifts, mixed_accuracies
 from swarmcensus.studies.members import Member, groups
-from swarmcensus.studies.telling import coordinates, line
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change, along, steady
@@ -299,3 +300,133 @@ class Setting:
         if self.link_success == 1.0 or self.brain.is_oracle:
             return np.uint64(0)
         return np.uint64(max(1, int(self.link_success * 2.0**64)))
+
+
+Sides = tuple[np.ndarray, ...]
+Where = tuple[int, int, int, int]  # seed, first trial, trials, robots
+
+
+def accuracies(true: Accuracy, assumed: Accuracy | Misjudgement | None, where: Where) -> Sides:
+    """True b and w, then assumed b and w, each (trial, robot) or (trial, 1); `assumed` None: robots know theirs."""
+    had = _drawn(true, "accuracy", where, ())
+    return *had, *(had if assumed is None else _drawn(assumed, "assumed", where, had))
+
+
+def mixed_accuracies(
+    true: Accuracy,
+    assumed: Accuracy | Misjudgement | None,
+    members: Sequence[Member],
+    who: np.ndarray,
+    where: Where,
+) -> Sides:
+    """The same where members have their own: what they assume is as for the swarm, but for what they are told.
+
+    `who` (trial, robot) numbers members from 1 on.
+    """
+    found = [np.broadcast_to(side, who.shape) for side in accuracies(true, assumed, where)]
+    had = found[:2]
+    for number, member in enumerate(members, start=1):
+        if member.accuracy:
+            drawn = _drawn(member.accuracy, f"accuracy of members {number}", where, ())
+            had = _told(who == number, drawn, had)
+    believed = had if assumed is None else found[2:]
+    for number, member in enumerate(members, start=1):
+        told = member.assumed_accuracy
+        if not told and member.accuracy and isinstance(assumed, Misjudgement):
+            told = assumed
+        if told:
+            drawn = _drawn(told, f"assumed by members {number}", where, had)
+            believed = _told(who == number, drawn, believed)
+    return tuple(np.ascontiguousarray(side) for side in (*had, *believed))
+
+
+def drifts(true: Accuracy, members: Sequence[Member], who: Callable[[], np.ndarray], start: np.ndarray) -> np.ndarray:
+    """What robots' accuracies gain a round, and their least and greatest: (trial, 3, robot), or alike (trial, 3, 1).
+
+    (trial, 3, 0) where nobody's drift. `who` tells the numbers of members, from 1 on; `start` are the accuracies b of
+    round 1, (trial, robot) or (trial, 1). One that starts beyond its bound stays.
+    """
+    every = [true, *(member.accuracy or true for member in members)]
+    if all(one.drift is None for one in every):
+        return np.zeros((len(start), 3, 0))
+    apart = any(member.accuracy for member in members)
+    sides = np.array([(0.0, 0.0, 1.0) if one.drift is None else one.drift.numbers for one in every])
+    slope, least, most = np.moveaxis(sides[who() if apart else np.zeros(start.shape, int)], -1, 0)
+    return np.ascontiguousarray(np.stack([slope, np.minimum(least, start), np.maximum(most, start)], axis=1))
+
+
+def _drawn(what: Accuracy | Misjudgement, purpose: str, where: Where, had: Sequence[np.ndarray]) -> Sides:
+    seed, first, trials, robots = where
+    if isinstance(what, Misjudgement):
+        return what.draw(seed, first, trials, robots, (had[0], had[1]))
+    return what.draw(seed, purpose, first, trials, robots)
+
+
+def _told(whose: np.ndarray, theirs: Sequence[np.ndarray], others: Sequence[np.ndarray]) -> list[np.ndarray]:
+    return [np.where(whose, side, other) for side, other in zip(theirs, others, strict=True)]
+
+
+def line(of: Any) -> str:
+    """A setting in a line, for messages."""
+    where = f"{of.topology}, N = {of.robots:,}"
+    assumed = "" if of.assumed_accuracy is None else f", assumed accuracy {of.assumed_accuracy}"
+    lossy = "" if of.link_success == 1.0 else f", link success {of.link_success}"
+    mixed = "".join(f", of them {member}" for member in of.members)
+    late = "" if not of.delay else f", messages {counted(of.delay, 'round')} late"
+    told = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(of))
+    what = f"accuracy {of.accuracy}{assumed}, f = {of.change or of.fill_ratio}{lossy}{late}{told}{mixed}"
+    if of.body is not None:
+        floor = f", floor {of.floor}" if of.floor not in (None, Floor()) else ""
+        return f"{where}, {_room(of)}, {what}{floor}, {counted(of.rounds, 'tick')}"
+    return f"{where}, {what}, C = {of.rounds:,}, R = {of.observations_per_round:,}"
+
+
+def _parameters(of: Any) -> list[tuple[str, Value]]:
+    """What a title tells of its brain: all numbers, for others may vary what this one leaves, and given vectors."""
+    given = dict(of.brain.given)
+    return [(n, v) for n, v in of.brain.parameters.items() if n in given or not isinstance(v, tuple)]
+
+
+def _room(of: Any) -> str:
+    """Density or side of the arena: which has fewer digits is what the study gave."""
+    density, side = float(f"{of.density:.12g}"), of.side
+    return f"L = {side} m" if len(str(side)) < len(str(density)) else f"D = {density}"
+
+
+def coordinates(of: Any) -> dict[str, object]:
+    """What the dataset says of a setting."""
+    return {
+        "brain": of.brain.name,
+        "topology": str(of.topology),
+        "robots": of.robots,
+        "density": np.nan if of.density is None else of.density,
+        "side": of.side,
+        "accuracy": str(of.accuracy),
+        "assumed_accuracy": str(of.assumed_accuracy or of.accuracy.start),
+        "fill_ratio": of.fill_ratio,
+        "floor": "" if of.body is None else str(of.floor or Floor()),
+        "link_success": of.link_success,
+        "rounds": of.rounds,
+        "observations_per_round": of.observations_per_round,
+        **{name: _shown(value) for name, value in of.brain.parameters.items()},
+        **_mixed(of),
+        **({"fill_ratio_change": str(of.change)} if of.change else {}),
+        **({"message_delay": of.delay} if of.delay else {}),
+    }
+
+
+def _mixed(of: Any) -> dict[str, object]:
+    """What the dataset says of members: who they are, how many of them lie, and who these are."""
+    if not of.members:
+        return {}
+    lying = dict.fromkeys(", ".join(m.traits) for m in of.members if not m.honest)
+    return {
+        "members": "; ".join(map(str, of.members)),
+        "liars": of.robots - of.honest,
+        "adversary": "; ".join(lying),
+    }
+
+
+def _shown(value: Value) -> float | str:
+    """A parameter as a coordinate: a vector as text."""
+    return f"({', '.join(f'{one:g}' for one in value)})" if isinstance(value, tuple) else value

@@ -13,7 +13,6 @@ from swarmcensus.theory.bounds import (
     robot_bound,
     swarm_bound,
 )
-from swarmcensus.theory.decisions import bin_shares, normal_median_error, normal_right_share, right_share
 from swarmcensus.theory.floor import (
     Truth,
     cluster_covariance,
@@ -24,7 +23,19 @@ from swarmcensus.theory.floor import (
     sensing_variance,
     tiles_variance,
 )
-from swarmcensus.theory.local import Law, error_law, local_law, mixed_law
+from swarmcensus.theory.local import (
+    Law,
+    bin_shares,
+    cut_off,
+    error_law,
+    local_law,
+    local_squared_error,
+    mixed_law,
+    normal_median_error,
+    normal_right_share,
+    pulled_squared_error,
+    right_share,
+)
 from swarmcensus.theory.matrices import mixing_matrix
 from swarmcensus.theory.mixing import Mixed, mixed_sums, mixing_variance, variance_factors
 from swarmcensus.theory.spectra import (
@@ -41,7 +52,6 @@ from swarmcensus.theory.spectra import (
     stationary_law,
     torus_spectrum,
 )
-from swarmcensus.theory.squared import cut_off, local_squared_error, pulled_squared_error
 
 __all__ = [
     "Law",

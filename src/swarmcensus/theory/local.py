@@ -9,12 +9,27 @@ It holds where readings are independent given f: on fixed networks, and not wher
 again (see `floor`).
 """
 
+import itertools
+import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
+from swarmcensus.basics.bins import right_bin
 from swarmcensus.basics.errors import InputError
-from swarmcensus.theory.checks import BLIND, MOST_READINGS, Floats, count, numbers, one_share, sensors
+from swarmcensus.theory.checks import (
+    BLIND,
+    MOST_READINGS,
+    Floats,
+    count,
+    fitting,
+    from_zero,
+    numbers,
+    one_share,
+    sensors,
+    shares,
+)
 
 
 class Law(NamedTuple):
@@ -115,3 +130,122 @@ def _single(name: str, value: float) -> float:
     if numbers(name, value).ndim:
         raise InputError(f"{name} has several numbers: should be one, of one robot; `mixed_law` joins several laws")
     return value
+
+
+HALVINGS = 48  # of the unit interval: to rounding
+
+_erf = np.vectorize(math.erf, otypes=[np.float64])
+
+
+def right_share(law: Law, fill_ratio: float, bins: int = 10) -> float:
+    """The expected share of robots in the bin of the fill ratio, where each robot's estimate has this law.
+
+    It is the chance that one robot is right, and so the expected share whether robots depend on each other or not.
+    Raises InputError.
+    """
+    low, high = right_bin(one_share("fill_ratio", fill_ratio), count("bins", bins))
+    return law.between(low, high)
+
+
+def bin_shares(law: Law, bins: int = 10) -> Floats:
+    """The expected share of robots in every bin, (bin,), from the lowest on. Raises InputError."""
+    edges = np.arange(count("bins", bins) + 1) / bins
+    edges[[0, -1]] = -np.inf, np.inf
+    return np.array([law.between(low, high) for low, high in itertools.pairwise(edges)])
+
+
+def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, bias: ArrayLike = 0.0) -> Floats:
+    """The same where estimates are normal about f + bias with this variance, cut to [0, 1]; of the shape of both.
+
+    A variance of 0 is an estimate that lies at f + bias. Raises InputError.
+    """
+    f = one_share("fill_ratio", fill_ratio)
+    spread, off = fitting(variance=from_zero("variance", variance), bias=numbers("bias", bias))
+    low, high = right_bin(f, count("bins", bins))
+    centre, sd = f + off, np.sqrt(spread)
+    known = sd > 0.0
+    scale = np.sqrt(2.0) * np.where(known, sd, 1.0)
+    below = [0.5 * (1.0 + _erf((end - centre) / scale)) for end in (low, high)]
+    return np.where(known, below[1] - below[0], (low <= centre) & (centre < high))
+
+
+def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
+    """The median of |x - f| over robots whose estimates are normal about f, each with a variance of its own.
+
+    Estimates are cut to [0, 1]. `variances` is (..., robot), the medians (...). By bisection: the share of robots
+    within e of f grows with e. Raises InputError.
+    """
+    f, spread = one_share("fill_ratio", fill_ratio), numbers("variances", variances)
+    if spread.ndim == 0 or not spread.size or (spread < 0.0).any():
+        raise InputError("variances: should be numbers from 0 on, one a robot")
+    known = spread > 0.0
+    scale = np.sqrt(2.0 * np.where(known, spread, 1.0))
+    low, high = np.zeros(spread.shape[:-1]), np.full(spread.shape[:-1], max(f, 1.0 - f))
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2.0
+        within = np.where(known, _erf(middle[..., np.newaxis] / scale), 1.0)
+        sides = [np.where(middle[..., np.newaxis] >= room, 1.0, within) for room in (f, 1.0 - f)]
+        enough = ((sides[0] + sides[1]) / 2.0).mean(axis=-1) >= 0.5
+        low, high = np.where(enough, low, middle), np.where(enough, middle, high)
+    return np.asarray(high)
+
+
+def local_squared_error(
+    readings: int, fill_ratio: float, b: ArrayLike, w: ArrayLike | None = None, pull: ArrayLike = 0.0
+) -> Floats:
+    """The mean of (x - f)^2 of the local estimate (paper, Eq. 4) after so many `readings`, cut to [0, 1].
+
+    `pull` is the share of its way to 1/2 that a prior draws it before it is cut. Of the shape of the sensors; time is
+    O(readings) for each that is another. With b + w = 1, x stays at 1/2. Raises InputError.
+    """
+    t = count("readings", readings, 1, MOST_READINGS)
+    f, (black, white) = one_share("fill_ratio", fill_ratio), sensors(b, w)
+    black, white, share = fitting(b=black, w=white, pull=shares("pull", pull))
+    kinds, which = np.unique(np.stack([black.ravel(), white.ravel(), share.ravel()]), axis=1, return_inverse=True)
+    said = np.arange(t + 1) / t
+    found = []
+    for b_, w_, h in kinds.T.tolist():
+        slope = b_ + w_ - 1.0
+        if abs(slope) < BLIND:
+            found.append((0.5 - f) ** 2)
+            continue
+        x = np.clip((1.0 - h) * (said + w_ - 1.0) / slope + 0.5 * h, 0.0, 1.0)
+        found.append(float(binomial(t, slope * f + 1.0 - w_) @ (x - f) ** 2))
+    return np.array(found)[which.ravel()].reshape(black.shape)
+
+
+def pulled_squared_error(variance: ArrayLike, fill_ratio: float, pull: ArrayLike) -> Floats:
+    """The mean of (x - f)^2 of an unbiased estimate with this `variance` that a prior draws to 1/2, before it is cut.
+
+    Of the shape of both together. Raises InputError.
+    """
+    spread, share = _normal(variance, pull)
+    bias = share * (0.5 - one_share("fill_ratio", fill_ratio))
+    return np.asarray((1.0 - share) ** 2 * spread + bias**2)
+
+
+def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Floats:
+    """By how much cutting such an estimate to [0, 1] lowers its mean of (x - f)^2, were it normal.
+
+    Below 0 that is the mean of (x - f)^2 - f^2 where x < 0, and above 1 likewise. Of the shape of variance and pull
+    together. Raises InputError.
+    """
+    f, (spread, share) = one_share("fill_ratio", fill_ratio), _normal(variance, pull)
+    bias, sd = share * (0.5 - f), (1.0 - share) * np.sqrt(spread)
+    total = np.zeros(sd.shape)
+    for end, off in ((f, bias), (1.0 - f, -bias)):
+        z = (end + off) / np.where(sd > 0.0, sd, np.inf)
+        density = np.exp(-0.5 * z**2) / np.sqrt(2.0 * np.pi)
+        beyond = 0.5 * (1.0 - _erf(z / np.sqrt(2.0)))
+        part = (off**2 - end**2 + sd**2) * beyond + (sd * z - 2.0 * off) * sd * density
+        total += np.where(sd > 0.0, part, 0.0)
+    return total
+
+
+def _normal(variance: ArrayLike, pull: ArrayLike) -> tuple[Floats, Floats]:
+    """Finite variances and shares, of one shape. Raises InputError."""
+    found = from_zero("variance", variance)
+    if np.isinf(found).any():
+        raise InputError("variance: should be finite")
+    found, share = fitting(variance=found, pull=shares("pull", pull))
+    return found, share

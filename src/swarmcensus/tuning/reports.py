@@ -1,14 +1,15 @@
 """How a search and its evaluation are told, in the comments of the fragment."""
 
+import textwrap
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
+from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.tuning.evidence import BETTER, NONE, Evidence
-from swarmcensus.tuning.fragments import fragment
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.rounds import Ended
 from swarmcensus.tuning.searching import library
@@ -88,3 +89,27 @@ def _drawn(ended: Ended) -> str:
 
 def _told(plan: Plan, values: tuple[float, ...]) -> str:
     return ", ".join(f"{one.place} = {value:.6g}" for one, value in zip(plan.ranges, values, strict=True))
+
+
+WIDTH = 110
+
+
+def fragment(
+    brain: Brain, searched: Sequence[str], head: Sequence[str], evidence: Sequence[str], told: Sequence[str]
+) -> str:
+    """TOML text: comments of what came of it, the line to paste, and comments of how it came to be.
+
+    The line names all parameters that were searched, those too that are as the brain's file says.
+    """
+    table = {"file": brain.name, **{name: brain.parameters[name] for name in searched}, **dict(brain.given)}
+    lines = [*_comments(head), "#", *_comments(evidence)]
+    lines += ["", "[swarm]", f"brain = [{to_toml_value(table)}]", "", *_comments(told)]
+    return "\n".join(lines) + "\n"
+
+
+def _comments(lines: Sequence[str]) -> list[str]:
+    return [
+        f"{'# ' if k == 0 else '#   '}{part}"
+        for line in lines
+        for k, part in enumerate(textwrap.wrap(line, WIDTH, break_long_words=False, break_on_hyphens=False))
+    ]

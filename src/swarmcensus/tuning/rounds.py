@@ -8,16 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.runs.collect import Progress
 from swarmcensus.tuning.logs import Evaluation, Log, hint
-from swarmcensus.tuning.objectives import loss, scales_of
 from swarmcensus.tuning.plans import Plan
 from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.trying import Training
+from swarmcensus.tuning.trying import Training, loss, scales_of
 
 LOG = logging.getLogger(__name__)
 Floats = NDArray[np.float64]

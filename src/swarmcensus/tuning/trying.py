@@ -18,7 +18,6 @@ from swarmcensus.runs.collect import Progress, State, work
 from swarmcensus.runs.tasks import bundled, plan
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
-from swarmcensus.tuning.objectives import COMPANIONS
 
 Floats = NDArray[np.float64]
 FOR_ALL = ("convergence_round", "final_estimate", "true_fill_ratio", "right_option")  # shapes, and what errors are of
@@ -120,3 +119,52 @@ class Training:
         data = store.dataset(study, mine, [""] * len(mine), some)
         found = np.stack([numbers(data, one.name) for one in self.measures])
         return found.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
+
+
+WORST = 1.0
+COMPANIONS = {  # of measures that are the same in whole regions of values: which one breaks their ties
+    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
+    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+}  # fmt: skip
+FARTHEST = 500.0  # widths from the middle, beyond which a logistic is 0 or 1
+
+
+def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:
+    """What is usual in each world, (world, 2), of the start's trials (world, trial): a middle and a width.
+
+    `least` is the smallest number that the measure can be. Of one that is never negative the middle is the median of
+    what is above 0 and finite, and the width 0, for ratios to it count; where there is nothing of the kind it is 1, or
+    of times the world's own length.
+    """
+    scales = np.zeros((len(worlds), 2))
+    for k, (row, world) in enumerate(zip(numbers, worlds, strict=True)):
+        finite = row[np.isfinite(row)]
+        if least >= 0:
+            above = finite[finite > 0]
+            alone = float(world.rounds) if measure.unit == "rounds" else 1.0
+            scales[k] = (np.median(above) if above.size else alone), 0.0
+        else:
+            middle = float(np.median(finite)) if finite.size else 0.0
+            width = float(np.abs(finite - middle).mean()) if finite.size else 0.0
+            scales[k] = middle, width or 1.0
+    return scales
+
+
+def loss(numbers: Floats, measure: Measure, scales: Floats) -> float:
+    """How bad a candidate's trials (world, trial) are, in [0, 1], lower being better; a NaN has failed.
+
+    A share counts as it is. Of other measures the number v of a trial counts as v / (v + s), with the usual s of its
+    world: 0 is none, 1/2 what is usual, 1 never. One that may be negative counts as the logistic of its distance from
+    what is usual, in usual distances.
+    """
+    middle, width = scales[:, :1], scales[:, 1:]
+    if measure.share:
+        bad = numbers if measure.low else 1.0 - numbers
+    else:
+        with np.errstate(invalid="ignore", divide="ignore"):
+            ratio = np.where(np.isposinf(numbers), 1.0, numbers / (numbers + middle))
+            off = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -FARTHEST, FARTHEST)
+        above = np.where(width > 0, 1.0 / (1.0 + np.exp(-off)), ratio)
+        bad = above if measure.low else 1.0 - above
+    return float(np.where(np.isnan(numbers), WORST, bad).mean())

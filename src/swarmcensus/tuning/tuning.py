@@ -5,20 +5,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain, Value
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.study import Study
-from swarmcensus.tuning.budgets import budget_of
 from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of
-from swarmcensus.tuning.evidence import Evidence, evidence_of
-from swarmcensus.tuning.influence import without_idle
+from swarmcensus.tuning.evidence import Evidence, evidence_of, without_idle
 from swarmcensus.tuning.logs import Evaluation, Log
-from swarmcensus.tuning.plans import Plan, plan_of
+from swarmcensus.tuning.plans import Plan, budget_of, plan_of
 from swarmcensus.tuning.reports import course_of, notes_of, report, why_unchanged
 from swarmcensus.tuning.rounds import Ended, search_of, search_on
 from swarmcensus.tuning.trying import Training

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
+from swarmcensus.basics.formatting import counted
 from swarmcensus.watching.offers import Offer, wanted
 from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.server import PAGE

@@ -13,8 +13,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus import brains
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Adversary, adversary
@@ -87,7 +87,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
 
 
 def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
-    from swarmcensus.results.early import opened
+    from swarmcensus.results.partial import opened
     from swarmcensus.results.selecting import require
     from swarmcensus.results.source_study import setting_of, studies_of
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.counting import counted
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.plugins import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
 from swarmcensus.worlds.chance import Chance
 

@@ -2,15 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+import importlib
+import itertools
+from collections.abc import Callable, Generator, Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
+from matplotlib.animation import FuncAnimation
+from matplotlib.artist import Artist
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+from PIL import Image
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable
-from swarmcensus.figures import films, scenes
+from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.figures import scenes
+from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
+from swarmcensus.figures.kinds.arena import Arena
+from swarmcensus.figures.scenes import Tiles, check_tick
 from swarmcensus.figures.sheets import Own
 
 
@@ -45,18 +57,218 @@ def film(
     """
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
-    films.suffix_of(out)
+    suffix_of(out)
     clock = scenes.clock_of(results, setting, trial, brain, robot)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
-    films.stretch(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
+    stretch(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
     if ax is None:
         check_writable(Path(out))
-        films.ffmpeg_for(out)
+        ffmpeg_for(out)
     trace, floor = scenes.drawn_of(results, setting, trial, brain)
     if ax is not None:
-        return films.animation(
+        return animation(
             trace, floor, ax, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
         )
-    return films.film(
+    return write_film(
         trace, floor, out, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
     )
+
+
+MP4_DPI, GIF_DPI = 128, 80
+LENGTH = 600  # ticks of a film unless more or fewer are asked for
+QUALITY = "26"  # x264's constant rate factor: lower is better and larger
+MOST_GIF_FRAMES = 1000  # Pillow holds them all in memory until the last
+MOST_GIF_FPS = 50  # viewers slow down what is meant to be faster
+Frame = NDArray[np.uint8]  # (row, column, RGBA); overwritten by the next one
+
+
+def write_film(
+    trace: xr.Dataset,
+    floor: Tiles,
+    path: str | Path,
+    *,
+    first: int = 1,
+    last: int | None = None,
+    every: int = 2,
+    fps: int = 20,
+    robot: int = 0,
+    title: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> int:
+    """Write a film of ticks first, first + every, ... up to `last` (default: 600 ticks, or all there are).
+
+    `path` ends in .mp4 (H.264, 864 x 800; needs imageio-ffmpeg) or .gif (540 x 500, few colours; at most 1,000
+    frames). `fps` are frames a second; a GIF counts them in hundredths of a second. Its other arguments are
+    those of `snapshot`. `progress` is called with the frames done and their number after each. The file appears
+    whole or not at all, in place of an older one. Returns the number of frames.
+
+    Raises InputError as `snapshot` does, for a stretch or speed that cannot be, another suffix, a missing
+    imageio-ffmpeg, and where the file cannot be written.
+    """
+    path = Path(path)
+    suffix_of(path)
+    arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps))
+    known = int(arena.ticks[0]), int(arena.ticks[-1])
+    ticks = stretch(path, known, first=first, last=last, every=every, fps=fps)
+    ffmpeg = ffmpeg_for(path)
+    frames = _drawn(arena, ticks, MP4_DPI if ffmpeg else GIF_DPI, progress)
+    with whole(path) as beside, contextlib.closing(frames):
+        if ffmpeg:
+            _write_mp4(ffmpeg, beside, frames, len(ticks), fps)
+        else:
+            _write_gif(beside, frames, fps)
+    return len(ticks)
+
+
+def animation(
+    trace: xr.Dataset,
+    floor: Tiles,
+    ax: Own,
+    *,
+    first: int = 1,
+    last: int | None = None,
+    every: int = 2,
+    fps: int = 20,
+    robot: int = 0,
+    title: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> FuncAnimation:
+    """The frames of `film` as an animation of the figure of these axes. Raises InputError as `film` does."""
+    arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
+    known = int(arena.ticks[0]), int(arena.ticks[-1])
+    ticks = stretch("film.mp4", known, first=first, last=last, every=every, fps=fps)
+
+    def show(tick: int) -> list[Artist]:
+        arena.show(tick)
+        if progress:
+            progress(ticks.index(tick) + 1, len(ticks))
+        return arena.moving
+
+    return FuncAnimation(arena.figure, show, ticks, interval=1000 / fps, repeat=False)
+
+
+def suffix_of(path: str | Path) -> str:
+    """Return ".mp4" or ".gif". Raises InputError for another suffix."""
+    suffix = Path(path).suffix.lower()
+    if suffix not in (".mp4", ".gif"):
+        raise InputError(f"{path}: films are written as .mp4 or .gif")
+    return suffix
+
+
+def stretch(
+    path: str | Path, known: tuple[int, int], *, first: int = 1, last: int | None = None, every: int = 2, fps: int = 20
+) -> range:
+    """Return the ticks that a film shows, of a trial that has those from known[0] to known[1].
+
+    Takes what `film` takes. Raises InputError for a stretch or speed that cannot be.
+    """
+    gif = suffix_of(path) == ".gif"
+    fastest = MOST_GIF_FPS if gif else 240
+    if every < 1 or not 1 <= fps <= fastest:
+        raise InputError(f"every {every}, fps {fps}: should be from 1, and at most {fastest} frames a second")
+    last = min(first + LENGTH - 1, known[1]) if last is None else last
+    for tick in (first, last):
+        check_tick(tick, known)
+    ticks = range(first, last + 1, every)
+    if not ticks:
+        raise InputError(f"no tick from {first} to {last}: a film needs one at least")
+    if gif and len(ticks) > MOST_GIF_FRAMES:
+        raise InputError(
+            f"{len(ticks):,} frames: a GIF may have {MOST_GIF_FRAMES:,}; show a shorter stretch, fewer of its ticks, "
+            "or write an .mp4"
+        )
+    return ticks
+
+
+def ffmpeg_for(path: str | Path) -> Any:
+    """Return the ffmpeg module for an .mp4 and None for a .gif, which Pillow writes.
+
+    Raises InputError for another suffix and where imageio-ffmpeg is missing.
+    """
+    if suffix_of(path) == ".gif":
+        return None
+    try:
+        ffmpeg = importlib.import_module("imageio_ffmpeg")
+        ffmpeg.get_ffmpeg_exe()
+    except (ImportError, RuntimeError):
+        raise InputError(
+            f"{path}: an .mp4 needs imageio-ffmpeg: pip install 'imageio-ffmpeg>=0.5', or write a .gif"
+        ) from None
+    return ffmpeg
+
+
+def _pace(trace: xr.Dataset, ticks: int) -> str:
+    """What a film that shows so many ticks a second says of its speed."""
+    if "tick_seconds" not in trace.attrs:
+        return f"{ticks} ticks a second"
+    pace = ticks * trace.attrs["tick_seconds"]
+    return "as fast as life" if pace == 1.0 else f"{pace:.3g} times as fast as life"
+
+
+def _drawn(
+    arena: Arena, ticks: range, dpi: int, progress: Callable[[int, int], None] | None
+) -> Generator[Frame, None, None]:
+    canvas: Any = arena.figure.canvas  # an Agg canvas, some of whose functions have no types
+    arena.figure.set_dpi(dpi)
+    for artist in arena.moving:
+        artist.set_animated(True)  # the canvas leaves them out
+    canvas.draw()
+    still = canvas.copy_from_bbox(arena.figure.bbox)
+    renderer = canvas.get_renderer()
+    for done, tick in enumerate(ticks, start=1):
+        if arena.paint(tick):  # what stands still is another
+            canvas.draw()
+            still = canvas.copy_from_bbox(arena.figure.bbox)
+        arena.show(tick)
+        canvas.restore_region(still)
+        for artist in arena.moving:
+            artist.draw(renderer)
+        yield np.asarray(canvas.buffer_rgba())
+        if progress:
+            progress(done, len(ticks))
+
+
+def _write_mp4(ffmpeg: Any, beside: Path, frames: Iterator[Frame], count: int, fps: int) -> None:
+    first = next(frames)
+    writer = ffmpeg.write_frames(
+        str(beside), first.shape[1::-1], fps=fps, codec="libx264", quality=None, macro_block_size=2,
+        pix_fmt_in="rgba", pix_fmt_out="yuv420p", ffmpeg_log_level="fatal",
+        output_params=["-preset", "veryfast", "-crf", QUALITY, "-movflags", "+faststart"],
+    )  # fmt: skip
+    with contextlib.closing(writer):
+        writer.send(None)
+        for frame in itertools.chain([first], frames):
+            try:
+                writer.send(frame)
+            except OSError:
+                raise OSError("ffmpeg stopped") from None
+    # The writer does not tell whether its last frames went down well, as where a disk is full.
+    try:
+        written, _ = ffmpeg.count_frames_and_secs(beside)
+    except RuntimeError:
+        written = 0
+    if written != count:
+        raise OSError("ffmpeg failed")
+
+
+def _palette() -> Image.Image:
+    """The colours of a GIF: chosen, as those found in a frame would leave out the few dots that matter."""
+    greys = np.concatenate([np.linspace(0.0, BLACK_TILE, 12), np.linspace(BLACK_TILE, WHITE_TILE, 8)[1:], [1.0]])
+    robots = ESTIMATES(np.linspace(0.0, 1.0, 48))[:, :3]
+    lines = np.array([to_rgb(LINK), to_rgb(RANGE)])
+    soft = [share * lines + (1.0 - share) * (BLACK_TILE + WHITE_TILE) / 2.0 for share in (1.0, 0.7, 0.4)]
+    colours = np.concatenate([np.repeat(greys[:, np.newaxis], 3, axis=1), robots, *soft])
+    image = Image.new("P", (1, 1))
+    image.putpalette((255.0 * colours).round().astype(np.uint8).tobytes())
+    return image
+
+
+def _write_gif(beside: Path, frames: Iterator[Frame], fps: int) -> None:
+    palette = _palette()
+    reduced = (Image.fromarray(f[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
+    # `optimize` leaves out the dots that do not change: a tenth of the size
+    with beside.open("wb") as file:
+        next(reduced).save(
+            file, format="GIF", save_all=True, append_images=reduced, duration=10 * round(100 / fps), loop=0,
+            optimize=True,
+        )  # fmt: skip

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import names_of, places_of
-from swarmcensus.figures.cells import write_numbers
 from swarmcensus.figures.clouds import cloud_of, unit_of
 from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
-from swarmcensus.figures.lettering import shortened, width_of
+from swarmcensus.figures.lettering import shortened, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.panels import select_some
 from swarmcensus.figures.sheets import (

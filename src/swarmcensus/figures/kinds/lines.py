@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import get_args
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Literal, NamedTuple, get_args
 
 import numpy as np
 import xarray as xr
@@ -14,13 +16,12 @@ from matplotlib.transforms import ScaledTranslation, Transform, blended_transfor
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
-from swarmcensus.figures.clouds import unit_of
-from swarmcensus.figures.coordinates import check_coordinates, from_nobody, texts_of, title_of, varies
+from swarmcensus.figures.clouds import by_trial, unit_of
+from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, title_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
-from swarmcensus.figures.overlaps import Piece, Stretch, stretches
 from swarmcensus.figures.panels import Names, panels_of
-from swarmcensus.figures.series import Point, Statistic, measured, points_of
 from swarmcensus.figures.sheets import (
     LEFT,
     NOTHING,
@@ -36,7 +37,9 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results.measures import with_measure
-from swarmcensus.results.values import SHARES
+from swarmcensus.results.selecting import require
+from swarmcensus.results.values import SHARES, bounds_in, robots_in
+from swarmcensus.statistics.intervals import interval_of
 
 SIZE = 5.0  # points: a dot
 WIDTH = 1.0  # points: a line
@@ -220,3 +223,136 @@ def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: S
         entries[f"the {statistic} is infinite"] = Line2D(
             [], [], linestyle="", marker=ENDLESS, markersize=SIZE + 3, color="0.3", markeredgewidth=0.4
         )
+
+
+Piece = tuple[float, float, float, float]  # x and y of one point, and of the next
+SOLID = "-"
+DASH = 6.0  # points
+
+
+class Stretch(NamedTuple):
+    """A part of a line, from point to point, and matplotlib's style of it."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    style: Any
+
+
+def stretches(
+    lines: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]], hides: Callable[[Piece], bool]
+) -> dict[str, list[Stretch]]:
+    """Cut lines, x and y of their points from left to right, where they come to lie upon others or leave them.
+
+    `hides` says of a piece, from one point to the next, whether a line there would hide another. The first of those
+    that share a stretch is solid. A line that shares none is one stretch.
+    """
+    here: dict[Piece, list[str]] = {}
+    pieces = {name: list(zip(x, y, x[1:], y[1:], strict=False)) for name, (x, y) in lines.items()}
+    for name, some in pieces.items():
+        for piece in some:
+            here.setdefault(piece, []).append(name)
+    found = {}
+    for name, (x, y) in lines.items():
+        shared = [here[piece] if hides(piece) else [name] for piece in pieces[name]]
+        styles = [_style(several.index(name), len(several)) for several in shared]
+        ends = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1]), len(styles)]
+        found[name] = (
+            [
+                Stretch(x[first : last + 1], y[first : last + 1], styles[first])
+                for first, last in itertools.pairwise(ends)
+            ]
+            if any(style != SOLID for style in styles)
+            else [Stretch(x, y, SOLID)]
+        )
+    return found
+
+
+def _style(place: int, several: int) -> Any:
+    return SOLID if place == 0 else (place * DASH, (DASH, (several - 1) * DASH))
+
+
+Statistic = Literal["median", "mean"]
+SIDES = {"setting", "checkpoint", "trial", "robot"}
+
+
+class Point(NamedTuple):
+    """A value of the x coordinate as text, what the variable comes to there, and the ends of its 95 % interval.
+
+    The value is infinite where that is what the statistic is, and NaN where nothing has been run; the ends are NaN
+    where too few trials have been.
+    """
+
+    x: str
+    value: float
+    low: float
+    high: float
+
+
+def variables_of(results: xr.Dataset) -> list[str]:
+    """The names of all that is measured in every trial, in numbers."""
+    return [
+        str(name)
+        for name, one in results.data_vars.items()
+        if {"setting", "trial"} <= {*one.dims} <= SIDES and one.dtype.kind in "biuf"
+    ]
+
+
+def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset:
+    """A variable alone, as float64 (setting, trial, robot), NaN where nothing was run, with the settings' coordinates.
+
+    One that is recorded at checkpoints is taken at the last that its setting reaches, or `at_checkpoints` at each: a
+    setting is then repeated, with another coordinate `checkpoint`. Raises InputError for a name that is not there.
+    """
+    require(results)
+    known = variables_of(results)
+    if name not in known:
+        raise InputError(f"y {name!r}: {did_you_mean(name, known)}what is measured here is {', '.join(known)}")
+    whole = results[name].dtype.kind == "i"
+    found = results[name].astype(float)
+    found = found.where(found >= 0) if whole else found
+    if name == "correct":  # a share of robots: larger swarms weigh more
+        exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < robots_in(results)
+        found = found.where(exists)
+    elif "robot" not in found.dims:
+        found = found.expand_dims("robot")
+    settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
+    if "checkpoint" in found.dims:
+        rounds, recorded = results["rounds"].values, results["checkpoint"].values
+        setting, place = np.nonzero(recorded <= rounds[:, np.newaxis])
+        if not at_checkpoints:
+            last = np.append(setting[1:] != setting[:-1], True)[: setting.size]
+            setting, place = setting[last], place[last]
+        at = {"setting": xr.DataArray(setting, dims="setting"), "checkpoint": xr.DataArray(place, dims="setting")}
+        found = found.isel(at)
+        settings = settings.isel(setting=setting)
+        if at_checkpoints:
+            settings = settings.assign_coords(checkpoint=("setting", recorded[place]))
+    values = found.transpose("setting", "trial", "robot").values
+    return xr.Dataset({name: (("setting", "trial", "robot"), values)}, settings.coords, results.attrs)
+
+
+def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: bool) -> list[Point]:
+    """What a variable of `measured` comes to for every value of a coordinate; settings alike in it are pooled."""
+    texts, points = texts_of(part, x), []
+    for text in dict.fromkeys(texts.tolist()):
+        mine = part.isel(setting=texts == text)
+        value, low, high = _estimated(mine[name].values, statistic, share)
+        if name == "convergence_round":  # none is after the last round, though a median's interval may reach on
+            high = min(high, float(mine["rounds"].max()))
+        least, most = bounds_in(part, name)
+        low, high = max(low, least), min(high, most)
+        points.append(Point(text, value, low, high))
+    return points
+
+
+def _estimated(values: NDArray[np.float64], statistic: Statistic, share: bool) -> tuple[float, float, float]:
+    """The statistic of (setting, trial, robot), and its interval over trials: NaN where settings lack some of them."""
+    kept = by_trial(values)
+    if kept is None:
+        known = values[~np.isnan(values)]
+        if not known.size:
+            return math.nan, math.nan, math.nan
+        return float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan
+    endless = statistic == "mean" and not np.isfinite(kept).all()
+    value, low, high = (math.inf, math.nan, math.nan) if endless else interval_of(kept, statistic, share)
+    return value, low, high

@@ -2,12 +2,35 @@
 
 from __future__ import annotations
 
-import xarray as xr
+from collections.abc import Sequence
+from typing import Any
 
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
+from swarmcensus.comparing.cells import equals
 from swarmcensus.comparing.comparison import compare
+from swarmcensus.comparing.pair_tests import Contest
+from swarmcensus.comparing.standings import Standings
+from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.panels import Names
-from swarmcensus.figures.rank_lines import draw_ranks
-from swarmcensus.figures.sheets import Drawn, Own
+from swarmcensus.figures.sheets import (
+    CAPTION,
+    SMALL,
+    TITLE,
+    Drawn,
+    Own,
+    caption_panels,
+    drawn_on,
+    own_axes,
+    say_lacking,
+)
+from swarmcensus.statistics.rankings import groups
 
 
 def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None) -> Drawn:
@@ -17,3 +40,118 @@ def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None
     are corrected for. Raises InputError as `sc.compare` does, and where no world has been met by all contenders.
     """
     return draw_ranks(compare(results, metric or ()), title, ax, [results])
+
+
+WIDE = 6.4  # inches: the figure
+NAMES = 1.75  # inches on either side for the names
+NUMBER = 0.36  # inches of them for a rank
+MOST_LINES = 3  # of a name
+LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
+OVER, UNDER = 0.62, 0.12  # inches for a caption and the numbers, and under the last name
+FOOT = 0.25  # inches under all panels
+MOST = 40  # contenders that have room
+HELD_BACK = "0.35"
+
+
+def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()) -> Drawn:
+    """Draw a panel for each measure of a comparison, the best contender on the left of its line.
+
+    Ranks are means over the trials and worlds that all contenders have met. A bar joins contenders no two of which are
+    told apart over all these worlds, by the tests of the comparison. Raises InputError where all have met in none, for
+    more contenders than have room, and for several measures in one `ax`. The foot says what `results` lack.
+    """
+    drawn = [k for k, one in enumerate(found.contests) if len(one.ranks)]
+    if not drawn:
+        raise InputError("ranks: there is no world in which all contenders have finished the same trials")
+    if len(found.contenders) > MOST:
+        raise InputError(
+            f"ranks: a line has room for {MOST:,} contenders, not {len(found.contenders)}: select some settings"
+        )
+    joined = [_joined(found, found.contests[k]) for k in drawn]
+    names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
+    tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
+    captions = [_caption(found, k, bars) for k, bars in zip(drawn, joined, strict=True)]
+    over = [OVER + LINE * (len(wrapped(caption, 72 * (WIDE - 0.4), CAPTION)) - 1) for caption in captions]
+    high = [
+        above + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2)
+        for above, bars in zip(over, joined, strict=True)
+    ]
+    lines = wrapped(title or "", 72 * (WIDE - 0.4), TITLE, 3)
+    room = 0.22 * len(lines) + 0.1 * bool(lines)
+    panels = _panels(high, over, room, lines) if ax is None else own_axes(ax, len(drawn), "name one metric")
+    if ax is not None and title:
+        captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
+    caption_panels(panels, captions, 0.3, WIDE - 0.3)
+    for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
+        _draw(panel, names, found.contests[k].average_ranks, bars, inches - above, tall)
+    say_lacking(panels[-1:], results)
+    return drawn_on(panels, ax)
+
+
+def _joined(found: Standings, contest: Contest) -> list[list[int]]:
+    order = np.argsort(contest.average_ranks, kind="stable").tolist()
+    return groups(order, found.apart_overall(contest))
+
+
+def _caption(found: Standings, k: int, bars: list[list[int]]) -> str:
+    """What a panel shows; and why, where contenders differ overall and one bar joins all of them."""
+    contest = found.contests[k]
+    told = f"{found.measures[k].label}: average rank over {_over(contest)}"
+    if contest.differ and bars and len(bars[0]) == len(found.contenders):
+        told += f"; they differ (Friedman's test: p {equals(contest.friedman_corrected)}), but no two are told apart"
+    return told
+
+
+def _over(contest: Contest) -> str:
+    worlds, trials = int(contest.met.sum()), len(contest.ranks)
+    return f"{counted(trials, 'trial')}" + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
+
+
+def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
+    total = sum(high) + room + FOOT
+    figure = Figure(figsize=(WIDE, total))
+    FigureCanvasAgg(figure)
+    figure.text(0.2 / WIDE, 0.1 / total, "1 is best; a bar joins those that are not told apart", fontsize=SMALL)
+    if title:
+        figure.suptitle("\n".join(title), x=0.2 / WIDE, y=1 - 0.1 / total, ha="left", va="top", fontsize=TITLE,
+                        parse_math=False)  # fmt: skip
+    tops = total - room - np.cumsum([0.0, *high[:-1]])
+    return [
+        figure.add_axes((0.2 / WIDE, (top - inches) / total, 1 - 0.4 / WIDE, (inches - above) / total))
+        for top, inches, above in zip(tops.tolist(), high, over, strict=True)
+    ]
+
+
+def _draw(
+    axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], inches: float, tall: float
+) -> None:
+    """One line: x are ranks, y inches below it, `tall` of them for each of the names, which have lines."""
+    count = len(names)
+    wide = (axes.bbox.width / axes.figure.dpi - 2 * NAMES) / max(count - 1, 1)  # inches from rank to rank
+    left, right = 1 - NAMES / wide, count + NAMES / wide
+    axes.set_xlim(left, right)
+    axes.set_ylim(inches, 0)
+    axes.set_axis_off()
+    axes.plot([1, count], [0, 0], color="black", linewidth=1, clip_on=False)
+    step = max(1, count // 12)
+    for rank in range(1, count + 1, step):
+        axes.plot([rank, rank], [0, -0.05], color="black", linewidth=1, clip_on=False)
+        axes.text(rank, -0.07, str(rank), ha="center", va="bottom", fontsize=SMALL)
+    for level, bar in enumerate(bars):
+        y, ends = BAR * (level + 0.9), ranks[bar]
+        axes.plot([ends.min() - 0.04 / wide, ends.max() + 0.04 / wide], [y, y], color="black", linewidth=3,
+                  solid_capstyle="butt")  # fmt: skip
+    order = np.argsort(ranks, kind="stable").tolist()
+    better = order[: (count + 1) // 2]
+    for side, edge, far, ha in (
+        (better, 1.0, left, "right"),
+        (order[len(better) :][::-1], float(count), right, "left"),
+    ):
+        for k, contender in enumerate(side):
+            y = BAR * (len(bars) + 1) + tall * (k + 0.5)
+            end = edge + 0.05 / wide * (-1 if far < edge else 1)
+            axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=HELD_BACK, linewidth=0.7)
+            away = -1 if far < edge else 1
+            says: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": SMALL, "parse_math": False}
+            axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **says)
+            axes.text(end + (0.04 + NUMBER) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **says)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import xarray as xr
 from rich.table import Table
 
-from swarmcensus.basics.counting import counted
+from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.tables import NOTHING, coordinates
 

@@ -1,8 +1,10 @@
-"""How many digits of numbers are shown: as many as tell them apart, or as their intervals leave certain."""
+"""Counts as people read them: "1 setting", "1,000 settings"."""
 
 import math
 import re
 from collections.abc import Iterable
+from numbers import Integral
+from typing import Any
 
 EXACT = 17  # digits that tell any two numbers apart
 DECIMAL = re.compile(r"\d*\.\d+(?:e[-+]?\d+)?")
@@ -35,3 +37,13 @@ def places(width: float, digits: int = 2) -> int:
 def rounded(value: float, low: float, high: float, decimals: int) -> tuple[str, str]:
     """A number and its interval as text."""
     return f"{value:,.{decimals}f}", f"[{low:,.{decimals}f}, {high:,.{decimals}f}]"
+
+
+def counted(count: int, what: str) -> str:
+    """So many of what is called so: in the plural unless it is one, with commas between thousands."""
+    return f"{count:,} {what}" if count == 1 else f"{count:,} {what}s"
+
+
+def grouped(value: Any) -> str:
+    """A value as text: a whole number with commas between thousands."""
+    return f"{value:,}" if isinstance(value, Integral) else str(value)
