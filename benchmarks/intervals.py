@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study, run
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.precision import Until
 
 STARTS = (6, 10, 30, 100)  # trials at the first look
@@ -135,7 +135,7 @@ def rule(statistic, share, width, start):
 
 def held(rng, draw, truth, statistic, share, trials, times):
     """How often the interval after so many trials holds the truth; and half its width, in the median."""
-    found = np.array([interval_of(draw(rng, trials), statistic, share)[1:] for _ in range(times)])
+    found = np.array([estimate(draw(rng, trials), statistic, share)[1:] for _ in range(times)])
     return ((found[:, 0] <= truth) & (truth <= found[:, 1])).mean(), np.median(found[:, 1] - found[:, 0]) / 2
 
 

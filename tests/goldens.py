@@ -15,6 +15,7 @@ import io
 import json
 import os
 import re
+import shutil
 import sys
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,7 @@ STUDIES = {
     "rivals/opinions": 2, "rivals/bayesian": 2, "rivals/consensus": 2, "beyond/changing": 1,
     "beyond/unknown-sensors": 1, "example/compare": 8, "example/floors": 2, "example/liars": 6, "example/recorded": 2,
 }  # fmt: skip  # with how many trials each is run
+TIMES = ("started", "finished", "wall_seconds", "cpu_seconds")  # attributes of a file
 VERSIONS = re.compile(r"\d+\.\d+\.\d+\S*|\d+(\.\d+)? (s|min|ms|MB|KB)\b|\d{4}-\d\d-\d\d[T ]\d\d:\d\d\S*")
 
 
@@ -58,7 +60,7 @@ def values(path: Path) -> str:
         text = json.dumps(array.tolist()).encode() if array.dtype.kind in "OU" else array.tobytes()
         said = {k: str(v) for k, v in sorted(data[name].attrs.items())}
         lines.append(f"{name} {data[name].dims} {array.shape} {array.dtype.kind} {digest(text)} {said}")
-    for name, said in sorted(data.attrs.items()):
+    for name, said in sorted(item for item in data.attrs.items() if item[0] not in TIMES):
         lines.append(f"@{name} {VERSIONS.sub('#', str(said))}")
     return "\n".join(lines) + "\n\n"
 
@@ -78,9 +80,9 @@ def of_study(name: str, trials: int) -> str:
     if not results.exists():
         return text
     text += values(results)
-    for command in ("show", "compare", "explain", "verify"):
-        text += printed(command, results)
-        text += printed(command, results, "--json")
+    for command, *options in (("show",), ("compare",), ("explain",), ("verify", "--seed", 1)):
+        text += printed(command, results, *options)
+        text += printed(command, results, *options, "--json")
     text += printed("explain", results, "--setting", 0)
     text += printed("compare", results, "--pairs", "--csv", "pairs.csv", "--latex", "worlds.tex")
     text += "".join(file.read_text() for file in map(Path, ("pairs.csv", "worlds.tex")) if file.exists())
@@ -100,6 +102,7 @@ def of_study(name: str, trials: int) -> str:
 def of_the_rest() -> dict[str, str]:
     """Texts by the names of their files."""
     example = ROOT / "studies" / "example"
+    shutil.copy(example / "my_brain.py", "my_brain.py")
     plan = ("plan", "--side", 3, "--accuracy", 0.8, "--fill-ratio", "0.3", "--half-width", 0.1, "--trials", 40)
     found = {
         "schemas": printed("studies", "--schema") + printed("plan", "--schema"),
@@ -114,7 +117,7 @@ def of_the_rest() -> dict[str, str]:
         "watch": printed("watch", "--export", "watch.html", "--set", "tick=50", "--set", "robots=10"),
         "reproduce": printed("reproduce", "--trials", 2, "--out", "reproduction", "--only", "fig2", "fig5", "claims"),
         "replay": printed("replay", "ring.nc", "--setting", 0, "--trial", 1, "--out", "trace.csv", "--plot", "t.png"),
-        "board": printed("leaderboard", "--trials", 1, "--out", "board", example / "my_brain.py"),
+        "board": printed("leaderboard", "--trials", 1, "--out", "board", "my_brain.py"),
         "infer": printed(
             *("infer", example / "observations.csv", "--links", example / "links.csv", "--accuracy", 0.8),
             *("--out", "infer.csv"),

@@ -8,6 +8,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
+from swarmcensus import metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.comparing.contenders import field_of
 from swarmcensus.comparing.latex import escaped, latex
@@ -143,10 +144,29 @@ def test_right_is_at_the_last_checkpoint_that_a_setting_reaches():
     assert (found[3] == right[3, 1]).all()
 
 
+METRIC = """UNIT = "1"
+MEANING = "lowest"
+
+
+def begin(my):
+    my.least = 1.0
+
+
+def watch(my, k, estimate, truth):
+    my.least = min(my.least, estimate)
+
+
+def result(my):
+    return my.least
+"""
+
+
 def with_metric(data, name="lowest"):
     data = data.copy()
     data[name] = (("setting", "trial", "robot"), data["final_estimate"].values, {"units": "1", "long_name": "lowest"})
-    data.attrs["metrics"] = json.dumps({name: {"name": name, "sha256": "", "source": ""}})
+    file = name.replace("_", "-")
+    source = metrics.load(file).source if file in metrics.DOOR else METRIC
+    data.attrs["metrics"] = json.dumps({name: {"name": file, "sha256": "", "source": source}})
     return data
 
 

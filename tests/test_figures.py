@@ -25,7 +25,7 @@ from swarmcensus.figures.kinds.scatter import label_dots, scatter_grid
 from swarmcensus.figures.looks import keyed, looks_of, palette
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.selecting import TooMuch, where
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 
 PAPER = [f"{a:.3f}" for a in np.arange(0.525, 0.98, 0.05)] + ["U(0.525,0.975)"]
 
@@ -221,8 +221,8 @@ def test_medians_have_crosses_of_intervals_over_trials():
     (ax,) = figure.axes
     ends = drawn(ax, "cross 0.6")
     x, y = (results[name][0].values for name in ("convergence_round", "convergence_error"))
-    _, left, right = interval_of(x.astype(float), "median")
-    _, low, high = interval_of(y, "median")
+    _, left, right = estimate(x.astype(float), "median")
+    _, low, high = estimate(y, "median")
     middle = np.median(x), np.median(y)
     np.testing.assert_allclose(
         ends, sorted([(left, middle[1]), (right, middle[1]), (middle[0], low), (middle[0], high)])
@@ -370,7 +370,7 @@ def test_a_thin_line_is_the_interval_over_trials():
         (lines,) = (c for c in ax.collections if c.get_label() == f"interval {name}")
         for checkpoint, line in enumerate(lines.get_segments()):
             shares = results["correct"].values[setting, checkpoint]
-            _, low, high = interval_of(shares[np.isfinite(shares)][:, None], "mean", share=True)
+            _, low, high = estimate(shares[np.isfinite(shares)][:, None], "mean", share=True)
             np.testing.assert_allclose(line[:, 1], [100 * low, 100 * high])
             np.testing.assert_allclose(line[:, 0], drawn(ax, f"right {name}")[checkpoint, 0])
             assert high > low

@@ -320,6 +320,8 @@ BAD = {
     "given": (MINE.replace("my.last = 0.0", "my.rounds = 0.0"), "line 8: begin sets rounds, which is given"),
     "nothing": (MINE.replace("return my.last", "return"), "line 15: result returns no number"),
     "unknown": (MINE.replace("= estimate", "= estimat"), "watch uses estimat, which is nowhere set: did you mean 'est"),
+    "better": (MINE.replace("def begin", "BETTER = 'less'\n\n\ndef begin"), "BETTER = 'less': should be \"low\" or"),
+    "label": (MINE.replace("def begin", f"LABEL = '{'x' * 25}'\n\n\ndef begin"), "LABEL should be a text of up to 24"),
     "bounds": (MINE.replace("def begin", "BOUNDS = (1, 0)\n\n\ndef begin"), "BOUNDS should be two numbers"),
     "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import math alone"),
     "calls": (MINE.replace("= estimate", "= open('x')"), "line 12: watch calls open: a metric may call its own"),
@@ -516,3 +518,19 @@ def test_numbas_colours_are_left_out_of_what_is_told():
     """As where colorama is installed."""
     text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
     assert watches._told(uncoloured(text)) == "Cannot cast Literal to float64"
+
+
+def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):
+    """And is then compared unasked, in its own words, and drawn under them."""
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(MINE.replace("def begin", 'BETTER = "high"\nLABEL = "last word"\n\n\ndef begin'))
+    swarm = {"robots": 5, "accuracy": 0.8, "brain": ["minimalistic", "alone"]}
+    world = {"topology": "ring", "fill_ratio": 0.7}
+    study = sc.Study(trials=8, swarm=swarm, world=world, schedule={"rounds": 20}, measure={"metrics": ["mine.py"]})
+    data = sc.run(study)
+    found = sc.compare(data)
+    [measure] = [one for one in found.measures if one.name == "mine"]
+    assert (measure.low, measure.label, measure.unit) == (False, "last word", "1")
+    assert not any("mine" in one for one in found.cautions)
+    assert sc.compare(data, "mine:low").measures[0].low
+    assert "last word" in sc.plot.lines(data, y="mine").axes[0].get_ylabel()

@@ -23,7 +23,7 @@ from swarmcensus.figures.kinds import DOOR, find
 from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 from tests.test_docs import ROOT, blocks, commands
 from tests.test_figures import assert_fits, drawn, forget, study, texts
 
@@ -332,11 +332,11 @@ def test_settings_that_are_pooled_count_a_trial_once():
     (ax,) = sc.plot.decisions(results, panels=[]).axes
     (lines,) = (c for c in ax.collections if c.get_label() == "interval 0.6")
     for k, line in enumerate(lines.get_segments()):
-        _, *ends = interval_of(results.correct.values[:, k].T, "mean", share=True)
+        _, *ends = estimate(results.correct.values[:, k].T, "mean", share=True)
         np.testing.assert_allclose(line[:, 1], 100 * np.array(ends))
     figure = sc.plot.lines(results, x="accuracy", panels=[], color="accuracy")
     both = np.concatenate([*results.convergence_error.values], axis=1)  # (trial, robots of both)
-    np.testing.assert_allclose(intervals(figure.axes[0], "0.6"), [interval_of(both, "median")[1:]])
+    np.testing.assert_allclose(intervals(figure.axes[0], "0.6"), [estimate(both, "median")[1:]])
     some = forget(results, setting=1, trial=slice(5, None))
     (ax,) = sc.plot.lines(some, x="accuracy", panels=[], color="accuracy").axes
     assert not intervals(ax, "0.6").size
@@ -462,7 +462,7 @@ def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     assert ax.get_xscale() == "log"
     (line,) = (line for line in ax.lines if line.get_label() == "line ")
     np.testing.assert_allclose(line.get_ydata(), results["bytes_sent"].median("trial"))
-    expected = [interval_of(row[:, None], "median")[1:] for row in results["bytes_sent"].values]
+    expected = [estimate(row[:, None], "median")[1:] for row in results["bytes_sent"].values]
     np.testing.assert_allclose(intervals(ax, ""), expected)
     (ax,) = sc.plot.lines(results, y="bytes_sent", statistic="mean").axes
     np.testing.assert_allclose(ax.lines[0].get_ydata(), results["bytes_sent"].mean("trial"))

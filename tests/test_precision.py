@@ -49,7 +49,7 @@ def test_each_setting_gets_what_it_needs(rule, variable):
         values = data[variable].values[k]
         values = values[1, :, np.newaxis] if variable == "correct" else values
         for stage in [s for s in stages if s <= trials]:
-            _, low, high = intervals.interval_of(
+            _, low, high = intervals.estimate(
                 values[:stage].astype(float), rule.split()[1], variable == "correct", look_level(stage)
             )
             # it stops at the first look at which the interval is narrow enough, and at no other
@@ -119,7 +119,7 @@ def test_a_look_errs_the_less_often_the_fewer_trials_it_is_at():
     assert levels[2:] == pytest.approx([0.97, 0.958, 0.951], abs=5e-4)  # as docs/intervals.md says
     values = np.random.default_rng(3).normal(size=(30, 4))
     rule = Until(until="final_estimate mean +- 1")
-    _, low, high = intervals.interval_of(values, "mean")
+    _, low, high = intervals.estimate(values, "mean")
     assert rule.half_width(values) > (high - low) / 2
 
 

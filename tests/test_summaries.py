@@ -66,7 +66,7 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
         robots, rounds = int(many["robots"][k]), int(many["rounds"][k])
         for name in ("convergence_round", "convergence_error"):
             values = many[name].values[k, :, :robots].astype(float)
-            _, low, high = intervals.interval_of(values, "median")
+            _, low, high = intervals.estimate(values, "median")
             assert row[name] == np.median(values)
             assert (row[f"{name}_low"], row[f"{name}_high"]) == (
                 max(low, 0),
@@ -76,7 +76,7 @@ def test_a_row_is_what_numpy_says_of_the_setting(many):
         right = many["correct"].sel(checkpoint=rounds).values[k]
         assert row["checkpoint"] == rounds
         assert row["correct"] == pytest.approx(right.mean())
-        ends = intervals.interval_of(right[:, np.newaxis], "mean", share=True)[1:]
+        ends = intervals.estimate(right[:, np.newaxis], "mean", share=True)[1:]
         assert (row["correct_low"], row["correct_high"]) == ends
         assert (row["trials"], row["failed"], row["setting"]) == (6, 0, k)
 

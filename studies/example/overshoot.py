@@ -2,6 +2,7 @@
 
 UNIT = "1"
 MEANING = "largest overshoot of the estimate beyond the fill ratio"
+BETTER = "low"
 
 
 def begin(my):

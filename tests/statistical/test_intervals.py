@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 from swarmcensus.studies.precision import Until
 
 
@@ -68,6 +68,6 @@ def test_the_interval_of_so_many_trials(draw, statistic, truth, trials):
     hits = 0
     for _ in range(1000):
         share = statistic == "share"
-        _, low, high = interval_of(draw(rng, trials), "mean" if share else statistic, share)
+        _, low, high = estimate(draw(rng, trials), "mean" if share else statistic, share)
         hits += low <= truth <= high
     assert hits >= stats.binom.ppf(1e-4, 1000, 0.95)

@@ -21,12 +21,13 @@ from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.summaries import SHORT, asked_anew, done, failed_trials, restated, summary
 from swarmcensus.results.values import metrics_in, parameters_in
 from swarmcensus.statistics.intervals import FEWEST
+from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
 
-SURE = {"coverage": "coverage", "interval width": "interval_width"}  # more columns, where brains have intervals
-TIMES = {"K": 1.0, "error": 1.0, "final error": 1.0, "right": 100.0, "coverage": 100.0, "interval width": 1.0}
-# of a value without an interval
-DECIMALS = {"K": 0, "error": 4, "final error": 4, "right": 1, "coverage": 1, "interval width": 4}
+COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
+SURE = {name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT}  # where brains have intervals
+TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
+DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # that are named
 FOLDED = 12  # characters for what a setting is, where it is folded into one column
 MOST_DECIMALS = 6

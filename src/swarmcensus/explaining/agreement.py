@@ -24,7 +24,7 @@ from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics.bootstrap import centres
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 
 MISSES = 1000  # one of so many settings differs by chance
 FEWEST = 50  # trials of a verdict: of fewer, intervals at this level miss more often than they say
@@ -110,5 +110,5 @@ def _ratio(squares: Floats, expected: Floats) -> Interval:
     drown all others else; robots of which no error is expected are left out."""
     parts = np.divide(squares, expected, where=expected > 0.0, out=np.full(squares.shape, np.nan))
     by_trial = centres(parts, "mean")
-    value, low, high = interval_of(by_trial[:, np.newaxis], "mean", level=1.0 - 1.0 / MISSES)
+    value, low, high = estimate(by_trial[:, np.newaxis], "mean", level=1.0 - 1.0 / MISSES)
     return value**0.5, max(low, 0.0) ** 0.5, high**0.5

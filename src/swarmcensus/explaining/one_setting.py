@@ -14,7 +14,7 @@ from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import bootstrap
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval over trials; NaN of fewer than 6
 NONE: Interval = (np.nan, np.nan, np.nan)
@@ -73,7 +73,7 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
     when = one["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
     correct = one["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
     terms = terms_of(found, squared[0])
-    k, low, high = interval_of(when, "median")
+    k, low, high = estimate(when, "median")
     return Explanation(
         setting=setting,
         what=f"{found.setting.brain.name}: {found.setting}",
@@ -82,11 +82,11 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
         rounds=rounds,
         checkpoints=checkpoints,
         convergence_round=(k, max(low, 0.0), min(high, float(rounds))),
-        median_error=interval_of(np.abs(off), "median"),
+        median_error=estimate(np.abs(off), "median"),
         sd=float(off.std()),
         bias=float(off.mean()),
         squared_error=squared,
-        right=[interval_of(share[:, np.newaxis], "mean", share=True) for share in correct],
+        right=[estimate(share[:, np.newaxis], "mean", share=True) for share in correct],
         theory=found.lines,
         absent=found.absent,
         efficiency=efficiency_of(found, squared),

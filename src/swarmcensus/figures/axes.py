@@ -15,22 +15,14 @@ from swarmcensus.figures.clouds import unit_of
 from swarmcensus.figures.lettering import SPACING, shortened, width_of, wrapped
 from swarmcensus.figures.looks import NUMBER, OFF, Look, number_of
 from swarmcensus.figures.sheets import SMALL, show_range
+from swarmcensus.results.values import metric_of, metrics_in
+from swarmcensus.vocabulary.coordinates import OF_FIGURES
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
-COUNTS = {"robots", "rounds", "observations_per_round", "density", "side", "checkpoint"}  # which often span decades
+COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
 DECADES = 8.0  # from there on a coordinate that counts is logarithmic
 WIDE = 30.0  # and from here on what is measured
 LONGEST = 80.0  # points: a slanted name under an axis
-KNOWN = {
-    "convergence_round": "convergence $K$",
-    "convergence_error": r"error $|x^K - f\,|$",
-    "local_convergence_step": "local convergence $K$",
-    "local_convergence_error": r"local error $|\hat{x}^K - f\,|$",
-    "final_estimate": "final estimate $x$",
-    "final_error": r"final error $|x - f\,|$",
-    "correct": "share of right robots",
-    "coverage": "share of intervals that hold $f$",
-    "interval_width": "width of the intervals",
-}
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
@@ -143,8 +135,10 @@ def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> 
     """What an axis calls a variable, with its unit, in lines of at most `room` points."""
     unit = str(results[variable].attrs.get("units", ""))
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
-    name = KNOWN.get(variable, variable.replace("_", " ").replace("$", r"\$"))
+    known = QUANTITIES[variable].axis if variable in QUANTITIES else ""
+    label = metric_of(results, variable).label if variable in metrics_in(results) else ""
+    name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
-    if variable in KNOWN:  # formulas are as long as their letters, or shorter
+    if known:  # formulas are as long as their letters, or shorter
         return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), SMALL + 1) > room else text
     return "\n".join(wrapped(text, room, SMALL + 1, 2))

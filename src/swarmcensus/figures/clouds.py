@@ -14,7 +14,7 @@ from swarmcensus.figures.coordinates import texts_of
 from swarmcensus.results.selecting import require
 from swarmcensus.results.structure import finished
 from swarmcensus.results.values import robots_in
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.statistics.intervals import estimate_pooled
 from swarmcensus.worlds.networks import MOVING
 
 Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # colour's value -> convergence, error
@@ -95,9 +95,9 @@ def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dic
     when, error, done = _converged(results, local)
     crosses = {}
     for value, mine in _values(results, color):
-        rows = [by_trial(np.where(done[mine], values[mine], np.nan)) for values in (when, error)]
-        ends = [end for values in rows if values is not None for end in interval_of(values, "median")[1:]]
-        if ends and np.isfinite(ends).all():
+        each = [estimate_pooled(np.where(done[mine], values[mine], np.nan), "median") for values in (when, error)]
+        ends = [end for one in each for end in (one.low, one.high)]
+        if np.isfinite(ends).all():
             crosses[value] = (ends[0], ends[1], ends[2], ends[3])
     return crosses
 
@@ -134,23 +134,9 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
             low, high = np.full((2, share.size), np.nan)
             if np.unique(robots_in(results).values[mine]).size == 1:
                 for k in np.flatnonzero(asked):
-                    rows = by_trial(correct[mine, :, k, np.newaxis])
-                    if rows is not None:
-                        low[k], high[k] = interval_of(rows, "mean", share=True)[1:]
+                    _, low[k], high[k] = estimate_pooled(correct[mine, :, k, np.newaxis], "mean", share=True)
             shares[value] = Share(share, all_right, low, high)
     return shares
-
-
-def by_trial(values: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """What (setting, trial, robot) holds of each trial that has been run, (trial, robots of all settings).
-
-    Trial 7 of two settings shares what their addresses share, so that it counts once, with the robots of both. None
-    where nothing has been run, or some settings lack trials that others have.
-    """
-    found = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
-    there = ~np.isnan(found)
-    kept = found[np.ix_(there.any(axis=1), there.any(axis=0))]
-    return kept if kept.size and not np.isnan(kept).any() else None
 
 
 def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:

@@ -14,84 +14,26 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.comparing.contenders import parameters_in
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import is_idle, told
+from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
 
 LIARS = {"liars", "adversary"}  # how many lie, and who: together they tell what members do
 NONE = "none"  # the density of a fixed network, the floor of one
-
-CAPTIONS = {  # how a caption names the coordinates that vary, in this order
-    "topology": "{}",
-    "brain": "{}",
-    "robots": "N = {:,.0f}",
-    "density": "D = {}",
-    "side": "L = {} m",
-    "fill_ratio": "f = {}",
-    "fill_ratio_change": "f {}",
-    "floor": "floor {}",
-    "rounds": "C = {:,.0f}",
-    "observations_per_round": "R = {:,.0f}",
-    "link_success": "link success {}",
-    "message_delay": "delay {:,.0f}",
-    "assumed_accuracy": "assumed accuracy {}",
-    "accuracy": "accuracy {}",
-    "checkpoint": "after {:,.0f}",
-    "members": "{}",
-    "adversary": "{}",
-    "liars": "{:,.0f} liars",
-}
-IDLE = {  # what a caption says of a value that says nothing, and would be missed
-    "members": "robots alike",
-    "adversary": "nobody lies",
-    "fill_ratio_change": "f stays",
-}
-TITLES = {  # how an axis or a key names them, where that is not their name
-    "accuracy": "sensor accuracy",
-    "density": "density $D$",
-    "fill_ratio": "fill ratio $f$",
-    "observations_per_round": "observations per round $R$",
-    "message_delay": "message delay (rounds)",
-    "robots": "robots $N$",
-    "rounds": "rounds $C$",
-    "side": "side of the arena $L$ (m)",
-}
-
-
-PLURALS = {  # what several values of a coordinate are called
-    "accuracy": "accuracies",
-    "adversary": "adversaries",
-    "assumed_accuracy": "assumed accuracies",
-    "brain": "brains",
-    "density": "densities",
-    "fill_ratio": "fill ratios",
-    "floor": "floors",
-    "liars": "numbers of liars",
-    "members": "mixtures of robots",
-    "message_delay": "message delays",
-    "robots": "numbers of robots",
-    "rounds": "numbers of rounds",
-    "side": "sides of the arena",
-    "topology": "topologies",
-}
 
 
 def caption_of(world: Mapping[str, Any]) -> str:
     """What a caption says of a world of a comparison, by the coordinates in which it differs from others."""
     said = {
-        name: IDLE[name] if is_idle(value) else CAPTIONS.get(name, name + " = {}").format(value)
+        name: idle_caption(name) if is_idle(value) else caption_form(name).format(value)
         for name, value in world.items()
-        if name in IDLE or not is_idle(value)
+        if idle_caption(name) or not is_idle(value)
     }
     return ", ".join(said.values())
-
-
-def title_of(name: str) -> str:
-    """What an axis or a key calls a coordinate."""
-    return TITLES.get(name, name.replace("_", " ").replace("$", r"\$"))
 
 
 def coordinates_of(results: xr.Dataset) -> list[str]:
     """The names of all that tells settings apart."""
     names = [str(name) for name, one in results.coords.items() if one.dims == ("setting",) and name != "setting"]
-    return [*(name for name in CAPTIONS if name in names), *sorted(set(names).difference(CAPTIONS))]
+    return [*(name for name in IN_CAPTIONS if name in names), *sorted(set(names).difference(IN_CAPTIONS))]
 
 
 def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: str | Sequence[str] | None) -> None:
@@ -163,7 +105,7 @@ def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
             for place, value in zip(at, values, strict=True):
                 together.setdefault(place, set()).add(value)
             found[name] = max(found.get(name, 1), *map(len, together.values()))
-    told = [f"{count:,} {PLURALS.get(name, f'values of {name}')}" for name, count in found.items() if count > 1]
+    told = [f"{count:,} {plural_of(name)}" for name, count in found.items() if count > 1]
     return " and ".join(filter(None, [", ".join(told[:-1]), *told[-1:]]))
 
 

@@ -13,8 +13,8 @@ from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
 from swarmcensus.basics.formatting import told_apart
-from swarmcensus.figures.coordinates import title_of
 from swarmcensus.figures.lettering import shortened
+from swarmcensus.vocabulary.coordinates import title_of
 
 LIES = "#cc79a7"  # of robots that are not honest
 SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette

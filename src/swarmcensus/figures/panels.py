@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 import xarray as xr
 
 from swarmcensus.basics.formatting import told_apart
-from swarmcensus.figures.coordinates import CAPTIONS, IDLE, varies
+from swarmcensus.figures.coordinates import varies
 from swarmcensus.results.selecting import TooMuch, require
+from swarmcensus.vocabulary.coordinates import caption_form, idle_caption
 
 MOST_PANELS = 24
 Names = Sequence[str] | str | None  # of coordinates
@@ -61,9 +62,9 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
     for combination, settings in members.items():
         named = zip(varying, combination, strict=True)
         caption = ", ".join(
-            written[name].get(value, IDLE.get(name, f"no {name}"))
+            written[name].get(value, idle_caption(name) or f"no {name}")
             for name, value in named
-            if value is not None or name in IDLE or (by is not None and name != "assumed_accuracy")
+            if value is not None or idle_caption(name) or (by is not None and name != "assumed_accuracy")
         )
         panels.append(Panel(caption, results.isel(setting=settings)))
     return panels
@@ -78,7 +79,7 @@ def _varying(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str]
 def _written(name: str, values: list[Any]) -> dict[Any, str]:
     """Each value of a coordinate that varies, as a caption says it: in as many digits as tell them apart."""
     distinct = [value for value in dict.fromkeys(values) if value is not None]
-    form = CAPTIONS.get(name, name + " = {}")
+    form = caption_form(name)
     numbers = name.endswith("accuracy") or all(isinstance(value, float) for value in distinct)
     texts = told_apart(distinct, 6) if numbers and ":" not in form else distinct
     return {value: form.format(text) for value, text in zip(distinct, texts, strict=True)}

@@ -12,21 +12,19 @@ from typing import Any
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Door
+from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
 DOOR = Door("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
 MAY_HAVE = {"after": 2}  # of the metrics of a swarm
 GIVEN = ("low", "high", "delta", "rounds", "robots")  # what each record holds before `begin`
-RESERVED = (  # names of the dataset
-    "setting", "trial", "robot", "checkpoint", "brain", "topology", "robots", "density", "side", "accuracy",
-    "assumed_accuracy", "fill_ratio", "floor", "link_success", "rounds", "observations_per_round", "fingerprint",
-    "half_width", "convergence_round", "convergence_error", "final_estimate", "correct", "true_fill_ratio",
-    "local_convergence_step", "local_convergence_error", "estimates", "trials", "failed", "end", "K", "error", "right",
-    "messages_sent", "messages_heard", "memory_bytes", "message_bytes", "anonymous", "honest", "parameters", "decision",
-    "decision_round", "decision_change", "consensus", "consensus_round", "consensus_right", "right_option",
-    "done_round", "done_estimate", "members", "liars", "adversary", "bytes_sent", "fill_ratio_change",
-    "coverage", "interval_width", "message_delay", "final_error", "done",
-)  # fmt: skip  # and of its summary
+RESERVED = {  # names of the dataset, and of its summary
+    *QUANTITIES, *COORDINATES, "setting", "trial", "robot", "checkpoint", "end", "fingerprint", "half_width", "honest",
+    "memory_bytes", "message_bytes", "anonymous", "parameters", "trials", "failed", "K", "error", "right",
+}  # fmt: skip
+BETTER = {"low": True, "high": False}
+LONGEST_LABEL = 24
 PREFIXES = ("edge_", "edges_", "floor_", "row_", "column_")  # of other names of the dataset
 SUFFIXES = ("_low", "_high")  # of those of the summary
 
@@ -44,6 +42,8 @@ class Metric:
     bounds: tuple[float, float]  # the least and the largest number that it can be
     of_swarm: bool  # one record a swarm, not one a robot
     uses: frozenset[str]  # which of GIVEN it looks at
+    low: bool | None = None  # whether less of it is better; None where the file does not say
+    label: str = ""  # of tables and figures; its variable's name where the file does not say
 
     @property
     def variable(self) -> str:
@@ -120,6 +120,12 @@ def parse(source: str, name: str, path: Path) -> Metric:
     bounds = constants.get("BOUNDS", (-math.inf, math.inf))
     if not _are_bounds(bounds):
         raise bad("BOUNDS should be two numbers, the least and the largest that the metric can be: (0.0, 1.0)")
+    better = constants.get("BETTER")
+    if better not in (None, *BETTER):
+        raise bad(f'BETTER = {better!r}: should be "low" or "high"')
+    label = constants.get("LABEL", "")
+    if not isinstance(label, str) or not (label.isprintable() and len(label) <= LONGEST_LABEL):
+        raise bad(f'LABEL should be a text of up to {LONGEST_LABEL} characters, such as "first right"')
     variable = variable_of(name)
     if not safe_source.is_name(variable):
         raise bad(f"{variable!r} cannot name a variable of the results: letters, digits and _ can, and .py after them")
@@ -138,7 +144,10 @@ def parse(source: str, name: str, path: Path) -> Metric:
     uses = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & {*GIVEN}
     of_swarm = "after" in functions
     unit, meaning, low, high = says["UNIT"], says["MEANING"], *map(float, bounds)
-    return Metric(name, path, source, tuple(fields), unit, meaning, (low, high), of_swarm, frozenset(uses))
+    return Metric(
+        name, path, source, tuple(fields), unit, meaning, (low, high), of_swarm, frozenset(uses),
+        BETTER[better] if better else None, label,
+    )  # fmt: skip
 
 
 def _are_bounds(value: object) -> bool:

@@ -17,7 +17,7 @@ from swarmcensus.results.summaries import failed_trials
 from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.running import run, work_of
 from swarmcensus.simulation.trials import NOT_FINITE
-from swarmcensus.statistics.intervals import expected_share, interval_of
+from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -54,7 +54,7 @@ class Curve:
 
     def at(self, k: int, level: float = LEVEL) -> Share:
         """The share at the k-th time, and its interval of this level."""
-        return Share(*interval_of(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
+        return Share(*estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
 
     def expected(self, k: int) -> float:
         """The share to expect in other trials at the k-th time, if these trials had a part in choosing it."""

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import in_shell, option
-from swarmcensus.results.values import metrics_in, robots_in
+from swarmcensus.results.values import metric_of, metrics_in, robots_in
 from swarmcensus.statistics.bootstrap import Statistic, centres
+from swarmcensus.vocabulary.quantities import QUANTITIES, TRUTH, Quantity
 
 Floats = NDArray[np.float64]
 BLOCK = 2**22  # numbers that are sorted at once
@@ -45,54 +46,47 @@ class Measure:
         return self.label if self.label.replace(" ", "_") == self.name else f"{self.label} ({self.name})"
 
 
-OURS = {
-    one.name: one
-    for one in (
-        Measure("final_error", "final error", "1", "|x - f| after the last round"),
-        Measure("convergence_error", "error at K", "1", "|x - f| at K"),
-        Measure("convergence_round", "K", "rounds", "round of convergence"),
-        Measure("correct", "right", "1", "robots in the correct bin at the last checkpoint", False, "mean", True),
-        Measure("right_side", "right side", "1", "last estimates on f's side of one half", False, "mean", True),
-        Measure("consensus_right", "exit", "1", "trials whose consensus is on the right option", False, "mean", True),
-        Measure("consensus_round", "consensus", "rounds", "round of a consensus on the right option"),
-        Measure("decided", "decided", "1", "robots that decided", False, "mean", True),
-        Measure("decided_right", "decided right", "1", "robots that decided for the right option", False, "mean", True),
-        Measure("decision_round", "decision", "rounds", "round of a robot's first decision"),
-        Measure("decision_change", "last change", "rounds", "round of a robot's last change of its decision"),
-        Measure("done", "done share", "1", "robots that are done", False, "mean", True),
-        Measure("done_round", "done", "rounds", "round in which a robot is done"),
-        Measure("done_error", "error when done", "1", "|x - f| of the estimate that a robot is done with"),
-        Measure("interval_width", "width", "1", "mean width of the robots' intervals at the last checkpoint"),
-        Measure("local_convergence_error", "local error at K", "1", "|x - f| of the local estimate at its K"),
-        Measure("local_convergence_step", "local K", "observations", "convergence of the local estimate"),
-        Measure("messages_sent", "messages", "messages", "messages sent by a robot", statistic="mean"),
-        Measure("messages_heard", "heard", "messages", "messages heard by a robot", statistic="mean"),
-        Measure("bytes_sent", "bytes", "bytes", "bytes sent by a robot", statistic="mean"),
+def _measure(quantity: Quantity) -> Measure:
+    assert quantity.low is not None
+    meaning = quantity.compared or quantity.meaning
+    return Measure(
+        quantity.name, quantity.title, quantity.unit, meaning, quantity.low, quantity.statistic, quantity.share
     )
-}
-MADE_OF = {  # of measures that are no variable: the variables that they need
-    "final_error": ("final_estimate",), "right_side": ("final_estimate",), "decided": ("decision",),
-    "decided_right": ("decision", "right_option"), "done": ("done_round",), "done_error": ("done_estimate",),
-    "bytes_sent": ("messages_sent", "message_bytes"),
-}  # fmt: skip
+
+
+OURS = {name: _measure(quantity) for name, quantity in QUANTITIES.items() if quantity.low is not None}
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
 SIZES = {"memory_bytes": "memory", "message_bytes": "message"}  # bytes, of a setting
-LOWER = dict.fromkeys(("first_right", "mean_error", "largest_jump", "swarm_right", "recovery_time"), True) | {
-    "time_right": False
-}
 WAYS = {"low": True, "high": False}
 
 
 def known(data: xr.Dataset) -> dict[str, Measure]:
     """All measures that these results have numbers of, by their names, but metrics whose direction nobody has told."""
     found = {name: one for name, one in OURS.items() if not lacks(data, name)}
-    return found | {name: _of_file(data, name, LOWER[name]) for name in metrics_in(data) if name in LOWER}
+    metrics = {name: metric_of(data, name) for name in metrics_in(data)}
+    return found | {name: _of_file(data, name, one.low) for name, one in metrics.items() if one.low is not None}
+
+
+def statistic_of(name: str) -> Statistic:
+    """What is taken over robots and trials of a variable or a measure: "mean" of shares and of what is sent."""
+    return QUANTITIES[name].statistic if name in QUANTITIES else "median"
+
+
+def is_share(name: str) -> bool:
+    """Whether a variable or a measure is a share."""
+    return name in QUANTITIES and QUANTITIES[name].share
 
 
 def lacks(data: xr.Dataset, name: str) -> list[str]:
     """The variables that a measure of ours needs and results have not."""
-    return [one for one in MADE_OF.get(name, (name,)) if one not in data]
+    return [one for one in inputs_of(name) if one not in data]
+
+
+def inputs_of(name: str) -> tuple[str, ...]:
+    """The variables that a quantity is worked out from: itself, if a run stores it."""
+    known = QUANTITIES.get(name)
+    return tuple(one for one in known.inputs if one != TRUTH) if known and known.inputs else (name,)
 
 
 def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
@@ -145,12 +139,13 @@ def _absent(data: xr.Dataset, name: str, names: list[str]) -> str:
 
 def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
     about = data[name].attrs
-    return Measure(name, name, str(about.get("units", "1")), str(about.get("long_name", name)), low)
+    label = metric_of(data, name).label or name
+    return Measure(name, label, str(about.get("units", "1")), str(about.get("long_name", name)), low)
 
 
 def numbers(data: xr.Dataset, name: str) -> Floats:
     """The one number of each trial of a measure, (setting, trial): NaN of trials that have not run or failed."""
-    if "checkpoint" in data[MADE_OF.get(name, (name,))[0]].dims:
+    if "checkpoint" in data[inputs_of(name)[0]].dims:
         last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
         found = data[name].transpose("setting", "checkpoint", "trial").values
         values = found[np.arange(len(last)), last]
@@ -159,12 +154,10 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         sound = data["consensus_right"].transpose("setting", "trial").values  # NaN where no option is right
         when = _known(data[name].transpose("setting", "trial").values)
         return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
-    if name == "bytes_sent":
-        return np.asarray(numbers(data, "messages_sent") * data["message_bytes"].values[:, np.newaxis], np.float64)
-    array = data[MADE_OF.get(name, (name,))[0]]
+    array = data[inputs_of(name)[0]]
     if "robot" not in array.dims:
         return _known(array.transpose("setting", "trial").values)
-    statistic = OURS[name].statistic if name in OURS else "median"
+    statistic = statistic_of(name)
     values = array.transpose("setting", "trial", "robot").values
     robots = robots_in(data).values
     out = np.empty(values.shape[:2])
@@ -179,12 +172,10 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
 
 def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
     """The same results with a measure of ours that is no variable as one more, of each robot; as they are otherwise."""
-    if name in data or name not in MADE_OF or lacks(data, name):
+    if name in data or name not in QUANTITIES or not QUANTITIES[name].inputs or lacks(data, name):
         return data
     robots = robots_in(data).values[:, np.newaxis, np.newaxis]
     found = _made(data, name, slice(None))
-    if name == "bytes_sent":
-        found = found * data["message_bytes"].values[:, np.newaxis, np.newaxis]
     found = np.where(np.arange(found.shape[2]) < robots, found, np.nan)
     about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
     return data.assign({name: (("setting", "trial", "robot"), found, about)})
@@ -192,27 +183,19 @@ def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
 
 def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
     """The number of each robot that a measure's trials have theirs of, (setting, trial, robot), of some settings."""
-    values = data[MADE_OF.get(name, (name,))[0]].transpose("setting", "trial", "robot").values[rows]
-    some = _known(values)
-    if name == "decided":  # of -1, which is no option, it is known that there is none
-        return np.where(np.isnan(values), np.nan, values >= 0)
-    if name == "done":  # infinite: never
-        return np.where(np.isnan(values), np.nan, np.isfinite(values))
-    if name == "decided_right":
-        right = data["right_option"].isel(setting=rows).transpose("setting", "trial").values[:, :, np.newaxis]
-        known_right = np.where(np.isnan(right), np.nan, 1.0)
-        return np.where(np.isnan(some), np.nan, some == right) * known_right
-    if name in ("final_error", "done_error", "right_side"):
-        held = truth(data.isel(setting=rows))[:, :, np.newaxis]
-        return _side(some, held) if name == "right_side" else np.abs(some - held)
-    return some
+    quantity = QUANTITIES.get(name)
+    if quantity is None or quantity.derive is None:
+        return _input(data, name, rows)
+    return quantity.derive(*(_input(data, one, rows) for one in quantity.inputs))
 
 
-def _side(estimates: Floats, truth: Floats) -> Floats:
-    """Whether estimates and truth lie on the same side of one half, where an estimate on it is wrong; NaN for a truth
-    on it."""
-    same = (estimates - 0.5) * (truth - 0.5) > 0
-    return np.where(np.isnan(estimates) | (truth == 0.5), np.nan, same)
+def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:
+    """A variable of some settings, or TRUTH, as (setting, trial, robot); a dimension that it has not has the size 1."""
+    if name == TRUTH:
+        return truth(data.isel(setting=rows))[:, :, np.newaxis]
+    array = data[name].transpose("setting", "trial", "robot", missing_dims="ignore")
+    values = _known(array.values[rows])
+    return values.reshape(values.shape + (1,) * (3 - values.ndim))
 
 
 def _known(values: NDArray[Any]) -> Floats:

@@ -19,9 +19,11 @@ from swarmcensus.basics.files import reason, whole
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.presence import check_there
-from swarmcensus.results.values import MISSING, PER_ROBOT, PER_TRIAL, Values, kinds_in, robots_in, sources_of
+from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sources_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL
 
 FORMAT = structure.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
@@ -69,8 +71,9 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
 
 def filled(column: list[Any], key: str) -> list[Any]:
     """A coordinate of all settings: a parameter is missing where the brain has none of its name."""
-    if key in ("liars", "message_delay"):
-        return [value or 0 for value in column]
+    known = COORDINATES.get(key)
+    if known and known.blank is not None:
+        return [value or known.blank for value in column]
     if any(isinstance(value, str) for value in column):
         return ["" if value is None else str(value) for value in column]
     return [np.nan if value is None else value for value in column]

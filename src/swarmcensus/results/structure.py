@@ -23,8 +23,6 @@ from swarmcensus.results.values import (
     MESSAGES,
     MISSING,
     NAN_BITS,
-    PER_ROBOT,
-    PER_TRIAL,
     SINCE_3,
     VARIABLES,
     is_missing,
@@ -32,6 +30,8 @@ from swarmcensus.results.values import (
     metrics_in,
     robots_in,
 )
+from swarmcensus.vocabulary.coordinates import COORDINATES
+from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL
 from swarmcensus.worlds.networks import MOVING
 
 FORMATS = (
@@ -39,8 +39,8 @@ FORMATS = (
     "swarmcensus results 2",
     "swarmcensus results 3",
 )  # that can be read; the last one is written
-TEXTS = ("brain", "topology", "accuracy", "assumed_accuracy", "floor")  # coordinates of settings
-NUMBERS = ("robots", "density", "side", "fill_ratio", "link_success", "rounds", "observations_per_round")
+TEXTS = tuple(name for name, one in COORDINATES.items() if one.always and one.type == "text")
+NUMBERS = tuple(name for name, one in COORDINATES.items() if one.always and one.type != "text")
 IN_FORMAT_1 = frozenset(
     ("brain", "topology", "accuracy", "assumed_accuracy", "floor", "robots", "density", "fill_ratio", "link_success",
      "rounds", "observations_per_round")

@@ -16,17 +16,15 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.results import measures, selecting
 from swarmcensus.results.store import load
-from swarmcensus.results.values import INTERVALS, SHARES, bounds_in, metrics_in, robots_in
-from swarmcensus.statistics.intervals import LEVEL, interval_of
+from swarmcensus.results.values import INTERVALS, bounds_in, metrics_in, robots_in
+from swarmcensus.statistics.intervals import LEVEL, estimate
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
-SHORT = {
-    "K": "convergence_round", "error": "convergence_error", "final error": "final_error", "right": "correct",
-}  # fmt: skip  # names of columns on a terminal
-MEANS = ("messages_sent", "messages_heard", "bytes_sent", "decided", "decided_right", "consensus_right", "done")
-MEDIANS = (
-    *("convergence_round", "convergence_error", "final_error", "local_convergence_step", "local_convergence_error"),
-    *("decision_round", "consensus_round", "done_round"),
-)
+SHORT = {  # names of columns on a terminal
+    quantity.column: name for name, quantity in QUANTITIES.items() if quantity.column and quantity.group != "intervals"
+}
+MEANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "mean")
+MEDIANS = tuple(name for name, quantity in QUANTITIES.items() if quantity.summary and quantity.statistic == "median")
 BLOCK = 2**22  # values that are sorted at once
 
 Columns = dict[str, NDArray[Any]]
@@ -95,7 +93,7 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
     columns["correct"] = np.where(columns["trials"] > 0, correct.sum(axis=1) / np.maximum(columns["trials"], 1), np.nan)
     for name in (name for name in INTERVALS if name in data):
         seen = [values[~np.isnan(values)] for values in _looked_at(data, name, ran, place)]
-        centre = np.mean if name in SHARES else np.median
+        centre = np.mean if measures.is_share(name) else np.median
         columns[name] = np.array([centre(values) if values.size else np.nan for values in seen])
     for name in MEANS:
         if not measures.lacks(data, name):
@@ -155,7 +153,7 @@ def _nested(row: dict[str, Any]) -> dict[str, Any]:
     for name, value in row.items():
         if f"{name}_low" in row:
             ends = [plain(row[f"{name}_low"]), plain(row[f"{name}_high"])]
-            what = "mean" if name in SHARES else "median"
+            what = "mean" if measures.is_share(name) else "median"
             out[name] = {what: plain(value), "interval": None if None in ends else ends}
         elif name == "checkpoint":
             out[name] = None if value < 0 else value
@@ -214,18 +212,17 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
     ran = done(data)
     ends = np.full((len(ran), 2), np.nan)
     if "checkpoint" in data[name].dims:
-        statistic = "mean" if name in SHARES else "median"
+        statistic = measures.statistic_of(name)
         for row, seen in enumerate(_looked_at(data, name, ran, _reached(data, checkpoint))):
             kept = seen[~np.isnan(seen)] if name in INTERVALS else seen
-            _, *ends[row] = interval_of(kept[:, np.newaxis], statistic, share=name in SHARES)
+            _, *ends[row] = estimate(kept[:, np.newaxis], statistic, share=measures.is_share(name))
     else:
         array, robots = _by_robot(data, name), robots_in(data).values.tolist()
         for row, trials in enumerate(ran):
             kept = array[row, trials, : robots[row]].astype(np.float64)
-            _, *ends[row] = interval_of(kept[~np.isnan(kept[:, 0])], "median")
+            _, *ends[row] = estimate(kept[~np.isnan(kept[:, 0])], "median")
     least, most = bounds_in(data, name)
-    last = data["rounds"].values[:, np.newaxis] if name == "convergence_round" else most
-    return np.asarray(np.clip(ends, least, last))
+    return np.asarray(np.clip(ends, least, np.reshape(most, (-1, 1))))
 
 
 def _means(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:

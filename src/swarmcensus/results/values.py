@@ -19,53 +19,31 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.metrics import Metric, parse
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.vocabulary.quantities import OPTIONS, PER_ROBOT, PER_TRIAL, QUANTITIES, Quantity, stored
 
-PER_ROBOT = ("setting", "trial", "robot")
-PER_TRIAL = ("setting", "trial")
 Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, unit and meaning
-VARIABLES: dict[str, Kind] = {
-    "convergence_round": (PER_ROBOT, np.int32, "rounds", "K, the convergence of the informed estimate"),
-    "convergence_error": (PER_ROBOT, np.float64, "1", "|x^K - f|, the informed estimate's error at convergence"),
-    "final_estimate": (PER_ROBOT, np.float64, "1", "the informed estimate after the last round"),
-    "correct": (("setting", "checkpoint", "trial"), np.float64, "1", "fraction of robots in the correct bin"),
-    "true_fill_ratio": (PER_TRIAL, np.float64, "1", "black share of the floor that robots can reach"),
-}
-MESSAGES: dict[str, Kind] = {  # missing of trials that an earlier version ran; R knows no whole numbers as large
-    "messages_sent": (PER_ROBOT, np.float64, "messages", "rounds, or ticks, in which the robot broadcast"),
-    "messages_heard": (PER_ROBOT, np.float64, "messages", "messages that reached the robot"),
-}
-DECISIONS: dict[str, Kind] = {
-    "decision": (PER_ROBOT, np.float64, "1", "the option decided for at the end; -1: none"),
-    "decision_round": (PER_ROBOT, np.float64, "rounds", "the first decision; infinite: never"),
-    "decision_change": (PER_ROBOT, np.float64, "rounds", "the last change of the decision; infinite: never decided"),
-    "consensus": (PER_TRIAL, np.float64, "1", "the first option that all robots agreed on; -1: none"),
-    "consensus_round": (PER_TRIAL, np.float64, "rounds", "the first round after which they did; infinite: never"),
-    "consensus_right": (PER_TRIAL, np.float64, "1", "1 if that option is right, 0 if not, or if there is none"),
-    "right_option": (PER_TRIAL, np.float64, "1", "the option that is right; missing where none is"),
-}
-ENDINGS: dict[str, Kind] = {
-    "done_round": (PER_ROBOT, np.float64, "rounds", "the first after which the robot was done; infinite: never"),
-    "done_estimate": (PER_ROBOT, np.float64, "1", "the estimate then"),
-}
-AT_CHECKPOINTS = ("setting", "checkpoint", "trial")
-INTERVALS: dict[str, Kind] = {
-    "coverage": (AT_CHECKPOINTS, np.float64, "1", "fraction of robots whose interval holds the fill ratio"),
-    "interval_width": (AT_CHECKPOINTS, np.float64, "1", "mean width of the robots' intervals"),
-}
-LOCAL: dict[str, Kind] = {
-    "local_convergence_step": (PER_ROBOT, np.int32, "observations", "convergence of the local estimate"),
-    "local_convergence_error": (PER_ROBOT, np.float64, "1", "the local estimate's error at convergence"),
-}
-ESTIMATES: dict[str, Kind] = {
-    "estimates": (
-        ("setting", "checkpoint", "trial", "robot"), np.float64, "1", "the informed estimate at the checkpoints"
-    ),
-}  # fmt: skip
+
+
+def kind_of(quantity: Quantity) -> Kind:
+    """What a file says of a quantity."""
+    return quantity.dims, quantity.kind, quantity.unit, quantity.meaning
+
+
+def _group(name: str) -> dict[str, Kind]:
+    return {one: kind_of(quantity) for one, quantity in stored(name).items()}
+
+
+VARIABLES = _group("always")
+MESSAGES = _group("messages")  # missing of trials that an earlier version ran; R knows no whole numbers as large
+DECISIONS = _group("decisions")
+ENDINGS = _group("endings")
+INTERVALS = _group("intervals")
+LOCAL = _group("local")
+ESTIMATES = _group("estimates")
 EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
 # a trial has all of such a group or nothing of it: the first variable of the group tells which
 LEADS = {name: next(iter(group)) for group in (MESSAGES, DECISIONS, ENDINGS, INTERVALS, LOCAL) for name in group}
-ENDLESS = ("decision_round", "decision_change", "consensus_round", "done_round")  # what never comes is infinite
-SHARES = ("correct", "coverage")  # of robots, of which the mean over trials tells
+ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # what never comes is infinite
 SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
 IN_TIME = ("liars", "adversary")  # coordinates that files of this format may lack
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
@@ -186,16 +164,24 @@ def _read(text: str) -> dict[str, Any]:
     return found
 
 
-def bounds_in(data: Any, name: str) -> tuple[float, float]:
-    """The least and the largest number that a variable can be: of a metric what it says; estimates can be anything."""
-    source = metrics_in(data).get(name)
-    if name in ("decision", "consensus", "right_option"):
+def metric_of(data: Any, name: str) -> Metric:
+    """The metric file that a variable comes from, as the dataset holds it; it is not run."""
+    about = metrics_in(data)[name]
+    return parse(about["source"], about["name"], Path(about["name"]))
+
+
+def bounds_in(data: Any, name: str) -> tuple[float, float | NDArray[np.float64]]:
+    """The least and the largest number that a variable can be, the latter also by setting, (setting,)."""
+    if name in metrics_in(data):
+        return metric_of(data, name).bounds
+    quantity = QUANTITIES.get(name)
+    if quantity is None:
+        return -np.inf, np.inf
+    if quantity.within_rounds:
+        return 0.0, np.asarray(data["rounds"].values, np.float64)
+    if quantity.bounds == OPTIONS:
         return -1.0, float(np.nanmax(data[name].values, initial=0.0))
-    if name in INTERVALS:
-        return 0.0, 1.0
-    if source is None:
-        return (-np.inf if "estimate" in name else 0.0), np.inf
-    return parse(source["source"], source["name"], Path(source["name"])).bounds
+    return quantity.bounds
 
 
 def additions_in(data: Any) -> dict[str, dict[str, str]]:

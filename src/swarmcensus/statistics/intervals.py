@@ -10,6 +10,7 @@ sensors nearly always), and drawing trials jointly is right whether they share m
 import math
 from collections.abc import Callable
 from statistics import NormalDist
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -82,27 +83,62 @@ def share_interval(hits: int, tries: int) -> tuple[float, float, float]:
     return share, _wilson(share, tries, z2, -1), _wilson(share, tries, z2, 1)
 
 
-def interval_of(
-    values: Floats, statistic: str, share: bool = False, level: float = LEVEL
-) -> tuple[float, float, float]:
+class Estimate(NamedTuple):
+    """A statistic of trials, and the ends of its interval: NaN where too few trials, or none, tell."""
+
+    value: float
+    low: float
+    high: float
+
+
+UNKNOWN = Estimate(math.nan, math.nan, math.nan)
+
+
+def estimate(values: Floats, statistic: str, share: bool = False, level: float = LEVEL) -> Estimate:
     """The "median" or "mean" over trials and robots of `values` (trial, robot), and its interval over trials.
 
     With `share`, values are shares in [0, 1], or 0 and 1, and their mean is a proportion. No interval has the width 0:
     where trials are equal, docs/intervals.md says what stands in for the spread that was not seen. The interval is NaN
-    for fewer than 6 trials, and the value too where one is missing. Time is O(n log n) and memory O(n) for n values.
-    Raises ValueError for another statistic.
+    for fewer than 6 trials and for an infinite mean, and the value too where one is missing. Time is O(n log n) and
+    memory O(n) for n values. Raises ValueError for another statistic.
     """
     if statistic not in ("median", "mean"):
         raise ValueError(f"statistic = {statistic!r}: should be 'median' or 'mean'")
     if not values.size or np.isnan(values).any():
-        return math.nan, math.nan, math.nan
+        return UNKNOWN
     value = float(np.median(values) if statistic == "median" else values.mean())
-    if len(values) < FEWEST:
-        return value, math.nan, math.nan
+    if len(values) < FEWEST or (statistic == "mean" and not math.isfinite(value)):
+        return Estimate(value, math.nan, math.nan)
     if statistic == "median":
-        return value, *_median_ends(values, level)
+        return Estimate(value, *_median_ends(values, level))
     by_trial = values.mean(axis=1)
-    return value, *(_share_ends(by_trial, level) if share else _mean_ends(by_trial, level))
+    return Estimate(value, *(_share_ends(by_trial, level) if share else _mean_ends(by_trial, level)))
+
+
+def pooled(values: Floats) -> Floats | None:
+    """What (setting, trial, robot) holds of each trial that has been run, (trial, robots of all settings).
+
+    Trial 7 of two settings shares what their addresses share, so that it counts once, with the robots of both. None
+    where nothing has been run, or some settings lack trials that others have.
+    """
+    found = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
+    there = ~np.isnan(found)
+    kept = found[np.ix_(there.any(axis=1), there.any(axis=0))]
+    return kept if kept.size and not np.isnan(kept).any() else None
+
+
+def estimate_pooled(values: Floats, statistic: str, share: bool = False) -> Estimate:
+    """The statistic of all numbers of (setting, trial, robot), NaN left out, and its interval over trials.
+
+    The interval is NaN where settings lack trials that others have.
+    """
+    kept = pooled(values)
+    if kept is not None:
+        return estimate(kept, statistic, share)
+    known = values[~np.isnan(values)]
+    if not known.size:
+        return UNKNOWN
+    return Estimate(float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan)
 
 
 def expected_share(by_trial: Floats) -> float:

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, model_validator
 from swarmcensus.basics.forms import Form
 from swarmcensus.basics.hints import first_meant
 from swarmcensus.statistics import intervals
+from swarmcensus.vocabulary.quantities import PER_TRIAL, QUANTITIES, stored
 
 EARLY = 20  # trials: a look at so many may err half as often as one that is the last
 GROWTH = 1.25  # trials of a setting from look to look: at most a quarter are more than were needed
@@ -18,7 +19,7 @@ RULE = re.compile(
     r"\s*(?P<variable>[a-z_]+)(?:@(?P<checkpoint>\d+))?\s+(?P<statistic>median|mean)\s*(?:\+-|±)\s*"
     r"(?P<width>[0-9.]+(?:[eE][-+]?\d+)?)\s*"
 )
-VARIABLES = ("convergence_round", "convergence_error", "final_estimate", "correct")
+VARIABLES = tuple(name for name, quantity in stored("always").items() if quantity.dims != PER_TRIAL)
 WORDS = (*VARIABLES, "median", "mean")
 FORM = '"convergence_error median +- 0.001", or of convergence_round, final_estimate or correct@100, median or mean'
 
@@ -107,8 +108,8 @@ class Until(BaseModel):
 
         NaN where a value is missing.
         """
-        statistic, share = str(self._part("statistic")), self.variable == "correct"
-        return intervals.interval_of(values, statistic, share, look_level(len(values)))[1:]
+        statistic, share = str(self._part("statistic")), QUANTITIES[self.variable].share
+        return intervals.estimate(values, statistic, share, look_level(len(values)))[1:]
 
     def half_width(self, values: NDArray[np.float64]) -> float:
         """Half the width of that interval."""

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.brains import Brain
 from swarmcensus.results import store
-from swarmcensus.results.measures import MADE_OF, OURS, Measure, chosen, lacks, numbers
+from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress, State, work
@@ -113,7 +113,7 @@ class Training:
         """The numbers of candidates from `first` to before `last`, (candidate, measure, world, trial)."""
         rows = slice(first * len(self.worlds), last * len(self.worlds))
         some = copy.copy(values)
-        needed = {*FOR_ALL, *(part for one in self.measures for part in MADE_OF.get(one.name, (one.name,)))}
+        needed = {*FOR_ALL, *(part for one in self.measures for part in inputs_of(one.name))}
         some.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         mine = settings[rows]
         data = store.dataset(study, mine, [""] * len(mine), some)

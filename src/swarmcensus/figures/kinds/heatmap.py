@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.figures.axes import names_of, places_of
 from swarmcensus.figures.clouds import cloud_of, unit_of
-from swarmcensus.figures.coordinates import check_coordinates, texts_of, title_of, varies
+from swarmcensus.figures.coordinates import check_coordinates, texts_of, varies
 from swarmcensus.figures.lettering import shortened, width_of, write_numbers
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.figures.panels import select_some
@@ -31,6 +31,7 @@ from swarmcensus.figures.sheets import (
     sheet,
 )
 from swarmcensus.results.selecting import TooMuch
+from swarmcensus.vocabulary.coordinates import title_of
 
 Z = Literal["convergence_error", "convergence_round"]
 LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple, get_args
 
@@ -18,8 +17,8 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures.axes import coordinate_axis, measured_axis, name_of, names_of, places_of
-from swarmcensus.figures.clouds import by_trial, unit_of
-from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, title_of, varies
+from swarmcensus.figures.clouds import unit_of
+from swarmcensus.figures.coordinates import check_coordinates, coordinates_of, from_nobody, texts_of, varies
 from swarmcensus.figures.looks import Look, keyed, looks_of, palette, solid_dot
 from swarmcensus.figures.panels import Names, panels_of
 from swarmcensus.figures.sheets import (
@@ -36,10 +35,11 @@ from swarmcensus.figures.sheets import (
     say_pooled,
     sheet,
 )
-from swarmcensus.results.measures import with_measure
+from swarmcensus.results.measures import is_share, statistic_of, with_measure
 from swarmcensus.results.selecting import require
-from swarmcensus.results.values import SHARES, bounds_in, robots_in
-from swarmcensus.statistics.intervals import interval_of
+from swarmcensus.results.values import bounds_in, robots_in
+from swarmcensus.statistics.intervals import estimate_pooled
+from swarmcensus.vocabulary.coordinates import title_of
 
 SIZE = 5.0  # points: a dot
 WIDTH = 1.0  # points: a line
@@ -65,7 +65,7 @@ def lines(
     """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
 
     `y` is any variable that is measured in every trial, or a measure of `compare` as "final_error"; its `statistic`,
-    "median" or "mean" (by default of `correct` and `coverage`), is over robots and trials. `x` and `color` are
+    "median" or "mean" (by default of shares and of what is sent), is over robots and trials. `x` and `color` are
     coordinates, by default the number with the most values, and what else varies, the accuracy first; against `liars`
     it is the `adversary`, and each one's line begins where nobody lies. For a variable of checkpoints `checkpoint` is
     one too, and otherwise the last that a setting reaches is meant. There is a panel for each combination of the
@@ -86,7 +86,7 @@ def lines(
     if x == "liars":
         data = from_nobody(data)
     x, color = _axes_of(data, x, color, panels or ())
-    statistic = statistic or ("mean" if y in SHARES else "median")
+    statistic = statistic or statistic_of(y)
     if statistic not in get_args(Statistic):
         raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
@@ -153,10 +153,10 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
     """The points of each line, by its value of `color`."""
     if color is None:
-        return {"": points_of(part, y, x, statistic, share=y in SHARES)}
+        return {"": points_of(part, y, x, statistic, share=is_share(y))}
     texts = texts_of(part, color)
     return {
-        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=y in SHARES)
+        text: points_of(part.isel(setting=texts == text), y, x, statistic, share=is_share(y))
         for text in dict.fromkeys(texts.tolist())
     }
 
@@ -336,23 +336,7 @@ def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: 
     texts, points = texts_of(part, x), []
     for text in dict.fromkeys(texts.tolist()):
         mine = part.isel(setting=texts == text)
-        value, low, high = _estimated(mine[name].values, statistic, share)
-        if name == "convergence_round":  # none is after the last round, though a median's interval may reach on
-            high = min(high, float(mine["rounds"].max()))
-        least, most = bounds_in(part, name)
-        low, high = max(low, least), min(high, most)
-        points.append(Point(text, value, low, high))
+        value, low, high = estimate_pooled(mine[name].values, statistic, share)
+        least, most = bounds_in(mine, name)
+        points.append(Point(text, value, max(low, least), min(high, float(np.max(most)))))
     return points
-
-
-def _estimated(values: NDArray[np.float64], statistic: Statistic, share: bool) -> tuple[float, float, float]:
-    """The statistic of (setting, trial, robot), and its interval over trials: NaN where settings lack some of them."""
-    kept = by_trial(values)
-    if kept is None:
-        known = values[~np.isnan(values)]
-        if not known.size:
-            return math.nan, math.nan, math.nan
-        return float(np.median(known) if statistic == "median" else known.mean()), math.nan, math.nan
-    endless = statistic == "mean" and not np.isfinite(kept).all()
-    value, low, high = (math.inf, math.nan, math.nan) if endless else interval_of(kept, statistic, share)
-    return value, low, high

@@ -4,6 +4,7 @@ from math import inf
 
 UNIT = "rounds"
 MEANING = "first round in the correct bin for good; infinite where the last one is not in it"
+BETTER = "low"
 BOUNDS = (1.0, inf)
 
 

@@ -2,6 +2,7 @@
 
 UNIT = "1"
 MEANING = "largest change of the estimate from one round to the next"
+BETTER = "low"
 BOUNDS = (0.0, 1.0)
 
 

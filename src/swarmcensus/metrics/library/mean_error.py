@@ -2,6 +2,7 @@
 
 UNIT = "1"
 MEANING = "mean |x - f| over all rounds"
+BETTER = "low"
 BOUNDS = (0.0, 1.0)
 
 

@@ -4,6 +4,7 @@ from math import inf
 
 UNIT = "rounds"
 MEANING = "rounds from the last change of f until |x - f| stays below 0.05; infinite where it is not so at the end"
+BETTER = "low"
 BOUNDS = (0.0, inf)
 WITHIN = 0.05
 

@@ -4,6 +4,7 @@ from math import inf
 
 UNIT = "rounds"
 MEANING = "first round with 95 % of the swarm in the correct bin; infinite where there is none"
+BETTER = "low"
 BOUNDS = (1.0, inf)
 SHARE = 0.95
 

@@ -2,6 +2,7 @@
 
 UNIT = "1"
 MEANING = "share of rounds in the correct bin"
+BETTER = "high"
 BOUNDS = (0.0, 1.0)
 
 

@@ -1,0 +1,228 @@
+"""Everything that is measured, each declared once: what a run stores, and what is worked out from that.
+
+A new quantity is one entry of `QUANTITIES`. Files, summaries, comparisons, figures and docs/data-format.md take its
+dimensions, unit, labels, direction and bounds from there.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import inf
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Statistic = Literal["median", "mean"]
+
+PER_ROBOT = ("setting", "trial", "robot")
+PER_TRIAL = ("setting", "trial")
+PER_CHECKPOINT = ("setting", "checkpoint", "trial")
+ESTIMATES = ("setting", "checkpoint", "trial", "robot")
+TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are held against
+OPTIONS = (-1.0, inf)  # bounds of an option's number; -1 is none
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """Something that is measured, with what every reader needs to know of it.
+
+    `group` says which runs store it ("always", or with which kind of brain or key of a study); "derived" is stored by
+    none: `derive` then works it out of the arrays of `inputs`, robot by robot. `statistic` is what is taken over robots
+    and over trials, `share` is whether it is a share, which is printed in percent. `low` is whether less is better;
+    None is not compared. `summary` is whether `swarmcensus show --json` and `sc.summary` have it.
+    """
+
+    name: str
+    meaning: str  # the attribute `long_name` of the file
+    group: str = "derived"
+    dims: tuple[str, ...] = PER_ROBOT
+    unit: str = "1"
+    kind: Any = np.float64
+    label: str = ""  # in tables of comparisons; by default the name in words
+    column: str = ""  # of the table of `show`; not in it if empty
+    axis: str = ""  # on axes of figures; by default the name in words
+    low: bool | None = None
+    statistic: Statistic = "median"
+    share: bool = False
+    bounds: tuple[float, float] = (0.0, inf)
+    within_rounds: bool = False  # no larger than the number of rounds
+    never: bool = False  # infinite stands for what never comes
+    summary: bool = False
+    decimals: int | None = None  # of a value without an interval, in the table of `show`
+    compared: str = ""  # what a comparison's legend says; by default the meaning
+    inputs: tuple[str, ...] = ()
+    derive: Callable[..., Floats] | None = None
+    page: str = ""  # what docs/data-format.md says; by default the meaning
+
+    @property
+    def title(self) -> str:
+        """The label in a comparison."""
+        return self.label or self.name.replace("_", " ")
+
+
+def _error(estimates: Floats, truth: Floats) -> Floats:
+    return np.abs(estimates - truth)
+
+
+def _right_side(estimates: Floats, truth: Floats) -> Floats:
+    """Whether both are on the same side of one half. An estimate of one half is wrong; NaN for a truth of one half."""
+    same = (estimates - 0.5) * (truth - 0.5) > 0
+    return np.where(np.isnan(estimates) | (truth == 0.5), np.nan, same)
+
+
+def _decided(decision: Floats) -> Floats:
+    return np.where(np.isnan(decision), np.nan, decision >= 0)
+
+
+def _decided_right(decision: Floats, right_option: Floats) -> Floats:
+    known = np.where(np.isnan(right_option), np.nan, 1.0)
+    return np.where(np.isnan(decision), np.nan, decision == right_option) * known
+
+
+def _done(done_round: Floats) -> Floats:
+    return np.where(np.isnan(done_round), np.nan, np.isfinite(done_round))
+
+
+ALL = (
+    Quantity(
+        "convergence_round", "K, the convergence of the informed estimate", "always", unit="rounds", kind=np.int32,
+        label="K", column="K", axis="convergence $K$", low=True, within_rounds=True, summary=True, decimals=0,
+        compared="round of convergence",
+        page="*K*: the earliest index whose estimate is less than `delta` from all later ones",
+    ),
+    Quantity(
+        "convergence_error", "|x^K - f|, the informed estimate's error at convergence", "always",
+        label="error at K", column="error", axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
+        compared="|x - f| at K",
+        page='the distance of the estimate at *K* from *f*, or from `true_fill_ratio` with `truth = "floor"`',
+    ),
+    Quantity(
+        "final_estimate", "the informed estimate after the last round", "always",
+        axis="final estimate $x$", bounds=(-inf, inf), page="the estimate after the last round",
+    ),
+    Quantity(
+        "final_error", "|x - f| after the last round", inputs=("final_estimate", TRUTH), derive=_error,
+        column="final error", axis=r"final error $|x - f\,|$", low=True, summary=True, decimals=4,
+    ),
+    Quantity(
+        "correct", "fraction of robots in the correct bin", "always", PER_CHECKPOINT,
+        label="right", column="right", axis="share of right robots", low=False, statistic="mean", share=True,
+        decimals=1, compared="robots in the correct bin at the last checkpoint",
+        page="the fraction of robots whose estimate is in the right bin",
+    ),
+    Quantity(
+        "right_side", "last estimates on f's side of one half", inputs=("final_estimate", TRUTH), derive=_right_side,
+        low=False, statistic="mean", share=True,
+    ),
+    Quantity(
+        "true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL,
+        page="the share of black of the floor that robots [can reach](moving-robots.md#floors); NaN on fixed networks",
+    ),
+    Quantity(
+        "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
+        label="local K", axis="local convergence $K$", low=True, summary=True,
+        page="*K* of the local estimate; only with `local = true`",
+    ),
+    Quantity(
+        "local_convergence_error", "the local estimate's error at convergence", "local",
+        label="local error at K", axis=r"local error $|\hat{x}^K - f\,|$", low=True, summary=True,
+        compared="|x - f| of the local estimate at its K", page="its error there; only with `local = true`",
+    ),
+    Quantity(
+        "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
+        label="messages", low=True, statistic="mean", summary=True, compared="messages sent by a robot",
+        page="in how many rounds, or ticks, the robot broadcast; times `message_bytes` it is what it sent",
+    ),
+    Quantity(
+        "messages_heard", "messages that reached the robot", "messages", unit="messages",
+        label="heard", low=True, statistic="mean", summary=True, compared="messages heard by a robot",
+        page="how many messages reached it",
+    ),
+    Quantity(
+        "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent", "message_bytes"),
+        derive=np.multiply, label="bytes", low=True, statistic="mean", summary=True,
+    ),
+    Quantity(
+        "decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS,
+        page="the option that the robot decided for at the end, -1 for none; like the next six only where a brain "
+        "[decides](brain-contract.md#decide-and-done)",
+    ),
+    Quantity(
+        "decided", "robots that decided", inputs=("decision",), derive=_decided,
+        low=False, statistic="mean", share=True, summary=True,
+    ),
+    Quantity(
+        "decided_right", "robots that decided for the right option", inputs=("decision", "right_option"),
+        derive=_decided_right, low=False, statistic="mean", share=True, summary=True,
+    ),
+    Quantity(
+        "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
+        label="decision", low=True, summary=True, compared="round of a robot's first decision",
+        page="when it first decided; infinite for never",
+    ),
+    Quantity(
+        "decision_change", "the last change of the decision; infinite: never decided", "decisions", unit="rounds",
+        never=True, label="last change", low=True, compared="round of a robot's last change of its decision",
+        page="when it last changed its decision; infinite for never",
+    ),
+    Quantity(
+        "consensus", "the first option that all robots agreed on; -1: none", "decisions", PER_TRIAL, bounds=OPTIONS,
+        page="the option that all robots agreed on for the first time, -1 for none",
+    ),
+    Quantity(
+        "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
+        never=True, label="consensus", low=True, summary=True, compared="round of a consensus on the right option",
+        page="after which round they did; infinite for never",
+    ),
+    Quantity(
+        "consensus_right", "1 if that option is right, 0 if not, or if there is none", "decisions", PER_TRIAL,
+        label="exit", low=False, statistic="mean", share=True, summary=True,
+        compared="trials whose consensus is on the right option",
+        page="whether that option is right, 0 where there is none; its mean is the exit probability",
+    ),
+    Quantity(
+        "right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS,
+        page="the option that is right: of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the "
+        "last one for 1 too; NaN for white or black at 0.5, as is `consensus_right` then",
+    ),
+    Quantity(
+        "done_round", "the first after which the robot was done; infinite: never", "endings", unit="rounds",
+        never=True, label="done", low=True, summary=True, compared="round in which a robot is done",
+        page="when the robot was first done, 0 before the first round; infinite for never; like the next only where a "
+        "brain [can be](brain-contract.md#decide-and-done)",
+    ),
+    Quantity(
+        "done", "robots that are done", inputs=("done_round",), derive=_done,
+        label="done share", low=False, statistic="mean", share=True, summary=True,
+    ),
+    Quantity(
+        "done_estimate", "the estimate then", "endings", bounds=(-inf, inf), page="its estimate then; NaN for never"
+    ),
+    Quantity(
+        "done_error", "|x - f| of the estimate that a robot is done with", inputs=("done_estimate", TRUTH),
+        derive=_error, label="error when done", low=True,
+    ),
+    Quantity(
+        "coverage", "fraction of robots whose interval holds the fill ratio", "intervals", PER_CHECKPOINT,
+        column="coverage", axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
+        decimals=1,
+        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f*, or the floor's share with "
+        '`truth = "floor"`; like the next only where a brain has one, NaN of settings whose brain has none',
+    ),
+    Quantity(
+        "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
+        label="width", column="interval width", axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
+        compared="mean width of the robots' intervals at the last checkpoint", page="the mean width of these intervals",
+    ),
+    Quantity(
+        "estimates", "the informed estimate at the checkpoints", "estimates", ESTIMATES, bounds=(-inf, inf),
+        page="the estimate at each checkpoint; only with `estimates = true`",
+    ),
+)  # fmt: skip
+QUANTITIES = {quantity.name: quantity for quantity in ALL}
+
+
+def stored(group: str) -> dict[str, Quantity]:
+    """The quantities that runs of a group store."""
+    return {quantity.name: quantity for quantity in ALL if quantity.group == group}
