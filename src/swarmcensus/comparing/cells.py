@@ -10,13 +10,14 @@ from swarmcensus.comparing.pair_tests import pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.measures import Measure
 from swarmcensus.statistics.intervals import FEWEST
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
 MOST_DECIMALS = 6
 NEVER = "never"
 ALWAYS = "always"
 LEAST_P = 0.001  # smaller ones are said to be smaller
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
-COSTS = {"messages_sent": "messages", "bytes_sent": "bytes", "memory_bytes": "memory"}  # heads of columns
+COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # heads of columns
 Floats = NDArray[np.float64]
 
 

@@ -8,8 +8,8 @@ from swarmcensus.comparing.cells import amount, equals
 from swarmcensus.comparing.pair_tests import Contest, pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.statistics.rankings import groups
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
-UNITS = {"messages_sent": "messages", "bytes_sent": "bytes"}
 MOST_NAMED = 6  # contenders in a sentence
 
 
@@ -29,7 +29,7 @@ def costs(found: Standings) -> list[str]:
         return []
     said = []
     for k, name in enumerate(found.contenders[:MOST_NAMED]):
-        sent = [f"sends {_span(v[:, k])} {UNITS[n]}" for n, v in found.costs.items()][-1:]  # bytes, where known
+        sent = [f"sends {_span(v[:, k])} {QUANTITIES[n].unit}" for n, v in found.costs.items()][-1:]  # bytes, if known
         held = [f"remembers {_span(v[:, k])} bytes" for n, v in found.sizes.items() if n == "memory_bytes"]
         said.append(f"{name} {' and '.join(sent + held)}")
     more = f"; and {len(found.contenders) - MOST_NAMED} more" if len(found.contenders) > MOST_NAMED else ""

@@ -20,8 +20,8 @@ FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
 MAY_HAVE = {"after": 2}  # of the metrics of a swarm
 GIVEN = ("low", "high", "delta", "rounds", "robots")  # what each record holds before `begin`
 RESERVED = {  # names of the dataset, and of its summary
-    *QUANTITIES, *COORDINATES, "setting", "trial", "robot", "checkpoint", "end", "fingerprint", "half_width", "honest",
-    "memory_bytes", "message_bytes", "anonymous", "parameters", "trials", "failed", "K", "error", "right",
+    *QUANTITIES, *COORDINATES, "setting", "trial", "robot", "checkpoint", "end", "parameters",
+    "trials", "failed", "K", "error", "right",
 }  # fmt: skip
 BETTER = {"low": True, "high": False}
 LONGEST_LABEL = 24

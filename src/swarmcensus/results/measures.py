@@ -57,7 +57,7 @@ def _measure(quantity: Quantity) -> Measure:
 OURS = {name: _measure(quantity) for name, quantity in QUANTITIES.items() if quantity.low is not None}
 USUAL = ("final_error", "convergence_round", "correct", "consensus_right", "consensus_round")
 COSTS = ("messages_sent", "bytes_sent")
-SIZES = {"memory_bytes": "memory", "message_bytes": "message"}  # bytes, of a setting
+SIZES = {name: QUANTITIES[name].title for name in ("memory_bytes", "message_bytes")}  # bytes, of a setting
 WAYS = {"low": True, "high": False}
 
 

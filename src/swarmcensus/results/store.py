@@ -23,7 +23,7 @@ from swarmcensus.results.values import MISSING, Values, kinds_in, robots_in, sou
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.vocabulary.coordinates import COORDINATES
-from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL
+from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 
 FORMAT = structure.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
@@ -48,8 +48,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
     variables |= {name: ("setting", np.array(column), says) for name, (column, says) in _costs(settings).items()}
     variables["fingerprint"] = (
-        "setting", np.array(fingerprints, dtype=object),
-        {"long_name": "the address of all that a setting's numbers depend on"},
+        "setting", np.array(fingerprints, dtype=object), attributes_of("fingerprint"),
     )  # fmt: skip
     for topology in study.topologies:
         if topology.source:
@@ -86,27 +85,26 @@ def column_of(values: list[Any]) -> NDArray[Any]:
 
 def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
     """What each setting's brain asks for, beside what is measured."""
-    brains = [setting.brain for setting in settings]
-    lying = any(setting.honest < setting.robots for setting in settings)
-    honest = {"honest": ([s.honest for s in settings], {"units": "robots", "long_name": "those that are measured"})}
-    return (honest if lying else {}) | {
-        "memory_bytes": (
-            [b.memory_bytes for b in brains], {"units": "bytes", "long_name": "what a robot remembers, 4 a number"},
-        ),
-        "message_bytes": (
-            [b.message_bytes for b in brains], {"units": "bytes", "long_name": "what one message takes, 4 a number"},
-        ),
-        "anonymous": (
-            [int(not any(b.uses.name for b in s.crew)) for s in settings],
-            {"long_name": "1 where no brain knows its robot's name"},
-        ),
-    }  # fmt: skip
+    costs = {
+        "memory_bytes": [s.brain.memory_bytes for s in settings],
+        "message_bytes": [s.brain.message_bytes for s in settings],
+        "anonymous": [int(not any(b.uses.name for b in s.crew)) for s in settings],
+    }
+    if any(setting.honest < setting.robots for setting in settings):
+        costs = {"honest": [s.honest for s in settings]} | costs
+    return {name: (column, attributes_of(name)) for name, column in costs.items()}
+
+
+def attributes_of(name: str) -> dict[str, str]:
+    """What a file says of a quantity of settings."""
+    quantity = QUANTITIES[name]
+    return ({"units": quantity.unit} if quantity.unit else {}) | {"long_name": quantity.meaning}
 
 
 def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
     """The variable `half_width` of a study with a rule, one number a setting."""
     assert study.until is not None
-    return "setting", widths, {"long_name": "half the interval that the rule looks at", "rule": study.until.until}
+    return "setting", widths, {**attributes_of("half_width"), "rule": study.until.until}
 
 
 def provenance(study: Study) -> dict[str, Any]:

@@ -17,6 +17,7 @@ Statistic = Literal["median", "mean"]
 
 PER_ROBOT = ("setting", "trial", "robot")
 PER_TRIAL = ("setting", "trial")
+PER_SETTING = ("setting",)
 PER_CHECKPOINT = ("setting", "checkpoint", "trial")
 ESTIMATES = ("setting", "checkpoint", "trial", "robot")
 TRUTH = "truth"  # an input of derived quantities: the fill ratio that estimates are held against
@@ -131,7 +132,8 @@ ALL = (
     ),
     Quantity(
         "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
-        label="messages", low=True, statistic="mean", summary=True, compared="messages sent by a robot",
+        label="messages", axis="messages sent by a robot", low=True, statistic="mean", summary=True,
+        compared="messages sent by a robot",
         page="in how many rounds, or ticks, the robot broadcast; times `message_bytes` it is what it sent",
     ),
     Quantity(
@@ -140,8 +142,35 @@ ALL = (
         page="how many messages reached it",
     ),
     Quantity(
+        "memory_bytes", "what a robot remembers, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
+        label="memory", axis="memory of a robot (bytes)",
+        page="what the brain remembers, at 4 bytes a number",
+    ),
+    Quantity(
+        "message_bytes", "what one message takes, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
+        label="message", axis="bytes of a message", page="what a message takes, at 4 bytes a number",
+    ),
+    Quantity(
+        "anonymous", "1 where no brain knows its robot's name", "setting", PER_SETTING, "", np.int64,
+        page="1, or 0 where the brain knows its robot's name",
+    ),
+    Quantity(
+        "honest", "those that are measured", "honest", PER_SETTING, "robots", np.int64,
+        page="how many robots are measured; only where some [are not honest](study-file.md#members)",
+    ),
+    Quantity(
+        "fingerprint", "the address of all that a setting's numbers depend on", "setting", PER_SETTING, "", object,
+        page="the address of a setting's names and of all that its numbers depend on, 32 hexadecimal digits: alike in "
+        "two files where the setting is",
+    ),
+    Quantity(
+        "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "",
+        page="half the interval that a [rule for trials](long-studies.md#as-many-trials-as-needed) looks at; only with "
+        "a rule",
+    ),
+    Quantity(
         "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent", "message_bytes"),
-        derive=np.multiply, label="bytes", low=True, statistic="mean", summary=True,
+        axis="bytes sent by a robot", derive=np.multiply, label="bytes", low=True, statistic="mean", summary=True,
     ),
     Quantity(
         "decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS,

@@ -23,6 +23,7 @@ from swarmcensus.figures.coordinates import caption_of
 from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
+from swarmcensus.vocabulary.quantities import QUANTITIES
 
 
 def pareto(
@@ -44,10 +45,7 @@ def pareto(
 SIZE = 6.0  # points: a dot
 NEAR, BESIDE = 0.01, 5.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
 SPREAD = 8.0  # from there on the axis of costs is logarithmic
-COSTS = {
-    "bytes_sent": "bytes sent by a robot", "messages_sent": "messages sent by a robot",
-    "memory_bytes": "memory of a robot (bytes)", "message_bytes": "bytes of a message",
-}  # fmt: skip
+COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
 Floats = NDArray[np.float64]
 
 
