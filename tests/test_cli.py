@@ -298,7 +298,7 @@ def test_ctrl_c_stops_within_a_second_and_keeps_what_is_done(here, ctrl_c):
 
 
 def test_a_study_without_a_name_is_called_as_its_file_is(here, capsys):
-    """In its results, which are verified and merged as others are; those of earlier versions are titled "study"."""
+    """In its results, which are verified and merged as others are; without a file it is titled "study"."""
     assert main(["run", "hello.toml", "--jobs", "1"]) == 0
     assert sc.load("hello.nc").attrs["title"] == "hello"
     assert sc.load("hello.nc").attrs["study"] == f'name = "hello"\n{HELLO}'

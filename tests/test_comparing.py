@@ -291,8 +291,8 @@ def test_the_cost_is_said_beside():
         f"bayes-bots sends {said[1]} bytes and remembers 60 bytes"
     )
     assert {"messages_sent", "bytes_sent", "memory_bytes"} <= {*found.table.columns}
-    old = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
-    assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in old.cautions)
+    bare = sc.compare(made_up(brains=2).drop_vars(["messages_sent", "message_bytes", "memory_bytes"]))
+    assert any("do not say what brains cost: they have no messages_sent, no message_bytes" in c for c in bare.cautions)
     part = sc.compare(made_up(brains=2).drop_vars(["memory_bytes", "message_bytes"]))
     assert "minimalistic sends 502 messages;" in part.verdict[-1]
 

@@ -14,7 +14,6 @@ from swarmcensus.cli import compare_tables
 from swarmcensus.cli.commands import main
 from swarmcensus.figures.kinds.pareto import draw_pareto, front
 from swarmcensus.figures.kinds.ranks import draw_ranks
-from swarmcensus.results.values import MESSAGES
 from tests.contending import made_up
 
 STUDY = """
@@ -174,15 +173,10 @@ def test_latex_and_figures_are_written(two, tmp_path, capsys):
     assert "is not drawn" not in told.err
 
 
-def test_what_an_older_file_does_not_say_is_told(two, tmp_path, capsys):
-    old = sc.load(two).drop_vars([*MESSAGES, "memory_bytes", "message_bytes", "anonymous"])
-    sc.save(old.assign_attrs(format="swarmcensus results 2"), tmp_path / "old.nc")
-    assert main(["compare", str(tmp_path / "old.nc"), "--out", str(tmp_path / "c.png")]) == 0
-    assert (tmp_path / "c-ranks.png").is_file()
-    assert not (tmp_path / "c-pareto.png").exists()
-    assert "c-pareto.png is not drawn: these results do not say how many bytes were sent" in capsys.readouterr().err
-    assert main(["plot", str(tmp_path / "old.nc"), "--kind", "pareto", "--out", str(tmp_path / "c.svg")]) == 2
-    assert "cost 'bytes_sent': these results have no such cost" in capsys.readouterr().err
+def test_results_without_costs_have_no_front(two):
+    bare = sc.load(two).drop_vars(["messages_sent", "message_bytes", "memory_bytes", "anonymous"])
+    with pytest.raises(sc.InputError, match="cost 'bytes_sent': these results have no such cost"):
+        sc.plot.pareto(bare)
 
 
 @pytest.mark.long

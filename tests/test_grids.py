@@ -6,7 +6,6 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.formatting import counted
 from swarmcensus.figures.panels import panels_of
-from swarmcensus.results.values import SINCE_3
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from tests.conftest import SMALL
@@ -177,7 +176,7 @@ def test_one_of_density_and_side_is_wanted():
     assert "tiles wide" in refused(MOVING, world={"side": 1e9}, swarm={"robots": 1})
 
 
-def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave(tmp_path):
+def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave():
     def captions(**world):
         results = sc.run(study(MOVING, world=world, swarm={"robots": [2, 5]}), jobs=1)
         return results, [panel.caption for panel in panels_of(results)]
@@ -187,11 +186,6 @@ def test_the_dataset_holds_the_side_and_captions_name_what_the_study_gave(tmp_pa
     assert named == ["N = 2, L = 2 m", "N = 2, L = 3 m", "N = 5, L = 2 m", "N = 5, L = 3 m"]
     assert captions(side=2.0)[1] == captions(density=2.0)[1] == ["N = 2", "N = 5"]
     assert captions(density=[1, 2])[1] == ["N = 2, D = 1", "N = 2, D = 2", "N = 5, D = 1", "N = 5, D = 2"]
-    old = results.drop_vars(["side", *SINCE_3])  # as older versions wrote them
-    old.attrs["format"], old["convergence_round"].encoding = "swarmcensus results 1", {}
-    sc.save(old, tmp_path / "old.nc")
-    assert sc.load(tmp_path / "old.nc").equals(old)
-    assert len({panel.caption for panel in panels_of(old)}) == 4
 
 
 def test_fixed_networks_have_no_side():

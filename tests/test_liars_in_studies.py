@@ -203,18 +203,6 @@ def test_merged_with_a_study_in_which_nobody_lies(here, data):
         assert verify(merged, sample=1.0).labels == []
 
 
-@pytest.mark.long
-def test_results_from_before_liars_were_numbered_open(here, data, tmp_path):
-    old = data.drop_vars(["liars", "adversary"])
-    sc.save(old, tmp_path / "old.nc")
-    found = sc.load(tmp_path / "old.nc")
-    assert verify(found, sample=0.1, seed=1).labels == []
-    assert main(["show", str(tmp_path / "old.nc")]) == 0
-    assert sc.plot.scatter(found.isel(setting=[0, 1, 6])).axes
-    assert merge([found])["liars"].values.tolist() == data["liars"].values.tolist()
-    assert sc.run(sc.Study.load("s.toml"), jobs=1, out=tmp_path / "old.nc").sizes["trial"] == 3
-
-
 def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     study = sc.Study.load("s.toml")
     sent = pickle.dumps(clusters.payload_of(study))

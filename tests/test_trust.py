@@ -16,7 +16,7 @@ from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.results import check_against_study, structure
-from swarmcensus.results.values import ENDLESS, EVERY, MESSAGES
+from swarmcensus.results.values import ENDLESS, EVERY
 from swarmcensus.runs import verifying
 from swarmcensus.worlds import networks, pictures
 from tests import second
@@ -249,7 +249,7 @@ def test_what_is_changed_in_the_file_itself(files, quick, tmp_path):
     ],
 )
 def test_what_would_show_other_readers_other_numbers_is_refused(name, key, value, tmp_path):
-    shutil.copy(DATA / "results-2.nc", tmp_path / "x.nc")
+    shutil.copy(DATA / "results-3.nc", tmp_path / "x.nc")
     with h5py.File(tmp_path / "x.nc", "r+") as file:
         file[name].attrs.pop(key, None)
         if value is not None:
@@ -421,12 +421,6 @@ def test_minus_zero_is_not_the_same_to_the_last_bit(files):
     assert len(sc.verify(data, 1.0).differences) == 1
 
 
-def test_the_first_format_hides_nothing(files):
-    data = sc.load(files / "rule.nc").assign_attrs(format="swarmcensus results 1")
-    data["half_width"].values[:] = 1e-9
-    assert any("what a rule came to are not compared" in note for note in sc.verify(data, 1.0).notes)
-
-
 def test_attributes_of_other_programs_are_told(files):
     found = sc.verify(sc.load(files / "kinds.nc").assign_attrs(Conventions="CF"), 0.1)
     assert found.notes == ["the attribute Conventions is not of a run"]
@@ -445,7 +439,7 @@ def test_attributes_of_other_programs_are_told(files):
 def test_no_other_file_is_read(how, said, tmp_path):
     """HDF5 can keep an array in any file: whoever merged such results would copy that file into them."""
     path, other = tmp_path / "x.nc", tmp_path / "other"
-    shutil.copy(DATA / "results-2.nc", path)
+    shutil.copy(DATA / "results-3.nc", path)
     with h5py.File(path, "r+") as file:
         old = file["fill_ratio"]
         shape, kind = old.shape, old.dtype
@@ -577,21 +571,19 @@ class TestBrainFiles:
         assert any("is not of the study that these results name" in label for label in found.labels)
 
 
-class TestFormats:
-    """Files of each format that was ever written: they are read for good."""
+class TestFormat:
+    """Files of the format, kept: they are read for good."""
 
     @pytest.mark.interpreted
-    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
-    def test_a_trial_of_theirs_is_what_it_was(self, name):
-        data = sc.load(DATA / name)
+    def test_a_trial_of_a_kept_file_is_what_it_was(self):
+        data = sc.load(DATA / "results-3.nc")
         lived = sc.replay(data, 1, 1)["estimate"].values[-1]
         assert (lived == data["final_estimate"].values[1, 1, : lived.size]).all()
 
     @pytest.mark.long
-    @pytest.mark.parametrize("name", ["results-1.nc", "results-2.nc", "results-3.nc"])
-    def test_all_that_is_done_with_results_is_done_with_them(self, name, tmp_path, monkeypatch, capsys):
+    def test_all_that_is_done_with_results_is_done_with_it(self, tmp_path, monkeypatch, capsys):
         monkeypatch.chdir(tmp_path)
-        shutil.copy(DATA / name, "r.nc")
+        shutil.copy(DATA / "results-3.nc", "r.nc")
         data = sc.load("r.nc")
         assert data["convergence_round"].dtype == np.int32
         assert data["convergence_round"].values[0, 0].tolist()[-1] == -1  # three robots of four
@@ -614,26 +606,15 @@ class TestFormats:
             assert main(command.split()) == 0, command
         said = capsys.readouterr().out
         assert said.count("64 of 64 trials run again: the ") == said.count("same to the last bit") == 2
-        assert "adversary is not in the file: the first files of its format did not have it" in said
         assert "recent[2]" in (tmp_path / "trace.csv").read_text().partition("\n")[0]
 
-    def test_both_hold_the_same(self):
-        one, two = (sc.load(DATA / f"results-{n}.nc") for n in (1, 2))
-        assert one.drop_attrs().identical(two.drop_attrs().drop_vars(set(two.variables) - set(one.variables)))
-        merged = sc.merge([one, two])
-        assert merged.attrs["trials_done"] == 48
-        assert merged.attrs["format"] == "swarmcensus results 3"
-
-    def test_a_run_goes_on_from_the_first(self, tmp_path):
+    def test_a_run_goes_on_from_a_kept_file(self, tmp_path):
         for file in DATA.iterdir():
             shutil.copy(file, tmp_path)
         study = sc.Study.load(tmp_path / "results.toml").with_(trials=3)
-        data, whole = sc.run(study, jobs=1, out=tmp_path / "results-1.nc"), sc.run(study, jobs=1)
-        assert data.drop_vars(MESSAGES).drop_attrs().identical(whole.drop_vars(MESSAGES).drop_attrs())
-        for name in MESSAGES:  # which the first format did not count
-            assert np.isnan(data[name][:, :2]).all()
-            assert data[name][:, 2:].equals(whole[name][:, 2:])
-        assert sc.load(tmp_path / "results-1.nc").identical(data)
+        data, whole = sc.run(study, jobs=1, out=tmp_path / "results-3.nc"), sc.run(study, jobs=1)
+        assert data.drop_attrs().identical(whole.drop_attrs())
+        assert sc.load(tmp_path / "results-3.nc").identical(data)
 
     def test_other_readers_see_what_is_missing(self, files):
         with xr.open_dataset(files / "measures.nc", engine="h5netcdf") as plain:
@@ -643,6 +624,12 @@ class TestFormats:
         with h5py.File(files / "measures.nc") as file:
             assert file["convergence_round"].attrs["_FillValue"] == -1
 
-    def test_a_format_to_come_is_refused(self, files):
-        with pytest.raises(InputError, match="of a later version"):
-            sc.verify(sc.load(files / "kinds.nc").assign_attrs(format="swarmcensus results 99"))
+    @pytest.mark.parametrize("other", ["swarmcensus results 2", "swarmcensus results 99"])
+    def test_another_format_is_refused(self, other, files, tmp_path):
+        data = sc.load(files / "kinds.nc").assign_attrs(format=other)
+        said = f"its format is '{other}', and this version of swarmcensus reads 'swarmcensus results 3'"
+        with pytest.raises(InputError, match=said):
+            sc.verify(data)
+        sc.save(data, tmp_path / "x.nc")
+        with pytest.raises(InputError, match=f"x.nc: {said}"):
+            sc.load(tmp_path / "x.nc")

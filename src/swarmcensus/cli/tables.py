@@ -212,8 +212,6 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
 
 def _named(data: xr.Dataset) -> list[str]:
     """The brains that know their robots' names."""
-    if "anonymous" not in data:
-        return []
     return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
 
 

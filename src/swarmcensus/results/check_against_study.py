@@ -16,9 +16,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
-from swarmcensus.results.structure import IN_FORMAT_1, before_3, failures, finished, is_old
+from swarmcensus.results.structure import COSTS, failures, finished
 from swarmcensus.results.values import (
-    IN_TIME,
     Values,
     additions_in,
     edited,
@@ -144,10 +143,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for name in sorted(mine - due):
         yield f"{name} is in the file, and no run of its study writes it"
     for name in sorted(due - mine):
-        if before_3(data, name) or name in IN_TIME:
-            continue
-        if not is_old(data) or name in IN_FORMAT_1 or name not in want.coords:
-            yield f"{name} is not in the file"
+        yield f"{name} is not in the file"
     for name in sorted(mine & due):
         if (name in data.coords) != (name in want.coords):
             yield f"{name} should be a {'coordinate' if name in want.coords else 'variable, and no coordinate'}"
@@ -162,7 +158,7 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
     known = np.flatnonzero(place >= 0)
     coordinates = (k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")
-    for name in ("setting", *coordinates, "memory_bytes", "message_bytes", "anonymous", "honest"):
+    for name in ("setting", *coordinates, *COSTS, "honest"):
         if name not in data or data.variables[name].dims != ("setting",):
             continue
         mine, due = data.variables[name].values[known], want.variables[name].values[place[known]]
@@ -178,7 +174,7 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     """Variables that are not along settings, attributes of variables, and those of the whole."""
-    ours = data.attrs["swarmcensus_version"] == __version__ and not is_old(data)  # then each word is the same
+    ours = data.attrs["swarmcensus_version"] == __version__  # then each word is the same
     for name, due in want.variables.items():
         if name not in data.variables:
             continue
@@ -196,7 +192,7 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         mine_said, due_said = data.attrs.get(key), want.attrs[key]
         if key in SOURCES and key in data.attrs and not ours:
             mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
-        if not _same(mine_said, due_said) and not (is_old(data) and key == "title" and "merged" in data.attrs):
+        if not _same(mine_said, due_said):
             yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
     yield from _additions(data, want)
 
@@ -265,8 +261,6 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
         yield f"trial should number the {counted(most, 'trial')} of each setting"
     stored, total = int(data.attrs["trials_done"]) + len(failures(data)), int(data.attrs["trials_total"])
     planned = sum(most_trials(studies, want))
-    if is_old(data) and "merged" in data.attrs:
-        planned = trials.size * data.sizes["setting"]  # as was counted then
     if total != planned and not (ruled and stored <= total <= planned):
         yield f"the attribute trials_total is {total} in the file and {planned} by its study"
 

@@ -18,7 +18,7 @@ from swarmcensus.results.check_against_study import MAKERS, most_trials, outline
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load, save
-from swarmcensus.results.values import EVERY, MESSAGES, blank, is_missing, kinds_in, metrics_in, same_bits, told
+from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, same_bits, told
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -123,7 +123,7 @@ def _together(
     sizes = dict(merged.sizes) | {"trial": max(int(d["trial"].values.max()) + 1 for d in datasets)}
     arrays = {}
     names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
-    for name in (name for name in names_of_all if name in MESSAGES or any(name in data for data in datasets)):
+    for name in (name for name in names_of_all if any(name in data for data in datasets)):
         one = next(data[name] for data in (want, *datasets) if name in data)
         room = np.full([sizes[str(d)] for d in one.dims], blank(one.dtype), one.dtype)
         arrays[name] = (one.dims, room, one.attrs, one.encoding)

@@ -25,7 +25,6 @@ from swarmcensus.studies.study import Study
 from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 
-FORMAT = structure.FORMATS[-1]
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
 BARE = b"This is a netCDF dimension but not a netCDF variable"  # how netCDF marks what no reader shows
 
@@ -110,7 +109,7 @@ def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDAr
 def provenance(study: Study) -> dict[str, Any]:
     """How a dataset came to be: enough to make it again."""
     return {
-        "format": FORMAT,
+        "format": structure.FORMAT,
         "title": study.name,
         "study": study.text,
         "seed": study.seed,
@@ -156,7 +155,7 @@ def _processor() -> str:
 
 def save(data: xr.Dataset, path: str | Path) -> None:
     """Write a dataset or a trace as netCDF-4, whole or not at all. Raises InputError."""
-    if data.attrs.get("format") in structure.FORMATS:
+    if data.attrs.get("format") == structure.FORMAT:
         data = data.drop_attrs(deep=False).assign_attrs(structure.selected(data))
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
@@ -216,6 +215,8 @@ def read(path: str | Path) -> xr.Dataset:
         ) from error
     if not str(data.attrs.get("format")).startswith("swarmcensus results"):
         raise InputError(f"results file {path}: not a results file of swarmcensus")
+    if said := structure.wrong_format(data):
+        raise InputError(f"results file {path}: {said}")
     if wrong := structure.unmask(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data

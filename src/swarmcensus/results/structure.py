@@ -20,10 +20,8 @@ from swarmcensus.results.values import (
     EVERY,
     LEADS,
     LOCAL,
-    MESSAGES,
     MISSING,
     NAN_BITS,
-    SINCE_3,
     VARIABLES,
     is_missing,
     kinds_in,
@@ -34,17 +32,10 @@ from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL
 from swarmcensus.worlds.networks import MOVING
 
-FORMATS = (
-    "swarmcensus results 1",
-    "swarmcensus results 2",
-    "swarmcensus results 3",
-)  # that can be read; the last one is written
+FORMAT = "swarmcensus results 3"
 TEXTS = tuple(name for name, one in COORDINATES.items() if one.always and one.type == "text")
 NUMBERS = tuple(name for name, one in COORDINATES.items() if one.always and one.type != "text")
-IN_FORMAT_1 = frozenset(
-    ("brain", "topology", "accuracy", "assumed_accuracy", "floor", "robots", "density", "fill_ratio", "link_success",
-     "rounds", "observations_per_round")
-)  # fmt: skip
+COSTS = ("memory_bytes", "message_bytes", "anonymous")  # what each setting's brain asks for
 ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
@@ -59,14 +50,10 @@ ONLY_WHERE = {  # what is there of a trial only where another variable says so, 
 ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
 
 
-def is_old(data: xr.Dataset) -> bool:
-    """Whether a dataset is of the first format: without `_FillValue`, and without what has come since."""
-    return bool(data.attrs.get("format") == FORMATS[0])
-
-
-def before_3(data: xr.Dataset, name: str) -> bool:
-    """Whether a dataset is of a format that had no variable of this name yet."""
-    return name in SINCE_3 and data.attrs.get("format") in FORMATS[:2]
+def wrong_format(data: xr.Dataset) -> str | None:
+    """Why the format of a dataset cannot be read, as a sentence; None if it can."""
+    found = data.attrs.get("format")
+    return None if found == FORMAT else f"its format is {found!r}, and this version of swarmcensus reads {FORMAT!r}"
 
 
 def unmask(data: xr.Dataset) -> str | None:
@@ -79,7 +66,7 @@ def unmask(data: xr.Dataset) -> str | None:
         fills = [] if fill is None else np.ravel(fill).tolist()
         if fills:
             array.encoding["_FillValue"] = fill
-        masked = key in EVERY and array.dtype.kind == "i" and not is_old(data)
+        masked = key in EVERY and array.dtype.kind == "i"
         if fills != [MISSING] if masked else any(one == one for one in fills):
             return f"{key} should have {'the' if masked else 'no'} _FillValue{f' {MISSING}' if masked else ''}"
         altered = [name for name in ALTERS if name in array.attrs]
@@ -90,9 +77,11 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
-    lacking = [name for name in (*VARIABLES, *MESSAGES, "fingerprint") if name not in data and not before_3(data, name)]
-    if data.attrs.get("format") not in FORMATS or lacking:
-        return f"{lacking[0]} is missing" if lacking else "its format is unknown: of a later version?"
+    if said := wrong_format(data):
+        return said
+    lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
+    if lacking:
+        return f"{lacking[0]} is missing"
     try:
         return _metrics(data) or _shape(data) or _attributes(data) or _missing(data) or (_made(data) and None)
     except InputError as error:
@@ -122,13 +111,13 @@ def _metrics(data: xr.Dataset) -> str | None:
 
 
 def _shape(data: xr.Dataset) -> str | None:
-    kinds = {"fingerprint": "UO", **dict.fromkeys(NUMBERS, "iuf"), **_costs(data), **dict.fromkeys(TEXTS, "UO")}
+    counts = (*COSTS, "honest") if "honest" in data else COSTS
+    kinds = {"fingerprint": "UO"}
+    kinds |= dict.fromkeys(NUMBERS, "iuf") | dict.fromkeys(counts, "iu") | dict.fromkeys(TEXTS, "UO")
     for name, (dims, kind, *_) in EVERY.items():
         if name in data and (data.variables[name].dims != dims or data.variables[name].dtype != kind):
             return f"{name} should be {np.dtype(kind)} ({', '.join(dims)})"
     for name, allowed in kinds.items():
-        if name not in data and is_old(data) and name not in IN_FORMAT_1:
-            continue
         known = data.coords if name in (*NUMBERS, *TEXTS) else data
         if (
             name not in known
@@ -157,11 +146,6 @@ def _shape(data: xr.Dataset) -> str | None:
         if inside and (array.ndim != 2 or array.dtype.kind not in inside or not isinstance(source, str)):
             return f"{key} should be whole numbers in rows, with their source"
     return None
-
-
-def _costs(data: xr.Dataset) -> dict[str, str]:
-    names = [name for name in SINCE_3 if name not in EVERY and not before_3(data, name)]
-    return dict.fromkeys([*names, *(["honest"] if "honest" in data else [])], "iu")
 
 
 def _attributes(data: xr.Dataset) -> str | None:
@@ -241,8 +225,7 @@ def _missing(data: xr.Dataset) -> str | None:
         if places:
             at, where = places
             return f"{name} of {where} is {array.values[tuple(at.values())].item()!r}, which no run writes there"
-    # files of the first format counted trials whose local estimates were still to come
-    count = int((done.values if is_old(data) else finished(data)).sum())
+    count = int(finished(data).sum())
     if data.attrs["trials_done"] != count:
         return f"trials_done is {data.attrs['trials_done']}, and {count} trials are there"
     if data.attrs["trials_total"] < count + len(failures(data)):

@@ -34,18 +34,15 @@ def _group(name: str) -> dict[str, Kind]:
 
 
 VARIABLES = _group("always")
-MESSAGES = _group("messages")  # missing of trials that an earlier version ran; R knows no whole numbers as large
 DECISIONS = _group("decisions")
 ENDINGS = _group("endings")
 INTERVALS = _group("intervals")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
-EVERY = VARIABLES | MESSAGES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
+EVERY = VARIABLES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
 # a trial has all of such a group or nothing of it: the first variable of the group tells which
-LEADS = {name: next(iter(group)) for group in (MESSAGES, DECISIONS, ENDINGS, INTERVALS, LOCAL) for name in group}
+LEADS = {name: next(iter(group)) for group in (DECISIONS, ENDINGS, INTERVALS, LOCAL) for name in group}
 ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # what never comes is infinite
-SINCE_3 = (*MESSAGES, "memory_bytes", "message_bytes", "anonymous")  # of the format
-IN_TIME = ("liars", "adversary")  # coordinates that files of this format may lack
 MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
 MISSING = -1  # for whole numbers; NaN for the others
 NAN_BITS = np.array(np.nan).view(np.uint64)  # there are many NaN, and what is missing is this one
@@ -267,7 +264,7 @@ class Values:
         asked |= DECISIONS if any(brain.decides for brain in study.brains) else {}
         asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
         asked |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
-        self.kinds = VARIABLES | MESSAGES | asked | kinds_of(study.measure.metrics)
+        self.kinds = VARIABLES | asked | kinds_of(study.measure.metrics)
         self.room = room or Room()
         self.arrays: Columns = {
             name: self.room.full(tuple(sizes[d] for d in dims), blank(kind), kind)

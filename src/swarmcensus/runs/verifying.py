@@ -22,9 +22,7 @@ from swarmcensus.results.store import load, provenance
 from swarmcensus.results.values import (
     ESTIMATES,
     EVERY,
-    IN_TIME,
     LOCAL,
-    MESSAGES,
     MISSING,
     Values,
     blank,
@@ -125,20 +123,11 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     version = data.attrs["swarmcensus_version"]
     if version != __version__:
         yield f"the file is of version {version}, and this is {__version__}: descriptions are not compared"
-    if structure.is_old(data):
-        yield "the file is of the first format: descriptions and what a rule came to are not compared"
     done, total = int(data.attrs["trials_done"]), int(data.attrs["trials_total"])
     if done < total:
         failed = len(structure.failures(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
-    told = {name for study in studies for setting in study.settings() for name in setting.coordinates}
-    for name in sorted({*IN_TIME} & told - {*map(str, data.variables)}):
-        yield f"{name} is not in the file: the first files of its format did not have it"
-    if "messages_sent" in data:
-        uncounted = int((structure.finished(data) & is_missing(data.variables["messages_sent"].values[:, :, 0])).sum())
-        if uncounted:
-            yield f"messages of {counted(uncounted, 'trial')} are not in the file: an earlier format did not count them"
     own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
     for name in sorted({*data.attrs} - own):
         yield f"the attribute {name} is not of a run"
@@ -146,8 +135,6 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
 
 def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     """Where results say that no trial is to come: what their rules ask for and is not there, and what they came to."""
-    if structure.is_old(data):
-        return  # intervals were others then
     failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
     for setting, trial in structure.failures(data):
@@ -242,8 +229,8 @@ def _compare(
             found = np.full(stored.shape, blank(stored.dtype), stored.dtype)
         differ, there = ~same_bits(stored, found), ~is_missing(stored)
         due = wanted
-        # what some of merged studies do not ask for is there of no trial or all: `unlike` tells; so are messages
-        if name in MESSAGES or (merged and (name in LOCAL or name in ESTIMATES or name not in EVERY)):
+        # what some of merged studies do not ask for is there of no trial or all: `unlike` tells
+        if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
             due = due & there.any(axis=others)
         if merged and "checkpoint" in dims:  # nor these checkpoints
             differ &= there

@@ -130,14 +130,14 @@ ALL = (
         label="local error at K", axis=r"local error $|\hat{x}^K - f\,|$", low=True, summary=True,
         compared="|x - f| of the local estimate at its K", page="its error there; only with `local = true`",
     ),
-    Quantity(
-        "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
+    Quantity(  # of messages: real numbers, for R knows no whole ones as large
+        "messages_sent", "rounds, or ticks, in which the robot broadcast", "always", unit="messages",
         label="messages", axis="messages sent by a robot", low=True, statistic="mean", summary=True,
         compared="messages sent by a robot",
         page="in how many rounds, or ticks, the robot broadcast; times `message_bytes` it is what it sent",
     ),
     Quantity(
-        "messages_heard", "messages that reached the robot", "messages", unit="messages",
+        "messages_heard", "messages that reached the robot", "always", unit="messages",
         label="heard", low=True, statistic="mean", summary=True, compared="messages heard by a robot",
         page="how many messages reached it",
     ),
