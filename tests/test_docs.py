@@ -16,7 +16,7 @@ from swarmcensus.cli.plan import KEYS
 from swarmcensus.conformance import suite as conformance
 from swarmcensus.conformance.contract_checks import PROMISES
 from swarmcensus.planning.mission import Area, Free, Known, Mission, Wanted, mission_of
-from swarmcensus.results import store as results
+from swarmcensus.results import structure
 from swarmcensus.runs.queues import Queue
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.tables import Measure, Schedule, Swarm, Tables, World
@@ -281,7 +281,7 @@ def test_the_data_page_lists_all_that_a_dataset_holds():
             assert set(map(str, names)) <= listed
         assert set(trace.attrs) | set(map(str, trace.dims)) <= mentioned
     assert set(sc.infer([[1]], None, 0.7).attrs) <= mentioned
-    assert results.FORMAT in text
+    assert structure.FORMAT in text
 
 
 def test_the_brain_page_shows_the_shipped_example_and_every_check():

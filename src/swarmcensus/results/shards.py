@@ -52,12 +52,12 @@ class Identity:
     delta: float
     bins: int
     truth: str
-    metrics: str = ""  # metrics of files, and their sources
+    metrics: str  # of files, and their sources
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
         """Raise InputError, saying how they differ, where `other` is of something else."""
         mine = asdict(self)
-        differ = [k for k, v in mine.items() if other.get(k, "") != v]
+        differ = [k for k, v in mine.items() if other.get(k) != v]
         if other.get("study") == UNNAMED and "study" in differ:  # it was begun before it had its file's name
             differ.remove("study")
         if differ:
@@ -292,8 +292,7 @@ def _unpacked(arrays: Mapping[str, NDArray[Any]], about: Mapping[str, Any]) -> I
         if min(first, trials - 1, robots - 1) < 0:
             raise ValueError("no trials")
         taken = {}
-        of_swarm = about.get("of_swarm", ())
-        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, flat, of_swarm).items():
+        for name, shape in shapes(trials, robots, len(about["checkpoints"]), local, flat, about["of_swarm"]).items():
             size = int(np.prod(shape))
             taken[name] = flat[name][used[name] : used[name] + size].reshape(shape)
             used[name] += size
