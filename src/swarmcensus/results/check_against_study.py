@@ -16,7 +16,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.version import __version__
 from swarmcensus.results.store import column_of, dataset, filled, widths_of_rule
-from swarmcensus.results.structure import COSTS, failures, finished
+from swarmcensus.results.structure import BRAIN_FACTS, failures, finished
 from swarmcensus.results.values import (
     Values,
     additions_in,
@@ -158,7 +158,7 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
         yield f"setting {number} is not of the study that these results name ({(place < 0).sum()} of them are not)"
     known = np.flatnonzero(place >= 0)
     coordinates = (k for k, v in want.coords.items() if v.dims == ("setting",) and k != "setting")
-    for name in ("setting", *coordinates, *COSTS, "honest"):
+    for name in ("setting", *coordinates, *BRAIN_FACTS, "honest"):
         if name not in data or data.variables[name].dims != ("setting",):
             continue
         mine, due = data.variables[name].values[known], want.variables[name].values[place[known]]

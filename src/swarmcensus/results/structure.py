@@ -35,7 +35,7 @@ from swarmcensus.worlds.networks import MOVING
 FORMAT = "swarmcensus results 3"
 TEXTS = tuple(name for name, one in COORDINATES.items() if one.always and one.type == "text")
 NUMBERS = tuple(name for name, one in COORDINATES.items() if one.always and one.type != "text")
-COSTS = ("memory_bytes", "message_bytes", "anonymous")  # what each setting's brain asks for
+BRAIN_FACTS = ("memory_bytes", "message_bytes", "anonymous")  # variables about each setting's brain
 ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
@@ -111,7 +111,7 @@ def _metrics(data: xr.Dataset) -> str | None:
 
 
 def _shape(data: xr.Dataset) -> str | None:
-    counts = (*COSTS, "honest") if "honest" in data else COSTS
+    counts = (*BRAIN_FACTS, "honest") if "honest" in data else BRAIN_FACTS
     kinds = {"fingerprint": "UO"}
     kinds |= dict.fromkeys(NUMBERS, "iuf") | dict.fromkeys(counts, "iu") | dict.fromkeys(TEXTS, "UO")
     for name, (dims, kind, *_) in EVERY.items():
