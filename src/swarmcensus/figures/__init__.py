@@ -1,4 +1,4 @@
-"""Pictures: one function a kind, from a dataset or a trace to a matplotlib Figure, and films.
+"""Figures and films: one function for each kind, from a dataset or a trace to a matplotlib Figure.
 
 In: a dataset, a trace.
 Out: a Figure, files of pictures.

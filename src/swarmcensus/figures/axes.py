@@ -1,4 +1,4 @@
-"""Axes for the values of any coordinate and of any variable: logarithmic, linear or by name, with room for all."""
+"""Axes for the values of any coordinate or variable: logarithmic, linear, or a row of names."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ from swarmcensus.vocabulary.coordinates import OF_FIGURES
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 COUNTS = {name for name, coordinate in OF_FIGURES.items() if coordinate.counts}  # which often span decades
-DECADES = 8.0  # from there on a coordinate that counts is logarithmic
-WIDE = 30.0  # and from here on what is measured
-LONGEST = 80.0  # points: a slanted name under an axis
+DECADES = 8.0  # ratio from which a coordinate that counts has a logarithmic axis
+WIDE = 30.0  # the same for measured values
+LONGEST = 80.0  # points: length of a slanted name under an axis
 
 
 def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
-    """Where the values of a coordinate stand on its axis, and whether they are numbers, rather than names in a row."""
+    """The position of each value of a coordinate on its axis, and whether the values are numbers (else names)."""
     texts = list(values)
     if all(re.fullmatch(NUMBER, text) for text in texts) and len({text.startswith(OFF) for text in texts}) == 1:
         return {text: number_of(text) for text in texts}, True
@@ -34,9 +34,7 @@ def places_of(values: Iterable[str]) -> tuple[dict[str, float], bool]:
 
 
 class Lettering(NamedTuple):
-    """How the values of a coordinate are written under its axis: the texts, whether they slant, and the room in inches
-    that they need more than a line of numbers does.
-    """
+    """Labels under an axis: texts, whether they slant, and the extra room in inches compared to a line of numbers."""
 
     texts: list[str]
     slanted: bool
@@ -44,12 +42,12 @@ class Lettering(NamedTuple):
 
     @property
     def style(self) -> dict[str, Any]:
-        """What `set_xticks` should know of them."""
+        """Keyword arguments of `set_xticks`."""
         return {"rotation": 40, "ha": "right", "rotation_mode": "anchor"} if self.slanted else {}
 
 
 def names_of(looks: dict[str, Look], width: float) -> Lettering:
-    """The names of values under an axis so many points wide: level in two lines, or slanted for a long word."""
+    """The labels under an axis of `width` points: horizontal in up to two lines, or slanted if a word is too long."""
     texts, room = [look.name for look in looks.values()], width / len(looks) - 4
     if places_of(looks)[1]:
         return Lettering(texts, False, 0.0)
@@ -61,9 +59,9 @@ def names_of(looks: dict[str, Look], width: float) -> Lettering:
 
 
 def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Lettering, aside: float) -> None:
-    """Give `axes` an x axis for these values, with ticks at as many of them as have room.
+    """Give `axes` an x axis for these values, with as many labelled ticks as fit.
 
-    `aside` is how far from its place, in points, a value may be drawn.
+    `aside` is how many points beside its position a value may be drawn.
     """
     places, numbers = places_of(looks)
     x = np.array(list(places.values()))
@@ -95,7 +93,7 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
 
 
 def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float]) -> None:
-    """Give all axes one y axis for these values and the ends of their intervals; what is not finite has no place."""
+    """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out."""
     found = np.array([value for value in values if np.isfinite(value)])
     reach = np.concatenate([found, [end for end in ends if np.isfinite(end)]])
     for ax in axes:
@@ -121,7 +119,7 @@ def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[
 
 
 def short(value: float) -> str:
-    """A number beside an axis, where there is room for five letters."""
+    """A number in about five characters."""
     for least, unit, letter in ((1e6, 1e6, "M"), (1e4, 1e3, "k")):
         if abs(value) >= least:
             return f"{value / unit:,.6g}{letter}"
@@ -132,13 +130,13 @@ def short(value: float) -> str:
 
 
 def name_of(results: xr.Dataset, variable: str, statistic: str, room: float) -> str:
-    """What an axis calls a variable, with its unit, in lines of at most `room` points."""
+    """The label of a variable's axis with its unit, in lines of at most `room` points."""
     unit = str(results[variable].attrs.get("units", ""))
     unit = unit_of(results) if unit == "rounds" and "topology" in results.coords else unit
     known = QUANTITIES[variable].axis if variable in QUANTITIES else ""
     label = metric_of(results, variable).label if variable in metrics_in(results) else ""
     name = known or (label or variable.replace("_", " ")).replace("$", r"\$")
     text = f"{name}, {statistic}" + (f" ({unit})" if unit not in ("", "1") else "")
-    if known:  # formulas are as long as their letters, or shorter
+    if known:  # a formula is no wider than its letters
         return text.replace(" (", "\n(") if width_of(re.sub(r"[$\\{},]", "", text), SMALL + 1) > room else text
     return "\n".join(wrapped(text, room, SMALL + 1, 2))

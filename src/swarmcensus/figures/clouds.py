@@ -1,4 +1,4 @@
-"""The numbers that are drawn: a scatter's robots and medians, shares of right robots, by a coordinate's values."""
+"""Numbers for figures, by the values of a coordinate: robots and medians of a scatter, shares of right robots."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from swarmcensus.results.values import robots_in
 from swarmcensus.statistics.intervals import estimate_pooled
 from swarmcensus.worlds.networks import MOVING
 
-Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # colour's value -> convergence, error
-Cross = tuple[float, float, float, float]  # of a median: lowest and highest convergence, lowest and highest error
+Cloud = dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]  # value of the colour -> convergence, error
+Cross = tuple[float, float, float, float]  # intervals of a median: low and high convergence, low and high error
 
 
 class Share(NamedTuple):
-    """The share of right robots at each checkpoint, whether it is all of them, and the ends of its interval."""
+    """The share of right robots at each checkpoint, whether all are right, and the ends of the interval."""
 
     right: NDArray[np.float64]
     all_right: NDArray[np.bool_]
@@ -30,30 +30,30 @@ class Share(NamedTuple):
     high: NDArray[np.float64]
 
 
-Shares = dict[str, Share]  # by the colour's value
+Shares = dict[str, Share]  # value of the colour -> share
 
 
 def lacking(parts: Sequence[xr.Dataset]) -> str:
-    """How many trials these parts of a study's results hold, where the run did not finish all of them; else nothing."""
+    """How many trials these results hold, if the run is not complete; else an empty text."""
     attributes = parts[0].attrs
     if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
         return ""
     done, total = sum(int(finished(part).sum()) for part in parts), 0
     for part in parts:
         total += part.sizes["setting"] * part.sizes["trial"]
-    if "half_width" in parts[0]:  # a rule ends the trials: nobody knows when
+    if "half_width" in parts[0]:  # a rule decides how many trials there will be
         return f"{counted(done, 'trial')} so far"
     return f"{done:,} of {counted(total, 'trial')}" if done < total else ""
 
 
 def truth_of(trace: xr.Dataset) -> float:
-    """Return the fill ratio that a trace's estimates are held against: see `truth` in docs/study-file.md."""
+    """Return the true fill ratio of a trace (see `truth` in docs/study-file.md)."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
     return float(trace.attrs["true_fill_ratio" if on_floor else "fill_ratio"])
 
 
 def truths_of(trace: xr.Dataset) -> NDArray[np.float64] | None:
-    """The same by round, of a fill ratio that changes; None of one that stays."""
+    """True fill ratio per round, (round,); None if it is constant."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
     wanted = "true_fill_ratio" if on_floor else "fill_ratio"
     of_rounds = (one for one in trace.data_vars.values() if one.dims == ("round",))
@@ -61,9 +61,9 @@ def truths_of(trace: xr.Dataset) -> NDArray[np.float64] | None:
 
 
 def unit_of(results: xr.Dataset, local: bool = False) -> str:
-    """What convergence and checkpoints count: ticks where robots move, else communication rounds.
+    """The unit of convergence and checkpoints: ticks if robots move, else communication rounds.
 
-    Of local estimates, observations. Raises InputError if `results` does not say whether robots move.
+    For local estimates it is observations. Raises InputError if `results` has no topology.
     """
     if local:
         return "observations"
@@ -88,7 +88,7 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
 def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, Cross]:
     """Return the 95 % intervals over trials of the medians of a cloud, by the values of `color`.
 
-    There is none of fewer than 6 trials, and of settings that do not have the same.
+    There is none for fewer than 6 trials, and for settings that have different trials.
 
     Raises InputError if a variable is missing.
     """
@@ -103,7 +103,7 @@ def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dic
 
 
 def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[Any], NDArray[np.bool_]]:
-    """Convergence, error and whether there is one, each (setting, trial, robot)."""
+    """Convergence, error, and whether both exist, each (setting, trial, robot)."""
     names = ("convergence_round", "convergence_error")
     if local:
         names = ("local_convergence_step", "local_convergence_error")
@@ -113,11 +113,10 @@ def _converged(results: xr.Dataset, local: bool) -> tuple[NDArray[Any], NDArray[
 
 
 def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
-    """Return the fraction of right robots at each checkpoint (NaN: never run), whether it is all, and its interval.
+    """Return the share of right robots at each checkpoint (NaN: not run), whether all are right, and its interval.
 
-    The interval of 95 % is over trials; it is NaN for fewer than 6, for settings that do not have the same, and for
-    swarms of several sizes. Raises InputError
-    if a variable is missing.
+    The 95 % interval is over trials. It is NaN for fewer than 6 trials, for settings that have different trials, and
+    for swarms of several sizes. Raises InputError if a variable is missing.
     """
     require(results, "correct", "checkpoint", "robots")
     correct = results["correct"].transpose("setting", "trial", "checkpoint").values
@@ -140,7 +139,7 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
 
 
 def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Every distinct value of a coordinate, as text, and which settings have it."""
+    """Every distinct value of a coordinate as text, and a mask of the settings that have it."""
     texts = texts_of(results, color)
     for text in dict.fromkeys(texts.tolist()):
         yield text, texts == text

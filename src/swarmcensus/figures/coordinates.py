@@ -1,4 +1,4 @@
-"""The coordinates that tell settings apart: which vary, how their values are written, what axes and keys call them."""
+"""The coordinates that tell settings apart: which ones vary, and how their values are written."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import is_idle, told
 from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
 
-LIARS = {"liars", "adversary"}  # how many lie, and who: together they tell what members do
-NONE = "none"  # the density of a fixed network, the floor of one
+LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they say what `members` says
+NONE = "none"  # the text of a value that says nothing
 
 
 def caption_of(world: Mapping[str, Any]) -> str:
-    """What a caption says of a world of a comparison, by the coordinates in which it differs from others."""
+    """The caption of a world of a comparison: the coordinates in which it differs from others."""
     said = {
         name: idle_caption(name) if is_idle(value) else caption_form(name).format(value)
         for name, value in world.items()
@@ -31,16 +31,13 @@ def caption_of(world: Mapping[str, Any]) -> str:
 
 
 def coordinates_of(results: xr.Dataset) -> list[str]:
-    """The names of all that tells settings apart."""
+    """The names of all coordinates along `setting`."""
     names = [str(name) for name, one in results.coords.items() if one.dims == ("setting",) and name != "setting"]
     return [*(name for name in IN_CAPTIONS if name in names), *sorted(set(names).difference(IN_CAPTIONS))]
 
 
 def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: str | Sequence[str] | None) -> None:
-    """Raise InputError for the name of a coordinate that is not there, by the option that gives it.
-
-    `also` are other names that are right.
-    """
+    """Raise InputError for a name that is no coordinate, with the option that gives it; names in `also` are allowed."""
     require(results)
     known = coordinates_of(results)
     for option, names in given.items():
@@ -54,7 +51,7 @@ def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: 
 
 
 def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
-    """Each setting's value of a coordinate as text. Raises InputError where there is no such coordinate."""
+    """Each setting's value of a coordinate as text. Raises InputError if there is no such coordinate."""
     require(results, name, dimensions=("setting", "trial"))
     values = results[name].values
     texts = values.astype(str)
@@ -62,11 +59,11 @@ def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
 
 
 def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:
-    """Return every setting's value of each coordinate that has several; None is a value that says nothing.
+    """Return every setting's value of each coordinate that varies; None stands for a value that says nothing.
 
-    Of an arena's density and side one tells the other, members say who lies and how many, a single floor of all arenas
-    tells no more than their topology does, a parameter with a single value no more than its brain, and nothing does
-    that follows from `apart_from`, if these are the two axes of a figure or more: only `twice` names these too.
+    Coordinates that repeat others are left out, unless `twice`: one of an arena's density and side, who lies and how
+    many where `members` say it, a floor that all arenas share, a parameter with a single value, and, if `apart_from`
+    are the axes of a figure (two or more), everything that follows from them.
     """
     left_out = {*apart_from}
     if not twice:
@@ -80,9 +77,9 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
             continue
         values = results[name].values.tolist()
         if name == "assumed_accuracy" and len(set(values)) > 1:
-            # Robots that know their sensors assume the true accuracy: that tells no settings apart.
+            # Robots that know their sensors assume the true accuracy, which tells no settings apart.
             pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
-            # Nor where they drift, and robots believe in those of the first round.
+            # Neither do sensors that drift, if robots assume the accuracy of the first round.
             values = [None if assumed == true.split(" drift=")[0] else assumed for assumed, true in pairs]
         # NaN and "", the density and floor of a fixed network
         values = [None if value != value or value == "" else value for value in values]
@@ -93,9 +90,9 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
 
 
 def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
-    """What settings have several values of that are drawn as one, for a figure to say; nothing where none do.
+    """What is pooled in a figure, as "7 accuracies"; empty if nothing is.
 
-    `parts` are its panels and `axes` the coordinates that tell apart what stands in one, as "7 accuracies".
+    `parts` are the panels, and `axes` the coordinates that are told apart within a panel.
     """
     found: dict[str, int] = {}
     for part in parts:
@@ -110,13 +107,13 @@ def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
 
 
 def _not_told_by(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:
-    """Those coordinates that differ where all axes are the same."""
+    """The coordinates that differ between settings with the same values on all axes."""
     at = list(zip(*(texts_of(results, name).tolist() for name in sorted(axes)), strict=True))
     return {name: values for name, values in varying.items() if len({*zip(at, values, strict=True)}) > len({*at})}
 
 
 def from_nobody(results: xr.Dataset) -> xr.Dataset:
-    """Settings in which nobody lies, once for each adversary that there is in their world: its lines begin there."""
+    """Results in which a setting without liars is repeated for each adversary of its world, where its line begins."""
     who = results["adversary"].values.tolist()
     others = [name for name in coordinates_of(results) if name not in {"members", *LIARS}]
     worlds = list(zip(*(texts_of(results, name).tolist() for name in others), strict=True))
@@ -130,7 +127,7 @@ def from_nobody(results: xr.Dataset) -> xr.Dataset:
 
 
 def _told_otherwise(results: xr.Dataset) -> set[str]:
-    """Members, where who lies, how many and in what swarm says all of them."""
+    """`members`, if the adversary, the number of liars and the number of robots say the same."""
     if "members" not in results.coords:
         return set()
     rows = set(zip(*(results[name].values.tolist() for name in ("robots", *sorted(LIARS), "members")), strict=True))

@@ -1,4 +1,4 @@
-"""How figures become files."""
+"""Figures are written as files."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from matplotlib.figure import Figure
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 
-# matplotlib's settings belong to the whole process: threads that save at the same time take turns.
+# matplotlib's settings are global: threads that save at the same time take turns.
 _settings = threading.Lock()
 
 
 def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[Path]:
     """Write a figure in the format of the path's suffix, and return the paths written.
 
-    Without a suffix it becomes `path`.png and `path`.svg; with `formats`, `path` has each of them added. Each file
-    appears whole or not at all, in place of an older one. PNGs have 150 dots an inch, and so have the layers of single
-    dots inside an SVG or PDF; all else there is lines and text. The same figure gives the same bytes.
+    Without a suffix, `path`.png and `path`.svg are written; with `formats`, one file for each. A file appears whole or
+    not at all. PNGs have 150 dots per inch, as do the layers of single dots inside an SVG or PDF, where everything else
+    is lines and text. The same figure gives the same bytes.
 
-    Raises InputError for a format that matplotlib cannot write and a place that cannot be written.
+    Raises InputError for a format that matplotlib cannot write, and for a path that cannot be written.
     """
     path, known = Path(path), figure.canvas.get_supported_filetypes()
     suffix = path.suffix.lower().lstrip(".")

@@ -1,4 +1,4 @@
-"""How wide texts are, and how they are brought into a width: what others have named may be of any length."""
+"""Texts are measured, wrapped and shortened to fit a width: names that users choose may have any length."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from matplotlib.image import AxesImage
 from matplotlib.textpath import text_to_path
 from numpy.typing import NDArray
 
-SPACING = 1.2  # of a line, in its letters' size
-MOST_LINES = 2  # of one name that is too long for a line; of a longer one, the middle is left out
-SLACK = 1.03  # a renderer fits letters to its dots
+SPACING = 1.2  # line height, as a multiple of the font size
+MOST_LINES = 2  # of one long name; the middle of a longer one is left out
+SLACK = 1.03  # renderers round widths to their pixels
 
 
 def width_of(text: str, size: float) -> float:
-    """The width in points of a line of letters `size` points high, dollar signs taken as they are."""
+    """The width in points of a line of text of `size` points; dollar signs are plain characters."""
     return SLACK * float(text_to_path.get_text_width_height_descent(text, FontProperties(size=size), ismath=False)[0])
 
 
 def shortened(text: str, width: float, size: float) -> str:
-    """The text, or as much of its beginning and end as fits into `width` points with an ellipsis between them."""
+    """The text, or its beginning and end with an ellipsis between them, no wider than `width` points."""
     if width_of(text, size) <= width:
         return text
     low, high = 1, len(text) - 1  # letters kept: the beginning gets the odd one
@@ -38,11 +38,11 @@ def _kept(text: str, letters: int) -> str:
 
 
 def wrapped(text: str, width: float, size: float, most: int = 6) -> list[str]:
-    """The text in lines of at most `width` points, at most `most` of them.
+    """The text in at most `most` lines, each at most `width` points wide.
 
-    Lines break between the parts of a list, at ", ", else at spaces. A name that is longer than a line breaks where
-    it can, and one that is longer than two is `shortened` to them. Where there are too many lines, the longest parts
-    are shortened, and at last all of the text.
+    Lines break after commas, or else at spaces. A name longer than a line breaks after a punctuation mark if it can,
+    and one longer than two lines is `shortened`. If there are still too many lines, the longest parts are shortened,
+    and finally the whole text.
     """
     lines, share = _lines(text, width, size), 1.0
     while len(lines) > most and share > 0.1:
@@ -76,7 +76,7 @@ def _lines(text: str, width: float, size: float) -> list[str]:
 
 
 def _put(lines: list[str], part: str, width: float, size: float) -> bool:
-    """Whether a part found room on the last line, and is on it now."""
+    """Append a part to the last line if it fits, and return whether it does."""
     longer = f"{lines[-1]} {part}".lstrip()
     if width_of(longer, size) > width:
         return False
@@ -85,7 +85,7 @@ def _put(lines: list[str], part: str, width: float, size: float) -> bool:
 
 
 def _broken(word: str, width: float, size: float) -> list[str]:
-    """A name that is longer than a line in at most MOST_LINES of them, ended after a mark where there is one."""
+    """A name longer than a line, in at most MOST_LINES lines that end after a punctuation mark if possible."""
     # Each line but the last may lose the letters after its last mark.
     word = shortened(word, (MOST_LINES - 0.4) * width, size)
     lines = []

@@ -1,4 +1,4 @@
-"""How the values of a coordinate look, as sensor accuracies: names, colours and markers, the same in every figure."""
+"""The look of each value of a coordinate: name, colour and marker, the same in every figure."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from swarmcensus.basics.formatting import told_apart
 from swarmcensus.figures.lettering import shortened
 from swarmcensus.vocabulary.coordinates import title_of
 
-LIES = "#cc79a7"  # of robots that are not honest
-SPREAD = ("#000000", "#d55e00", "#cc79a7")  # of swarms whose robots differ: none of them is in the palette
-MARKERS = "s^vPXph"  # of such swarms, after the first
+LIES = "#cc79a7"  # colour of robots that are not honest
+SPREAD = ("#000000", "#d55e00", "#cc79a7")  # colours of spread accuracies; none is in the palette
+MARKERS = "s^vPXph"  # of spread accuracies after the first
 MOST_KEYED = 20  # numbers in a key
-OFF = "error="  # how assumed accuracies that are off by a number begin
+OFF = "error="  # prefix of assumed accuracies that are wrong by a number
 NUMBER = rf"({OFF})?[-+]?\d*\.?\d+(e[-+]?\d+)?"
 NAMED = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")  # Okabe and Ito, 2008
 WIDEST, SMALLEST = 60, 6.0  # points: a name at a median, and its letters
 
 
 class Look(NamedTuple):
-    """How one value appears: its name in the key, a short one for labels, colour and marker.
+    """The look of one value: its name in the key, a short name for labels, colour and marker.
 
-    A `spread` accuracy is of robots, or of the two colours, that differ.
+    `spread` is an accuracy that differs between robots, or between black and white.
     """
 
     name: str
@@ -42,19 +42,18 @@ class Look(NamedTuple):
 def palette(count: int) -> list[str]:
     """Return `count` colours for ordered values, dark to light, as #rrggbb.
 
-    Perceptually uniform with rising luminance: the order survives colour blindness and grey print. Both ends
-    are cut off, for black has a meaning of its own and the palest end is lost on white paper.
+    The palette is perceptually uniform with rising luminance, so the order survives colour blindness and grey print.
+    Both ends are cut off: black marks the first spread accuracy, and the palest colours are lost on white paper.
     """
     return [to_hex(colour) for colour in mpl.colormaps["viridis"](np.linspace(0.06, 0.9, count))]
 
 
 def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[str, Look]:
-    """Return the look of every distinct value of a coordinate, in drawing order: numbers upwards, then all others.
+    """Return the look of every distinct value of a coordinate, in drawing order: numbers from the lowest, then others.
 
-    Numbers share `marker` and get colours by rank, darkest where they are lowest. Of accuracies that are no numbers
-    (spread over the swarm, or different for black and white) the first is black, as in the paper; more of them differ
-    from it and from each other in colour and shape. So do the names of brains, topologies and the like, in the order in
-    which they come.
+    Numbers share `marker` and have colours by rank, the lowest darkest. The first accuracy that is not a number (spread
+    over the swarm, or different for black and white) is black, as in the paper; further ones differ in colour and
+    shape. Names of brains, topologies and the like differ in colour and shape too, in the order in which they come.
     """
     distinct = list(dict.fromkeys(values))
     numbers = sorted((text for text in distinct if re.fullmatch(NUMBER, text)), key=number_of)
@@ -88,7 +87,7 @@ def _grouped(text: str) -> str:
 
 
 def keyed(looks: Mapping[str, Look], of: str = "accuracy") -> tuple[str, dict[str, Look]]:
-    """Return a key's title and the looks that it names: of very many numbers some, evenly chosen, with both ends."""
+    """Return a key's title and the looks that it names: at most 20 numbers, evenly chosen, with both ends."""
     title, numbers = title_of(of), [text for text in looks if re.fullmatch(NUMBER, text)]
     if len(numbers) <= MOST_KEYED:
         return title, dict(looks)
@@ -98,7 +97,7 @@ def keyed(looks: Mapping[str, Look], of: str = "accuracy") -> tuple[str, dict[st
 
 
 def solid_dot(look: Look, size: float, edge: float) -> Line2D:
-    """Return a solid, outlined marker of this look, still without data: for keys and medians."""
+    """Return a solid, outlined marker of this look without data, for keys and medians."""
     return Line2D(
         [], [], linestyle="", marker=look.marker, markersize=size, markerfacecolor=look.colour,
         markeredgecolor="black", markeredgewidth=edge,
@@ -106,7 +105,7 @@ def solid_dot(look: Look, size: float, edge: float) -> Line2D:
 
 
 def median_dot(look: Look, size: float, edge: float) -> Line2D:
-    """The same for a median among many: a ring where the accuracy is spread, for it must not hide the others."""
+    """Return the marker of a median among many dots: a ring for a spread accuracy, so that it hides no others."""
     dot = solid_dot(look, size, edge)
     if look.spread:
         dot.set(markerfacecolor="none", markeredgecolor=look.colour, markeredgewidth=2 * edge)
@@ -114,5 +113,5 @@ def median_dot(look: Look, size: float, edge: float) -> Line2D:
 
 
 def halo(width: float) -> list[patheffects.AbstractPathEffect]:
-    """Return a white rim of `width` points, which keeps what it surrounds legible upon dense dots."""
+    """Return a white rim of `width` points, which keeps text legible on top of dense dots."""
     return [patheffects.withStroke(linewidth=width, foreground="white")]

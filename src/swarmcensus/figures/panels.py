@@ -1,4 +1,4 @@
-"""The panels of a figure: a study's results split by the coordinates that vary."""
+"""Panels of a figure: results split by the coordinates that vary."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Names = Sequence[str] | str | None  # of coordinates
 
 
 class Panel(NamedTuple):
-    """One panel of a grid: its caption, its results and, for a scatter, two options."""
+    """One panel: its caption, its results, and two options of a scatter."""
 
     caption: str
     results: xr.Dataset
@@ -26,13 +26,13 @@ class Panel(NamedTuple):
 
 
 def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), by: Names = None) -> list[Panel]:
-    """Split a study's results into panels, one for each combination of the coordinates `by`.
+    """Split results into panels, one for each combination of values of the coordinates `by`.
 
-    By default these are all that vary but those of `apart_from`. Panels come in the order of the settings. Captions
-    name only what varies, as in "ring, N = 100, f = 0.55", and a floor that is not of independent tiles.
+    By default `by` is every coordinate that varies, except those in `apart_from`. Panels are in the order of the
+    settings. Captions name what varies, as "ring, N = 100, f = 0.55", and a floor that is not of independent tiles.
 
-    Raises InputError if `results` has no settings, or for more panels than a figure holds, with advice on how to
-    select some.
+    Raises InputError if `results` has no settings, and for more panels than a figure holds; the message says how to
+    select fewer.
     """
     by = [by] if isinstance(by, str) else by
     panels = _split(results, apart_from, by)
@@ -77,7 +77,7 @@ def _varying(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str]
 
 
 def _written(name: str, values: list[Any]) -> dict[Any, str]:
-    """Each value of a coordinate that varies, as a caption says it: in as many digits as tell them apart."""
+    """Each value of a coordinate as a caption writes it, with enough digits to tell the values apart."""
     distinct = [value for value in dict.fromkeys(values) if value is not None]
     form = caption_form(name)
     numbers = name.endswith("accuracy") or all(isinstance(value, float) for value in distinct)
@@ -88,7 +88,7 @@ def _written(name: str, values: list[Any]) -> dict[Any, str]:
 def select_some(
     results: xr.Dataset, apart_from: Collection[str], most: int, by: Sequence[str] | None = None
 ) -> dict[str, Any]:
-    """Values of coordinates, by name, that leave at most so many panels: those first that leave the fewest."""
+    """Values of coordinates, by name, that leave at most `most` panels."""
     chosen = {}
     while len(_split(results, apart_from, by)) > most:
         varying = _varying(results, apart_from, by)

@@ -1,7 +1,7 @@
-"""Every kind of figure by its name, as `sc.plot.scatter(results)`: ours, and those of other installed packages.
+"""Every kind of figure by its name, as `sc.plot.scatter(results)`: shipped ones and those of other packages.
 
-`dir(sc.plot)` names them all. Each returns a matplotlib Figure, which `sc.plot.save` writes; none needs a display or
-keeps a state. matplotlib is imported when the first is asked for.
+`dir(sc.plot)` lists them. Each returns a matplotlib Figure, which `sc.plot.save` writes. None needs a display or keeps
+state. matplotlib is imported on first use.
 """
 
 import importlib
@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.figures import kinds
 
-if TYPE_CHECKING:  # what a type checker or an editor should know more of than that it can be called
+if TYPE_CHECKING:  # so that editors and type checkers know the signatures
     from swarmcensus.figures.files import save as save
     from swarmcensus.figures.kinds.arena import arena as arena
     from swarmcensus.figures.kinds.beliefs import beliefs as beliefs

@@ -1,4 +1,4 @@
-"""What is drawn of one trial: its trace, given or replayed, and of robots that move the floor too."""
+"""One trial for figures: its trace, given or replayed, and the floor of moving robots."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.networks import MOVING
 
-MOST_TILES = 4000  # from wall to wall; beyond it a floor is even grey
+MOST_TILES = 4000  # from wall to wall; a finer floor is drawn as plain grey
 
 
 class Clock(NamedTuple):
-    """The ticks of a trial, and how many seconds one takes, where that is known."""
+    """The first and last tick of a trial, and the seconds of a tick if known."""
 
     first: int
     last: int
     seconds: float | None
 
     def tick(self, value: int | str, name: str) -> int:
-        """A tick, or a time such as "5 min", as a tick. Raises InputError."""
+        """Convert a tick, or a time such as "5 min", to a tick. Raises InputError."""
         try:
             time = parse_time(value) if isinstance(value, str) else value
         except ValueError as error:
@@ -42,13 +42,13 @@ class Clock(NamedTuple):
 
 
 class ChangingFloor(NamedTuple):
-    """A floor whose fill ratio changes; see `worlds.changing_ground`."""
+    """A floor whose fill ratio changes (see `worlds.changing_ground`)."""
 
-    tiles: NDArray[np.uint8]  # (row, column), 1 black: in tick 1
-    turns: NDArray[np.int32]  # (row, column): from which tick on a tile has the other colour
+    tiles: NDArray[np.uint8]  # (row, column), 1 is black: at tick 1
+    turns: NDArray[np.int32]  # (row, column): tick from which a tile has the other colour
 
     def at(self, tick: int) -> NDArray[np.uint8]:
-        """The tiles of a tick."""
+        """The tiles at a tick."""
         return self.tiles ^ (tick >= self.turns)
 
 
@@ -57,14 +57,14 @@ Scene = tuple[xr.Dataset, Tiles]  # a trace with links, and its floor
 
 
 def is_trace(data: xr.Dataset) -> bool:
-    """Whether this is a trace of one trial, rather than a study's results."""
+    """Whether a dataset is a trace of one trial, not results of a study."""
     return "round" in data.dims
 
 
 def trace_of(
     results: xr.Dataset, setting: int | None = None, trial: int = 0, brain: str | Path | None = None
 ) -> xr.Dataset:
-    """The estimates of a trial of a setting, by default of the first, replayed. Raises InputError as `replay` does."""
+    """Replay the estimates of a trial; `setting` is by default the first. Raises InputError as `replay` does."""
     require(results, dimensions=("setting", "trial"))
     number = int(results["setting"].values[0]) if setting is None else setting
     return replaying.estimates(results, number, trial, brain)
@@ -75,8 +75,8 @@ def scene_of(
 ) -> Scene:
     """Return what `snapshot` and `film` draw of one trial: its trace with links, and its floor.
 
-    Takes what `replay` takes; `setting` is by default the first whose robots move. The floor is None where it
-    has too many tiles for a picture. Raises InputError, also if the setting's robots do not move.
+    Arguments are those of `replay`; `setting` is by default the first with moving robots. The floor is None if it has
+    too many tiles for a picture. Raises InputError, also if the setting's robots do not move.
     """
     data = results if isinstance(results, xr.Dataset) else load(results)
     setting, found = find_moving(data, setting, trial, brain)
@@ -92,14 +92,14 @@ def scene_of(
 
 
 def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> Scene:
-    """A trace as it is, without its floor, or the scene of a study's results. Raises InputError as `scene_of` does."""
+    """A trace without its floor, or the scene of results. Raises InputError as `scene_of` does."""
     return (results, None) if is_trace(results) else scene_of(results, setting, trial, brain)
 
 
 def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None, robot: int) -> Clock:
-    """What can be told of a scene before its trial is run again.
+    """The clock of a trial, without running it again.
 
-    Raises InputError where it, the trial, its brain or the robot is not there, or its robots do not move.
+    Raises InputError if the setting, trial, brain or robot does not exist, or the robots do not move.
     """
     if is_trace(results):
         require(results, dimensions=("round", "robot"))
@@ -114,13 +114,13 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | 
 
 
 def check_tick(tick: int, known: tuple[int, int]) -> None:
-    """Raise InputError for a tick that a trial with those from known[0] to known[1] lacks."""
+    """Raise InputError for a tick outside known[0] to known[1]."""
     if not known[0] <= tick <= known[1]:
         raise InputError(f"tick {tick}: this trial has ticks {known[0]:,} to {known[1]:,}")
 
 
 def check_robot(robot: int, robots: int) -> None:
-    """Raise InputError for a robot that is not there."""
+    """Raise InputError for a robot number that does not exist."""
     if not 0 <= robot < robots:
         raise InputError(f"robot {robot}: the robots are numbered 0 to {robots - 1}")
 
@@ -128,9 +128,9 @@ def check_robot(robot: int, robots: int) -> None:
 def find_moving(
     data: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None = None
 ) -> tuple[int, Setting]:
-    """The number of a setting whose robots move, by default the first, and the setting.
+    """The number of a setting with moving robots, by default the first, and the setting.
 
-    Raises InputError where it, the trial or its brain is not there, or its robots do not move.
+    Raises InputError if the setting, the trial or its brain does not exist, or the robots do not move.
     """
     moving = data["setting"].values[data["topology"].values == MOVING]
     if not moving.size:

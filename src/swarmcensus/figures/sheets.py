@@ -1,4 +1,4 @@
-"""The sheet that figures are drawn on: its panels, captions, axes and key."""
+"""The layout that all figures share: panels, captions, axes and key."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from swarmcensus.figures.panels import MOST_PANELS
 LOG = logging.getLogger(__name__)
 
 Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
-Own = Axes | Sequence[Axes] | None  # the caller's axes, one a panel; None: a new figure
-Drawn = Any  # a Figure, or what `Own` is: which of them depends on an argument, so that a union would help nobody
+Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
+Drawn = Any  # a Figure, or the caller's axes, depending on an argument
 
-SMALL = 7.5  # points: ticks and keys; axis labels and captions are a step larger
+SMALL = 7.5  # points: ticks and keys; axis labels and captions are larger
 CAPTION, TITLE = SMALL + 1.5, SMALL + 3
 HALF_A_DECADE = 10**0.5
 LEFT = 0.65  # inches: for the y axis and its name
-INNER = "inner"  # label of a panel with another on its left, which has the name of their y axes
-POOLED = "select some of the settings, draw all into one with panels=[]"  # how there are fewer panels
+INNER = "inner"  # label of a panel whose left neighbour has the name of the y axis
+POOLED = "select some of the settings, draw all into one with panels=[]"  # advice that leads to fewer panels
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 
@@ -48,11 +48,11 @@ def new_sheet(
 ) -> list[Axes]:
     """Return equal panels with these captions on a new figure, in at most 4 columns, with room for a key on the right.
 
-    `size` is a panel's width and height (by default, small multiples are smaller), `left` and `right` are margins,
-    and `above` and `below` are room over and under each panel, beside that for captions and labels: all in inches.
-    Captions take as many lines as they need.
+    All lengths are in inches: `size` is a panel's width and height (the default depends on the number of panels),
+    `left` and `right` are margins, `above` and `below` are extra room over and under each panel. Captions take as many
+    lines as they need.
 
-    Raises InputError if there are none or more than 24.
+    Raises InputError for no panel and for more than 24.
     """
     count = len(captions)
     if not 1 <= count <= MOST_PANELS:
@@ -101,10 +101,10 @@ def sheet(
     below: float = 0.0,
     fewer: str = "select some of the settings",
 ) -> list[Axes]:
-    """Return a `new_sheet`, or the caller's own axes, captioned: one with the title, if there is one.
+    """Return a `new_sheet`, or the caller's own axes with captions.
 
-    Of several the title stands over their figure. Raises InputError, which says how there are `fewer` panels, if there
-    are not as many axes as panels, and as `new_sheet` does.
+    A title is the caption of a single axes, and stands over the figure of several. Raises InputError as `new_sheet`
+    does, and if there are not as many axes as panels; the message says how to get `fewer` panels.
     """
     if ax is None:
         return new_sheet(captions, title, size=size, left=left, right=right, above=above, below=below)
@@ -116,7 +116,7 @@ def sheet(
 
 
 def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
-    """The caller's axes in a row. Raises InputError if they are not as many as there are panels."""
+    """The caller's axes as a list. Raises InputError if there is not one for each panel."""
     own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
     if strange := next((type(one).__name__ for one in own if not hasattr(one, "get_figure")), None):
         raise InputError(f"ax = {strange}: should be matplotlib Axes, or a list of them")
@@ -129,14 +129,14 @@ def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
 
 
 def drawn_on(axes: Sequence[Axes], ax: Own) -> Drawn:
-    """What a kind returns: the figure that it made, or the caller's axes as they were given."""
+    """Return what a kind of figure returns: the new figure, or the caller's axes as they were given."""
     if ax is not None:
         return ax
     return axes[0].figure.canvas.figure
 
 
 def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
-    """Set the limits of an axis; where others share it, they still show what these have drawn."""
+    """Set the limits of an axis, no narrower than other axes that share it need."""
     shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
     if any(other is not axes and other.has_data() for other in shared.get_siblings(axes)):
         least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
@@ -147,10 +147,10 @@ def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) ->
 def caption_panels(
     axes: Sequence[Axes], captions: Sequence[str], above: float = 0.0, room: float | None = None, *, math: bool = False
 ) -> None:
-    """Write (a), (b), ... and the captions over the panels; a single one gets no letter.
+    """Write (a), (b), ... and the captions over the panels; a single panel gets no letter.
 
-    They begin `above` inches over the panels, and are at most `room` inches wide: by default, as wide as a panel. With
-    `math`, what stands between dollar signs is a formula.
+    Captions begin `above` inches over the panels and are at most `room` inches wide, by default as wide as a panel.
+    With `math`, text between dollar signs is a formula.
     """
     if room is None:
         room = axes[0].bbox.width / axes[0].figure.dpi
@@ -165,9 +165,9 @@ def _lettered(captions: Sequence[str], room: float) -> list[str]:
 
 
 def name_axes(axes: Axes, x: str, y: str) -> None:
-    """Write the axis labels and take away what carries no data.
+    """Write the axis labels, and hide the top and right spines.
 
-    `y` is written in the leftmost column of a sheet only, and so are names of axes that the caller's panels share.
+    `y` is written in the leftmost column only. Names of axes that panels share are written once.
     """
     place = axes.get_subplotspec()
     beside = place and not place.is_first_col() and axes.get_shared_y_axes().get_siblings(axes)[1:]
@@ -181,15 +181,15 @@ def name_axes(axes: Axes, x: str, y: str) -> None:
 
 
 def say_empty(axes: Axes, why: str = "no trial has been run") -> None:
-    """Say in an empty panel why it is empty."""
+    """Write into an empty panel why it is empty."""
     axes.text(0.5, 0.5, why, ha="center", transform=axes.transAxes, fontsize=SMALL + 1)
     axes.set_axis_off()
 
 
 def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> None:
-    """Put one key for all panels right of the first row, where it can hide no data.
+    """Put one key for all panels to the right of the first row, where it hides no data.
 
-    Long names are wrapped; the letters are smaller where there are more lines than fit.
+    Long names are wrapped, and letters get smaller until all lines fit.
     """
     places = [ax.get_subplotspec() for ax in axes]
     last = [ax for ax, place in zip(axes, places, strict=True) if place and place.is_last_col()]
@@ -209,10 +209,10 @@ def add_key(axes: Sequence[Axes], title: str, entries: dict[str, Artist]) -> Non
 
 
 def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
-    """Say at the foot of the sheet that the trials which are drawn are not all that are to be run."""
+    """Write at the foot of the figure how many trials it shows, if the run is not complete."""
     if parts and (note := lacking(parts)):
         figure = axes[0].figure.canvas.figure
-        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # of a caller who has several axes
+        before = sum(text.get_gid() == "lacking" for text in figure.texts)  # by earlier calls on this figure
         figure.text(
             1 - 6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()), f"drawn: {note}",
             ha="right", va="bottom", fontsize=SMALL, color="#a03000", gid="lacking",
@@ -220,13 +220,13 @@ def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
 
 
 def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
-    """Say at the foot of the sheet, and in the log, what settings differ in that are drawn as one.
+    """Write at the foot of the figure, and in the log, which coordinates are pooled.
 
-    `parts` are its panels, and `by` the coordinates that tell apart what stands in one.
+    `parts` are the panels, and `by` the coordinates that are told apart within a panel.
     """
     if told := pooled(parts, by):
         figure = axes[0].figure.canvas.figure
-        before = sum(text.get_gid() == "pooled" for text in figure.texts)  # of a caller who has several axes
+        before = sum(text.get_gid() == "pooled" for text in figure.texts)  # by earlier calls on this figure
         figure.text(
             6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()),
             f"pooled over {told}", ha="left", va="bottom", fontsize=SMALL, color="#a03000", gid="pooled",
@@ -238,8 +238,8 @@ def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[s
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
     """Give `axes` an x axis for counts from `low` to `high`.
 
-    "log" is linear up to 1, logarithmic above, and begins where the counts do. It is linear throughout where `early`,
-    the count that few lie below (by default `low`), is less than half a decade from the end.
+    "log" is linear up to 1 and logarithmic above, and begins at `low`. It is linear throughout if `early`, a count that
+    few lie below (by default `low`), is less than half a decade from `high`.
     """
     if scale != "log":
         show_range(axes, "x", -0.01 * high, 1.02 * high)
@@ -249,8 +249,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
         show_range(axes, "x", low - 0.05 * span, high + 0.05 * span)
         axes.xaxis.set_major_locator(MaxNLocator(4, integer=True))
     else:
-        # Rather asinh than symlog: it has no kink. 0 is on the axis, for an estimate may have settled
-        # before the first observation.
+        # asinh has no kink, unlike symlog. 0 is on the axis: an estimate may converge before the first observation.
         axes.set_xscale("asinh", linear_width=1.0)
         begin = -0.1
         if low >= 10:
@@ -258,7 +257,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
             begin = decade * max(step for step in (1, 2, 5) if step * decade <= low)
         show_range(axes, "x", begin, 1.15 * high)
         decades = 10.0 ** np.arange(np.ceil(np.log10(max(high, 1.0))) + 1)
-        few = high < 20 * max(begin, 1.0)  # decades alone would be one label, or two
+        few = high < 20 * max(begin, 1.0)  # decades alone would give one or two labels
         named = np.outer(decades, [1, 2, 5] if few else [1]).ravel()
         if begin > 0 and high >= 20 * begin:
             named = np.append(named, begin)
@@ -269,7 +268,7 @@ def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float |
 
 
 def error_axis(axes: Axes, top: float, scale: Scale) -> None:
-    """Give `axes` a y axis for errors from 0 to `top`: unless "linear", linear up to 0.01, logarithmic above."""
+    """Give `axes` a y axis for errors from 0 to `top`: linear up to 0.01 and logarithmic above, unless "linear"."""
     if scale != "linear":
         axes.set_yscale("asinh", linear_width=0.01)
         axes.yaxis.set_minor_locator(NullLocator())

@@ -1,6 +1,6 @@
-"""Theory's curves for figures: what a robot alone is expected to do, and the bound of the whole swarm.
+"""Theory's curves in figures: what a lone robot is expected to do, and the bound of the whole swarm.
 
-Both are of sensors and fill ratio, whatever the brain: what robots make of talking lies between them.
+Both depend on sensors and fill ratio, not on the brain. What communication achieves lies between them.
 """
 
 from __future__ import annotations
@@ -23,14 +23,13 @@ THIN = 0.9
 GREY = "0.3"
 DIFFERENT = "settings drawn as one differ in it"
 
-Curves = dict[str, dict[str, Line]]  # by the colour's value, then by the line's name
+Curves = dict[str, dict[str, Line]]  # value of the colour -> name of the line -> line
 
 
 def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, names: Sequence[str]) -> tuple[Curves, str]:
-    """Theory's lines by the values of `color`, and why there is none, if there is none at all.
+    """Theory's lines at these rounds or ticks (default: the last) by values of `color`; if there are none, why.
 
-    At these rounds or ticks, by default after the last. Where settings of a value are pooled, theory must say the same
-    of all of them. Raises InputError.
+    Settings that are pooled share a line if theory is the same for all of them. Raises InputError.
     """
     texts, ran = texts_of(results, color), finished(results).any(axis=1)
     found: Curves = {}
@@ -50,7 +49,7 @@ def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, name
 
 
 def shared(curves: Curves) -> dict[str, Line]:
-    """The lines that all of several values of the colour have alike, as brains have: they are drawn once, in grey."""
+    """Lines that are the same for all values of the colour, as for brains: they are drawn once, in grey."""
     first = next(iter(curves.values()), {}) if len(curves) > 1 else {}
     return {
         name: line for name, line in first.items() if all(_alike(line, lines.get(name)) for lines in curves.values())
@@ -58,23 +57,23 @@ def shared(curves: Curves) -> dict[str, Line]:
 
 
 def told(panel: Panel, why: str) -> Panel:
-    """A panel whose caption says why nothing of theory is drawn in it."""
+    """The panel with the reason in its caption why no theory is drawn in it."""
     return panel._replace(caption=untold(panel.caption, why)) if why else panel
 
 
 def untold(caption: str, why: str) -> str:
-    """A caption that says why nothing of theory is drawn."""
+    """The caption with the reason why no theory is drawn."""
     return f"{caption}{'; ' * bool(caption)}no theory: {why}"
 
 
 def entries(drawn: Sequence[Curves]) -> dict[str, Artist]:
-    """What the key says of the lines that are drawn."""
+    """The key's entries for the lines that are drawn."""
     known = {name for curves in drawn for lines in curves.values() for name in lines}
     return {NAMES[name]: sample(name) for name in STYLES if name in known}
 
 
 def sample(name: str) -> Line2D:
-    """A line of the style of theory's."""
+    """A line in the style of a theory line, for the key."""
     return Line2D([], [], color=GREY, linewidth=THIN, linestyle=STYLES[name])
 
 

@@ -86,7 +86,9 @@ def lacks(data: xr.Dataset, name: str) -> list[str]:
 def inputs_of(name: str) -> tuple[str, ...]:
     """The variables that a quantity is worked out from: itself, if a run stores it."""
     known = QUANTITIES.get(name)
-    return tuple(one for one in known.inputs if one != TRUTH) if known and known.inputs else (name,)
+    if known is None or not known.inputs:
+        return (name,)
+    return (*(one for one in known.inputs if one != TRUTH), *filter(None, [known.factor]))
 
 
 def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
@@ -154,6 +156,8 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
         sound = data["consensus_right"].transpose("setting", "trial").values  # NaN where no option is right
         when = _known(data[name].transpose("setting", "trial").values)
         return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
+    if name in QUANTITIES and (factor := QUANTITIES[name].factor):
+        return np.asarray(numbers(data, inputs_of(name)[0]) * data[factor].values[:, np.newaxis], np.float64)
     array = data[inputs_of(name)[0]]
     if "robot" not in array.dims:
         return _known(array.transpose("setting", "trial").values)
@@ -184,9 +188,11 @@ def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
 def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
     """The number of each robot that a measure's trials have theirs of, (setting, trial, robot), of some settings."""
     quantity = QUANTITIES.get(name)
-    if quantity is None or quantity.derive is None:
+    if quantity is None or not quantity.inputs:
         return _input(data, name, rows)
-    return quantity.derive(*(_input(data, one, rows) for one in quantity.inputs))
+    inputs = [_input(data, one, rows) for one in quantity.inputs]
+    found = quantity.derive(*inputs) if quantity.derive else inputs[0]
+    return found * _input(data, quantity.factor, rows) if quantity.factor else found
 
 
 def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:

@@ -53,7 +53,8 @@ class Quantity:
     decimals: int | None = None  # of a value without an interval, in the table of `show`
     compared: str = ""  # what a comparison's legend says; by default the meaning
     inputs: tuple[str, ...] = ()
-    derive: Callable[..., Floats] | None = None
+    derive: Callable[..., Floats] | None = None  # by default the input itself
+    factor: str = ""  # a quantity of settings by which that is multiplied
     page: str = ""  # what docs/data-format.md says; by default the meaning
 
     @property
@@ -169,8 +170,8 @@ ALL = (
         "a rule",
     ),
     Quantity(
-        "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent", "message_bytes"),
-        axis="bytes sent by a robot", derive=np.multiply, label="bytes", low=True, statistic="mean", summary=True,
+        "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent",), factor="message_bytes",
+        axis="bytes sent by a robot", label="bytes", low=True, statistic="mean", summary=True,
     ),
     Quantity(
         "decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS,
