@@ -241,7 +241,7 @@ def test_results_say_how_late_messages_were(file):
     trace = sc.replay(data, 5, 2)
     assert "messages 4 rounds late" in trace.attrs["title"]
     assert (trace["estimate"].values[-1] == data["final_estimate"].values[5, 2]).all()
-    with pytest.raises(sc.InputError, match="neither lost nor late messages"):
+    with pytest.raises(sc.InputError, match="no lost messages, no delays"):
         recording(data, 2, 0)
     assert recording(data, 0, 0)[0].shape == (400, 6)
 

@@ -133,7 +133,7 @@ def test_a_file_is_run_where_it_lies_or_is_given_and_nowhere_else(here, data, tm
     monkeypatch.chdir(tmp_path)
     last = ["replay", str(here / "s.nc"), "--setting", "21", "--trial", "0", "--out", "t.nc"]
     assert main(last) == 2
-    assert "the adversary 'grey.py' is a file, and a file named in results is not run" in capsys.readouterr().err
+    assert "the adversary 'grey.py' is a file. Files named in results are run only" in capsys.readouterr().err
     assert main([*last, "--brain", "mine.py"]) == 0
     assert main(["replay", str(here / "s.nc"), "--setting", "20", "--trial", "0", "--out", "t.nc"]) == 0
     assert verify(data, sample=1.0, brain="mine.py").differences == []

@@ -182,7 +182,7 @@ def test_brains_of_ones_own_are_asked_for(tmp_path, monkeypatch, capsys):
     sc.save(ran(brain_in_swarm="mine.py"), "a.nc")
     (tmp_path / "mine.py").write_text("raise SystemExit('was run')")
     assert main(["verify", "a.nc", "--all"]) == 2
-    assert "is not run unasked" in capsys.readouterr().err
+    assert "are run only if they lie below" in capsys.readouterr().err
     (tmp_path / "copy.py").write_text(source)
     assert main(["verify", "a.nc", "--all", "--brain", "copy.py"]) == 0
     (tmp_path / "copy.py").write_text(source + "\n# other\n")

@@ -270,7 +270,7 @@ def test_a_metric_file_that_results_name_is_not_run_unasked(tmp_path, monkeypatc
     sc.save(sc.run(sc.Study(**small(["mine.py"]))), "a.nc")
     assert sc.verify("a.nc", 1.0).differences == []
     Path("mine.py").write_text(MINE.replace("= estimate", "= 1.0"))
-    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' is a file, and a file named in results is not run"):
+    with pytest.raises(sc.InputError, match=r"metric 'mine\.py' is a file\. Files named in results are run only"):
         sc.verify("a.nc", 1.0)
     Path("mine.py").unlink()
     assert sc.summary("a.nc")["mine"].notna().all()  # to look at them needs no file

@@ -169,7 +169,7 @@ class TestStudyOfResults:
             world={"topology": "ring", "fill_ratio": 0.5}, schedule={"rounds": 5},
         )  # fmt: skip
         data = sc.run(study, jobs=1)
-        with pytest.raises(sc.InputError, match="not run unasked"):
+        with pytest.raises(sc.InputError, match="are run only if they lie below"):
             sc.replay(data, 0, 0)
         assert sc.replay(data, 0, 0, brain=mine)["estimate"].values[-1, 0] == data["final_estimate"].values[0, 0, 0]
         other = tmp_path / "other.py"

@@ -540,7 +540,7 @@ class TestBrainFiles:
             (here / "mine.py").mkdir()
         elif how == "longer":
             (here / "mine.py").write_text(self.SOURCE + 3 * self.SOURCE)
-        with pytest.raises(InputError, match="not run unasked"):
+        with pytest.raises(InputError, match="are run only if they lie below"):
             sc.verify(data, 1.0)
 
     def test_one_outside_the_current_folder_is_not_run(self, here, monkeypatch):
@@ -548,7 +548,7 @@ class TestBrainFiles:
         (here / "link.py").symlink_to(here.parent / "mine.py")
         found = [self.results(name) for name in ("../mine.py", str(here.parent / "mine.py"), "link.py")]
         for data in found:
-            with pytest.raises(InputError, match="not run unasked"):
+            with pytest.raises(InputError, match="are run only if they lie below"):
                 sc.verify(data, 1.0)
 
     def test_a_file_that_is_given_is_compared_before_it_is_run(self, here):

@@ -46,7 +46,7 @@ def show(options: argparse.Namespace) -> int:
         raise InputError("--reverse goes with --sort")
     if options.json:
         few = data.isel(setting=slice(options.limit or None))
-        answer("summary", summaries.told_of(stored, few, checkpoint))
+        answer("summary", summaries.as_dict(stored, few, checkpoint))
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     title = tables.head(stored, options.results)

@@ -74,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
     study = study.with_(trials=options.trials, seed=options.seed)
     from swarmcensus.cli.tables import failures, settings  # once all is well: these take long
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
-    from swarmcensus.results.summaries import told_of
+    from swarmcensus.results.summaries import as_dict
     from swarmcensus.runs.running import run as run_study
 
     begun = time.monotonic()
@@ -94,7 +94,7 @@ def run(options: argparse.Namespace) -> int:
         say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: run again to go on")
         raise
     if options.json:
-        answer("summary", told_of(data, data))
+        answer("summary", as_dict(data, data))
     elif not options.quiet:  # what was asked for is the file
         settings(data, out)
     warn_of_start(data)

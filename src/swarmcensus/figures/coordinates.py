@@ -13,7 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.comparing.contenders import parameters_in
 from swarmcensus.results.selecting import require
-from swarmcensus.results.summaries import is_idle, told
+from swarmcensus.results.summaries import derived_size, is_idle
 from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they say what `members` says
@@ -68,7 +68,7 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
     left_out = {*apart_from}
     if not twice:
         given = {*apart_from}
-        left_out |= {"density", "side"} if given & {"density", "side"} else {told(results)}
+        left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
         left_out |= _told_otherwise(results) if given & LIARS else LIARS
     restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
     varying = {}

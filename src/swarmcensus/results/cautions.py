@@ -1,4 +1,4 @@
-"""What a reader of results should be told of them before believing them."""
+"""Warnings about settings whose results are easily misread."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from numpy.typing import NDArray
 
 from swarmcensus.worlds.changes import read_change
 
-LEAST = 0.05  # of a setting's robots: fewer are chance
+LEAST = 0.05  # share of a setting's robots from which a warning is given
 MOST_NAMED = 8  # settings
 
 
 def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
-    """The share of each setting's robots, over the trials run, whose convergence is 0; NaN without a trial.
+    """The share of robots with convergence 0 over all trials, (setting,); NaN without a trial.
 
-    All that such a robot estimated lay within delta of what it believed before any observation: often because the
-    fill ratio is where brains begin, at 0.5. Shape (setting,).
+    The estimates of such a robot never left its first belief by delta or more. Often this is because the fill ratio is
+    0.5, where brains begin.
     """
     when = data["convergence_round"].transpose("setting", "trial", "robot").values
     known = (when >= 0).sum(axis=(1, 2))
@@ -27,7 +27,7 @@ def settled_at_start(data: xr.Dataset) -> NDArray[np.float64]:
 
 
 def warn_of_start(data: xr.Dataset) -> None:
-    """Warn of settings of which a twentieth of the robots or more has converged before its first observation."""
+    """Warn about settings in which 5 % of the robots or more converged before their first observation."""
     shares = settled_at_start(data)
     found = np.flatnonzero(shares >= LEAST)
     if not found.size:
@@ -45,8 +45,8 @@ def warn_of_start(data: xr.Dataset) -> None:
 
 
 def warn_of_edges(data: xr.Dataset) -> None:
-    """Warn of fill ratios on the edge between two bins: estimates just below are wrong, as near as they may be."""
-    if data.attrs["truth"] != "nominal":  # each trial has a truth of its own
+    """Warn about fill ratios on the edge between two bins: estimates just below it count as wrong."""
+    if data.attrs["truth"] != "nominal":  # each trial has its own true fill ratio
         return
     bins = int(data.attrs["bins"])
     changes = map(read_change, np.unique(data["fill_ratio_change"].values)) if "fill_ratio_change" in data else ()

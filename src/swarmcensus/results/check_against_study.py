@@ -1,6 +1,6 @@
-"""What results say beside their numbers, held against the studies that they name.
+"""Everything in results except the values of trials, compared with the studies that they name.
 
-What should be there is made by the very code that writes it: a dataset of the same studies before any trial is run.
+The expected content is made by the code that writes it: a dataset of the same studies before any trial is run.
 """
 
 import functools
@@ -28,9 +28,9 @@ from swarmcensus.results.values import (
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # of the numbers
+MAKERS = ("swarmcensus_version", "python_version", "library_versions", "machine", "processor")  # what made the numbers
 SOURCES = ("brains", "adversaries", "metrics", "merged", "parameters")  # attributes in JSON
-UNCHECKED = (  # attributes that nothing in a file can be held against, and why
+UNCHECKED = (  # attributes that cannot be checked, and why
     (("python_version", "library_versions", "machine", "processor"), "only whoever made the file knows them"),
     (("started", "finished", "wall_seconds", "cpu_seconds"), "only whoever made the file knows them"),
     (("study", "merged"), "blanks and comments; what the study says is compared"),
@@ -45,10 +45,10 @@ BOOKKEEPING = (
 
 
 def outline(studies: Sequence[Study], merged: bool) -> xr.Dataset:
-    """The dataset of studies before any trial is run: one study's, or that of several that are merged.
+    """The dataset of one study, or of several merged ones, before any trial is run.
 
-    Settings are in the order in which they first appear. Raises InputError where one name stands for two brains,
-    metrics, edge lists or images.
+    Settings are in the order in which they first appear. Raises InputError if one name stands for two brains, metrics,
+    edge lists or images.
     """
     parts = []
     for study in studies:
@@ -104,7 +104,7 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
 
 
 def _values_of(part: xr.Dataset, name: str) -> list[Any]:
-    """What settings of a part have of what others may have alone: where nobody lies, all are honest."""
+    """The values of a variable that a part may lack: without liars, all robots are honest."""
     if name not in part.variables:
         return part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
     found: list[Any] = part[name].values.tolist()
@@ -112,7 +112,7 @@ def _values_of(part: xr.Dataset, name: str) -> list[Any]:
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
-    """The brains, or metrics, of all parts."""
+    """The sources of all parts under an attribute, such as "brains"."""
     known: dict[str, Any] = {}
     for name, source in (item for part in parts for item in json.loads(part.attrs.get(key, "{}")).items()):
         if known.setdefault(name, source)["sha256"] != source["sha256"]:
@@ -121,9 +121,9 @@ def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
 
 
 def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) -> list[str]:
-    """What results say otherwise than the studies that they name, as sentences.
+    """The differences between results and the studies that they name, as sentences.
 
-    With whole=False settings and trials may have been taken away.
+    With whole=False, results may be a selection of settings and trials.
     """
     want = outline(studies, "merged" in data.attrs)
     size = _size(data, studies, want) if whole else ()
@@ -133,7 +133,7 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
 
 
 def unchecked(data: xr.Dataset) -> list[str]:
-    """What of a dataset is not compared with anything, and why, as phrases."""
+    """What in a dataset cannot be checked, and why, as phrases."""
     said = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKED]
     return [*(f"{', '.join(names)}: {why}" for names, why in said if names), BOOKKEEPING]
 
@@ -150,7 +150,7 @@ def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 
 def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    """Each setting's number, and what is said of it, by its fingerprint."""
+    """Differences in the settings, found by their fingerprints: numbers and coordinates."""
     places = {mark: k for k, mark in enumerate(want.variables["fingerprint"].values.tolist())}
     numbers = data.variables["setting"].values
     place = np.array([places.get(mark, -1) for mark in data.variables["fingerprint"].values.tolist()])
@@ -173,8 +173,8 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 
 def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    """Variables that are not along settings, attributes of variables, and those of the whole."""
-    ours = data.attrs["swarmcensus_version"] == __version__  # then each word is the same
+    """Differences in other variables, in attributes of variables, and in attributes of the dataset."""
+    ours = data.attrs["swarmcensus_version"] == __version__  # then every text must be equal
     for name, due in want.variables.items():
         if name not in data.variables:
             continue
@@ -198,7 +198,7 @@ def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 
 def _additions(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    """What is said of other packages' files; of a file whose package is not installed here nothing is known."""
+    """Differences in additions of other packages, as far as these are installed here."""
     told, known = additions_in(data), json.loads(want.attrs.get("additions", "{}"))
     named = {"brain": "brains", "adversary": "adversaries", "metric": "metrics"}
     sources = {f"{what} {name}" for what, key in named.items() for name in json.loads(want.attrs.get(key, "{}"))}
@@ -209,7 +209,7 @@ def _additions(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
 
 
 def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
-    """Each trial that is there is asked for by a study; in merged results it has what one of them, or some, measure."""
+    """Trials that no study asks for, and, in merged results, trials that lack something that their study measures."""
     checkpoints, trials, done = data.variables["checkpoint"].values, data.variables["trial"].values, finished(data)
     asked: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
     for study in studies:
@@ -236,8 +236,8 @@ def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterato
 
 
 def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
-    """What there is of a setting's trials, (trial, measure): decisions and estimates at each checkpoint, local ones,
-    metrics of files."""
+    """What a setting's trials have, (trial, what): decisions and estimates at each checkpoint, local estimates, metric
+    files."""
     nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
     decisions = ~is_missing(data.variables["correct"].values[k].T)
     kept = ~is_missing(data.variables["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
@@ -250,7 +250,7 @@ def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
 
 
 def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Iterator[str]:
-    """How much there should be, if all had been run."""
+    """Settings and trials that a complete run would have."""
     lacking = want.sizes["setting"] - data.sizes["setting"]
     if lacking > 0:
         yield f"{lacking} of the {counted(want.sizes['setting'], 'setting')} of its study are not in the file"
@@ -266,7 +266,7 @@ def _size(data: xr.Dataset, studies: Sequence[Study], want: xr.Dataset) -> Itera
 
 
 def most_trials(studies: Sequence[Study], want: xr.Dataset) -> list[int]:
-    """How many trials, at the most, studies ask for of each setting of their outline."""
+    """The largest number of trials that the studies ask for, by setting of their outline."""
     most = dict.fromkeys(want.variables["fingerprint"].values.tolist(), 0)
     for study in studies:
         for mark in settings_of(study):
@@ -280,7 +280,7 @@ def _alike(one: xr.Variable, other: xr.Variable) -> bool:
 
 
 def _same(one: Any, other: Any) -> bool:
-    """Whether two attributes are the same, type and all; a file holds Python's numbers as NumPy's."""
+    """Whether two attributes are equal and of one type; a file returns Python's numbers as NumPy's."""
     one, other = _plain(one), _plain(other)
     return type(one) is type(other) and bool(np.all(one == other))
 

@@ -1,8 +1,7 @@
-"""What contenders are compared by: each measure with its direction, and the one number that a trial has of it.
+"""Measures: what brains are compared by, and the one number that each trial has of a measure.
 
-Robots of a trial share a network and hear one another, so that a trial counts once. Of errors and times its number is
-the median over robots, which infinities and stray robots do not move, of shares and of what is sent the mean, as those
-add up.
+Robots of a trial hear one another, so a trial counts once. Its number is the median over robots for errors and times,
+which infinities and outliers do not move, and the mean for shares and for what is sent, which add up.
 """
 
 from collections.abc import Iterable
@@ -26,10 +25,9 @@ BLOCK = 2**22  # numbers that are sorted at once
 
 @dataclass(frozen=True)
 class Measure:
-    """Something that a trial has one number of; `low` is whether less of it is better.
+    """A quantity that brains are compared by; `low` is whether less is better.
 
-    `statistic` is what that number is over the robots, and what a setting's is over its trials; `share` is whether it
-    is one, to be printed in percent.
+    `statistic` is taken over the robots of a trial, and over the trials of a setting. A `share` is printed in percent.
     """
 
     name: str
@@ -42,7 +40,7 @@ class Measure:
 
     @property
     def full_label(self) -> str:
-        """The label, with the name behind it where that is another word: "exit (consensus_right)"."""
+        """The label, followed by the name if that differs: "exit (consensus_right)"."""
         return self.label if self.label.replace(" ", "_") == self.name else f"{self.label} ({self.name})"
 
 
@@ -62,29 +60,29 @@ WAYS = {"low": True, "high": False}
 
 
 def known(data: xr.Dataset) -> dict[str, Measure]:
-    """All measures that these results have numbers of, by their names, but metrics whose direction nobody has told."""
+    """The measures that these results have, by name; metric files that do not say BETTER are left out."""
     found = {name: one for name, one in OURS.items() if not lacks(data, name)}
     metrics = {name: metric_of(data, name) for name in metrics_in(data)}
     return found | {name: _of_file(data, name, one.low) for name, one in metrics.items() if one.low is not None}
 
 
 def statistic_of(name: str) -> Statistic:
-    """What is taken over robots and trials of a variable or a measure: "mean" of shares and of what is sent."""
+    """The statistic over robots and trials of a quantity: "mean" for shares and for what is sent, else "median"."""
     return QUANTITIES[name].statistic if name in QUANTITIES else "median"
 
 
 def is_share(name: str) -> bool:
-    """Whether a variable or a measure is a share."""
+    """Whether a quantity is a share."""
     return name in QUANTITIES and QUANTITIES[name].share
 
 
 def lacks(data: xr.Dataset, name: str) -> list[str]:
-    """The variables that a measure of ours needs and results have not."""
+    """The variables that a quantity needs and these results lack."""
     return [one for one in inputs_of(name) if one not in data]
 
 
 def inputs_of(name: str) -> tuple[str, ...]:
-    """The variables that a quantity is worked out from: itself, if a run stores it."""
+    """The variables that a quantity is derived from; itself, if a run stores it."""
     known = QUANTITIES.get(name)
     if known is None or not known.inputs:
         return (name,)
@@ -92,10 +90,10 @@ def inputs_of(name: str) -> tuple[str, ...]:
 
 
 def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
-    """The measures that are asked for, as "correct" or "my_metric:low", else the usual ones with all metrics of files.
+    """The named measures, such as "correct" or "my_metric:low"; by default the usual ones and all metric files.
 
-    With them come cautions: of metrics that are left out, as nobody has told whether low or high is better. Raises
-    InputError for a measure that is not there, a direction that is none and one given twice.
+    Also returns cautions about metric files that are left out since they do not say whether low or high is better.
+    Raises InputError for an unknown measure or direction, and for a measure given twice.
     """
     there, files = known(data), metrics_in(data)
     if isinstance(asked, str):
@@ -146,14 +144,14 @@ def _of_file(data: xr.Dataset, name: str, low: bool) -> Measure:
 
 
 def numbers(data: xr.Dataset, name: str) -> Floats:
-    """The one number of each trial of a measure, (setting, trial): NaN of trials that have not run or failed."""
+    """The number of each trial, (setting, trial); NaN for trials that failed or have not run."""
     if "checkpoint" in data[inputs_of(name)[0]].dims:
         last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
         found = data[name].transpose("setting", "checkpoint", "trial").values
         values = found[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
-    if name == "consensus_round" and "consensus_right" in data:  # who agrees on a lie is not the faster one
-        sound = data["consensus_right"].transpose("setting", "trial").values  # NaN where no option is right
+    if name == "consensus_round" and "consensus_right" in data:  # agreeing on a wrong option does not count as fast
+        sound = data["consensus_right"].transpose("setting", "trial").values  # NaN if no option is right
         when = _known(data[name].transpose("setting", "trial").values)
         return np.where(np.isnan(sound), np.nan, np.where(sound == 1, when, np.inf))
     if name in QUANTITIES and (factor := QUANTITIES[name].factor):
@@ -175,7 +173,7 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
 
 
 def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
-    """The same results with a measure of ours that is no variable as one more, of each robot; as they are otherwise."""
+    """Results with a derived quantity as a new variable; unchanged if it is stored or cannot be derived."""
     if name in data or name not in QUANTITIES or not QUANTITIES[name].inputs or lacks(data, name):
         return data
     robots = robots_in(data).values[:, np.newaxis, np.newaxis]
@@ -186,7 +184,7 @@ def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
 
 
 def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
-    """The number of each robot that a measure's trials have theirs of, (setting, trial, robot), of some settings."""
+    """The values of a quantity for some settings, (setting, trial, robot)."""
     quantity = QUANTITIES.get(name)
     if quantity is None or not quantity.inputs:
         return _input(data, name, rows)
@@ -196,7 +194,7 @@ def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
 
 
 def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:
-    """A variable of some settings, or TRUTH, as (setting, trial, robot); a dimension that it has not has the size 1."""
+    """A variable or TRUTH for some settings, (setting, trial, robot), with size 1 for dimensions that it lacks."""
     if name == TRUTH:
         return truth(data.isel(setting=rows))[:, :, np.newaxis]
     array = data[name].transpose("setting", "trial", "robot", missing_dims="ignore")
@@ -205,12 +203,12 @@ def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:
 
 
 def _known(values: NDArray[Any]) -> Floats:
-    """Numbers as float64, NaN where whole ones say that they are missing."""
+    """Numbers as float64; negative whole numbers, which are missing, become NaN."""
     return np.where(values < 0, np.nan, values) if values.dtype.kind == "i" else np.asarray(values, np.float64)
 
 
 def truth(data: xr.Dataset) -> Floats:
-    """The fill ratio that estimates are held against, (setting, trial): see `truth` in docs/study-file.md."""
+    """The true fill ratio, (setting, trial): see `truth` in docs/study-file.md."""
     nominal = np.broadcast_to(data["fill_ratio"].values[:, np.newaxis], (data.sizes["setting"], data.sizes["trial"]))
     if data.attrs.get("truth") != "floor":
         return np.asarray(nominal, np.float64)

@@ -1,4 +1,4 @@
-"""Puts results together whose settings or trials differ, such as the shares of several machines."""
+"""Merging: results with different settings or trials are put together, such as the shares of several machines."""
 
 import json
 import logging
@@ -27,11 +27,11 @@ LOG = logging.getLogger(__name__)
 
 
 def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
-    """One dataset of all settings and trials of several, settings in the order in which they first appear.
+    """Merge several results into one dataset with all their settings and trials.
 
-    A setting is known by its fingerprint. Where two hold the same trial of one setting, it must be the same to the
-    last bit; what each says of its settings must be what its study says. Raises InputError where that is not so, or
-    where the results cannot go together.
+    Settings are identified by their fingerprints and are in the order in which they first appear. A trial that two
+    results have must be the same to the last bit, and each dataset must match its study. Raises InputError otherwise,
+    and if the results cannot go together.
     """
     names = [str(one) if isinstance(one, str | Path) else f"results {k + 1}" for k, one in enumerate(results)]
     datasets = [one if isinstance(one, xr.Dataset) else load(one) for one in results]
@@ -59,9 +59,9 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
 
 
 def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> xr.Dataset:
-    """`merge` files into the file `out`, which no run may be writing meanwhile.
+    """Merge files into the file `out`, which no run may be writing.
 
-    What `out` holds already must be in the others too, unless `fresh`. Raises InputError.
+    Trials that `out` already has must be in the other files too, unless `fresh`. Raises InputError.
     """
     check_writable(out, *map(Path, results))
     data = merge(results)
@@ -80,7 +80,7 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
 
 
 def _check_kept(out: Path, data: xr.Dataset) -> None:
-    """Raise InputError where a file holds trials that are not in `data`."""
+    """Raise InputError if a file has trials that `data` lacks."""
     elsewhere, fresh = option("out"), option("fresh", True)
     hint = f"merge it too into another file, write elsewhere with {elsewhere}, or replace it with {fresh}"
     try:
@@ -96,13 +96,13 @@ def _check_kept(out: Path, data: xr.Dataset) -> None:
 
 
 def _trials(data: xr.Dataset) -> set[tuple[str, int]]:
-    """The finished trials: fingerprints of their settings, and their numbers."""
+    """The finished trials as (fingerprint of the setting, number of the trial)."""
     place, trial = np.nonzero(structure.finished(data))
     return set(zip(data["fingerprint"].values[place].tolist(), data["trial"].values[trial].tolist(), strict=True))
 
 
 def _planned(data: xr.Dataset, studies: Sequence[Study]) -> dict[str, int]:
-    """How many trials a dataset has of each setting, or is to have: of a rule that holds, those that it needed."""
+    """The number of trials that each setting of a dataset has or will have, by fingerprint."""
     marks = data["fingerprint"].values.tolist()
     failed = structure.failures(data)
     if any(study.until for study in studies):
@@ -148,7 +148,7 @@ def _together(
 
 
 def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dict[str, object]:
-    """What made the numbers, and how long it took: of datasets that overlap, by the trials that each gave."""
+    """What made the merged numbers, and how long it took, in proportion to the trials taken from each dataset."""
     first = datasets[0].attrs
     taken = [int((origin == k).sum()) / max(1, int(d.attrs["trials_done"])) for k, d in enumerate(datasets)]
     return {key: first[key] for key in (*MAKERS, "started", "finished") if key in first} | {
@@ -160,7 +160,7 @@ def _making_of(datasets: Sequence[xr.Dataset], origin: NDArray[np.int64]) -> dic
 def _put(
     merged: xr.Dataset, data: xr.Dataset, place: np.ndarray, origin: np.ndarray, number: int, names: Sequence[str]
 ) -> None:
-    """Copy a dataset's finished trials to their place. Raises InputError where it disagrees with what is there."""
+    """Copy a dataset's finished trials to their place. Raises InputError if they disagree with trials already there."""
     trials, robots = data["trial"].values, np.arange(data.sizes["robot"])
     done = structure.finished(data)
     ours = np.searchsorted(merged["checkpoint"].values, data["checkpoint"].values)

@@ -1,7 +1,7 @@
-"""An early picture: what a run has so far, read from the shards beside an output that is not written yet.
+"""Partial results: what a run has finished so far, read from the shards beside its output.
 
-The first shard after a second is written beside a file that has all but numbers: the dataset of the study with no
-trial. Reading takes no lock and alters nothing, so it may be done while the run goes on, or after it was killed.
+After its first second, a run also writes the dataset of its study without trials. Reading takes no lock and changes
+nothing, so it works while the run goes on and after it was killed.
 """
 
 import logging
@@ -20,7 +20,7 @@ LOG = logging.getLogger(__name__)
 
 
 def opened(path: str | Path) -> xr.Dataset:
-    """A results file, or what its run has so far, which is logged. Raises InputError where neither is there."""
+    """Open a results file, or what its run has finished so far. Raises InputError if there is neither."""
     path = Path(path)
     if path.exists():
         return load(path)
@@ -28,21 +28,21 @@ def opened(path: str | Path) -> xr.Dataset:
 
     sketch = shards.folder_of(path) / shards.SKETCH
     if not sketch.is_file():
-        return load(path)  # which says what is wrong
+        return load(path)  # raises the right error
     try:
         data = _filled(_widened(read(sketch), sketch), shards.listed(sketch.parent))
     except InputError:
-        if path.exists():  # the run ended just now
+        if path.exists():  # the run has just ended
             return load(path)
         raise
-    done = int(Values.of(data).done().sum())  # as `show` and `status` count; local estimates may be still to come
+    done = int(Values.of(data).done().sum())  # local estimates may still be missing
     has = f"this is what its run has so far, {done:,} of {counted(data.attrs['trials_total'], 'trial')}"
     LOG.info("%s is not written yet: %s", path, has)
     return data
 
 
 def say_partial(data: xr.Dataset, path: Path) -> None:
-    """Log where trials of a results file are still to come; of one that is not written yet it is said."""
+    """Log how many trials a results file has, if it is not complete."""
     lacking = data.attrs["trials_total"] - data.attrs["trials_done"] - len(structure.failures(data))
     if lacking > 0 and path.exists():
         done, total = data.attrs["trials_done"], data.attrs["trials_total"]
@@ -50,7 +50,7 @@ def say_partial(data: xr.Dataset, path: Path) -> None:
 
 
 def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
-    """A dataset without trials, read from a file, with room for one. Raises InputError where it was changed."""
+    """Add an empty trial to a dataset without trials, and check it. Raises InputError if it was changed."""
     if data.sizes.get("trial") == 0 and "trial" in data.indexes:
         missing = {
             name: one.dtype.type(blank(one.dtype)) for name, one in data.data_vars.items() if "trial" in one.dims
@@ -63,7 +63,7 @@ def _widened(data: xr.Dataset, path: Path) -> xr.Dataset:
 
 
 def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
-    """The dataset with what the shards hold of its settings; damaged ones are left out, as a run would."""
+    """The dataset filled with the trials in the shards; damaged shards are left out."""
     from swarmcensus.results import shards
 
     values = Values.of(sketch)

@@ -1,4 +1,4 @@
-"""Whether results are there at all: told before anything is imported that takes long."""
+"""Whether results exist: checked before anything slow is imported."""
 
 import os
 from pathlib import Path
@@ -8,13 +8,13 @@ from swarmcensus.basics.hints import file_meant
 
 
 def folder_of(out: Path) -> Path:
-    """Where the shards of a run that writes `out` are: one folder for all links to one file."""
+    """The folder of the shards of a run that writes `out`; links to one file share it."""
     out = Path(os.path.realpath(out)) if out.is_symlink() else out
     return out.with_name(out.name + ".parts")
 
 
 def check_there(path: Path) -> None:
-    """Raise InputError where there is neither a results file nor what its run has so far."""
+    """Raise InputError if there is neither a results file nor the shards of its run."""
     if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"

@@ -1,4 +1,4 @@
-"""Recorded data as CSV files: what each robot saw at each step, and who heard whom."""
+"""Recorded observations, links and accuracies are read from CSV files; traces are written."""
 
 import csv
 import os
@@ -17,7 +17,7 @@ CELLS = {"0": 0.0, "1": 1.0, "": np.nan, "nan": np.nan, "0.0": 0.0, "1.0": 1.0}
 
 
 def read_observations(path: str | Path) -> np.ndarray:
-    """Readings (step, robot) from a CSV: a row a step, a column a robot, 0 white, 1 black, empty for none.
+    """Read observations (step, robot) from a CSV file: a row per step, a column per robot, 0 white, 1 black.
 
     A first row of names is skipped. Raises InputError with file, line and value.
     """
@@ -47,7 +47,7 @@ def read_observations(path: str | Path) -> np.ndarray:
 
 
 def read_links(path: str | Path) -> np.ndarray:
-    """Edges (edge, 2) or messages (message, 3) of step, sender, receiver from a CSV. Raises InputError."""
+    """Read edges (edge, 2), or messages (message, 3) as step, sender, receiver, from a CSV file. Raises InputError."""
     rows = np.array(read_edges(Path(path)), np.int64)
     if not rows.size:  # no links: of which kind, the header says
         with Path(path).open(encoding="utf-8-sig") as file:
@@ -58,7 +58,7 @@ def read_links(path: str | Path) -> np.ndarray:
 
 
 def read_accuracy(text: str) -> float | tuple[float, float] | tuple[np.ndarray, np.ndarray]:
-    """Read "0.8" (b = w), "0.9,0.6" (b, w), or a CSV file with a row a robot: b = w, or b and w."""
+    """Read accuracies: "0.8" (b = w), "0.9,0.6" (b, w), or a CSV file with a row per robot."""
     if os.path.isfile(text):
         rows = np.array(_accuracy_rows(Path(text)))
         return rows[:, 0], rows[:, -1]
@@ -98,7 +98,7 @@ def _accuracy_rows(path: Path) -> list[list[float]]:
 
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
-    """Write whole numbers as CSV, NaN as an empty cell, whole or not at all. Raises InputError."""
+    """Write whole numbers as a CSV file, NaN as an empty cell. Raises InputError."""
     with whole(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
@@ -106,7 +106,7 @@ def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
 
 
 def write_trace(trace: xr.Dataset, path: str | Path) -> None:
-    """Write a trace as netCDF-4 (.nc) or in long form as CSV, a row a round and robot. Raises InputError."""
+    """Write a trace as netCDF-4 (.nc), or as CSV with a row per round and robot. Raises InputError."""
     from swarmcensus.results.store import save
 
     if Path(path).suffix == ".nc":

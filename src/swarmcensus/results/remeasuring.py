@@ -1,4 +1,4 @@
-"""Asks kept estimates anew: other bins, another delta, without running anything again."""
+"""Remeasuring: decisions for other bins, or convergence for another delta, from stored estimates."""
 
 import json
 from pathlib import Path
@@ -13,22 +13,22 @@ from swarmcensus.simulation import metrics
 from swarmcensus.studies.tables import Measure
 from swarmcensus.worlds.changes import along, read_change
 
-DERIVED = ("half_width", *LOCAL)  # of the old bins or delta, and not to be had from the estimates
+DERIVED = ("half_width", *LOCAL)  # depend on bins or delta, and cannot be derived from the estimates
 
 
 def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | None = None) -> xr.Dataset:
-    """The same results with decisions among other `bins`, or with convergence within another `delta`.
+    """Measure results again with other `bins` for decisions, or another `delta` for convergence.
 
-    They are taken from `estimates`, which a study with `[measure] estimates = true` keeps at its checkpoints. So
-    `correct` is what a run with these bins would have measured, to the bit; `convergence_round` is the first
-    checkpoint (and `convergence_error` the error there) from which on an estimate is within delta of what it is at
-    every later checkpoint: what a run would have measured if all rounds are checkpoints, and as near to it as they
-    lie together otherwise. The rest is as it was, but for what belongs to the old delta or bins: half widths of rules,
-    local estimates, and metrics of files that look at them. Paper, Sec. IV-A.
+    The numbers come from `estimates`, which a study with `[measure] estimates = true` stores at its checkpoints.
+    `correct` is exactly what a run with these bins would have measured. `convergence_round` is the first checkpoint
+    from which on the estimate is within delta of all later checkpoints, and `convergence_error` the error there: this
+    is what a run would have measured if every round is a checkpoint, and an approximation otherwise. Variables that
+    depend on the old values are dropped: half widths of rules, local estimates, and metric files that use them. Paper,
+    Sec. IV-A.
 
-    The attribute `asked_anew` says which of the two were. To ask for those that the results have changes nothing.
+    The attribute `asked_anew` names what was changed. Values equal to those of the results change nothing.
 
-    Raises InputError where estimates were not kept, or where delta or bins are not such as a study may have.
+    Raises InputError if no estimates were stored, or if delta or bins are not valid in a study.
     """
     delta = None if delta == results.attrs.get("delta") else delta
     bins = None if bins == results.attrs.get("bins") else bins
@@ -73,7 +73,7 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
 def _converge(
     new: xr.Dataset, k: int, curves: np.ndarray, trials: np.ndarray, checkpoints: np.ndarray, truth: np.ndarray
 ) -> None:
-    """Put in the convergence of setting k: of `curves` (checkpoint, trial, robot) in these trials."""
+    """Set the convergence of setting k from `curves` (checkpoint, trial, robot) of these trials."""
     robots = curves.shape[2]
     index = metrics.convergence(curves.reshape(len(curves), -1), float(new.attrs["delta"])).reshape(-1, robots)
     value = np.take_along_axis(curves, index[np.newaxis], axis=0)[0]
@@ -93,9 +93,9 @@ def _check(asked: dict[str, float]) -> None:
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
-    """The fill ratios at checkpoints of settings where they change, by the settings' places.
+    """Fill ratios at the checkpoints, by the index of each setting whose fill ratio changes.
 
-    Raises InputError where `bins` are asked of floors, whose shares of then nobody knows.
+    Raises InputError for `bins` with `truth = "floor"`: the true fill ratio at earlier checkpoints is not stored.
     """
     if "fill_ratio_change" not in results:
         return {}
@@ -109,7 +109,7 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
 
 
 def _truth(results: xr.Dataset) -> np.ndarray:
-    """What estimates are held against, (setting, trial)."""
+    """The true fill ratio, (setting, trial)."""
     nominal = np.broadcast_to(
         results["fill_ratio"].values[:, np.newaxis], (results.sizes["setting"], results.sizes["trial"])
     )

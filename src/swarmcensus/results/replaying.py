@@ -1,4 +1,4 @@
-"""One trial of some results again, in full: every robot's mind after every round, or what robots saw and heard."""
+"""Replaying: one trial of results again, with every robot's mind after every round."""
 
 import itertools
 from pathlib import Path
@@ -23,17 +23,16 @@ from swarmcensus.worlds.faults import NAMES, outages
 def replay(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None, links: bool = False
 ) -> xr.Dataset:
-    """One trial again, in full: dimensions round and robot, each field of the brain's memory, `estimate`.
+    """Run one trial again and return its trace: every field of the brain's memory and `estimate`, (round, robot).
 
-    Of robots that move also `position` (axis; metres, the arena's centre at 0), `heading` (radians), `looked`
-    (whether an observation was made), `tile` (the true colour under the sensor, 1 black), `reading` (NaN where
-    none was made) and `neighbours` (robots heard), by tick; with `links`, `link` (link, 3) of tick, robot, robot;
-    where robots fail, `stops` (part, robot), the first tick without moving, sensing or talking, -1 for never; where
-    parts work again, `outages` (fault, edge, part, robot), the first tick without and the first one with it again.
+    Robots that move also have, by tick: `position` (axis; metres from the arena's centre), `heading` (radians),
+    `looked` (1 if an observation was made), `tile` (true colour under the sensor, 1 is black), `reading` (NaN without
+    an observation) and `neighbours` (number of robots heard). With `links`, `link` (link, 3) holds tick, robot, robot.
+    If robots fail, `stops` (part, robot) is the first tick without moving, sensing or talking, -1 for never; if parts
+    work again, `outages` (fault, edge, part, robot) is the first tick without the part and the first with it again.
 
-    `results` is a dataset or a results file, `setting` and `trial` are its coordinates. A brain that is not
-    shipped with swarmcensus must be given as a file. The curves are those that the run measured, to the last
-    bit. Raises InputError.
+    `results` is a dataset or a results file; `setting` and `trial` are its coordinates. A brain that is not shipped
+    must be given as a file. Estimates equal those of the run to the last bit. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
     if found.body is not None:
@@ -48,9 +47,9 @@ def replay(
 def estimates(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
 ) -> xr.Dataset:
-    """A trace as `replay` gives it, on fixed networks with the estimates alone.
+    """A trace as `replay` returns it; on fixed networks, with estimates only.
 
-    They are what a run measures: where the trial was run on this machine, nothing is compiled. Raises InputError.
+    This needs no compilation if the trial was run on this machine. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
     if found.body is not None:
@@ -63,7 +62,7 @@ def estimates(
 def _labelled(
     trace: xr.Dataset, results: xr.Dataset | str | Path, study: Study, found: Setting, trial: int, setting: int
 ) -> xr.Dataset:
-    """The trace with what its setting says beside; checked against what the run measured. Raises InputError."""
+    """Add what the setting says, and check the trace against the results. Raises InputError."""
     if found.change:
         says = {"long_name": "black share of the floor, as it changes"}
         trace[free("fill_ratio", trace)] = ("round", found.fill_ratios(trace["round"].values), says)
@@ -83,13 +82,13 @@ def _labelled(
 
 
 def honest_in(trace: xr.Dataset) -> np.ndarray:
-    """Which robots of a trace metrics count (robot): all, but where some of a mixed swarm lie."""
+    """A mask of the honest robots of a trace, which metrics count (robot,)."""
     said = [one for name, one in trace.data_vars.items() if str(name).startswith("honest") and one.dims == ("robot",)]
     return np.asarray(said[0].values == 1) if said else np.ones(trace.sizes["robot"], np.bool_)
 
 
 def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> np.ndarray:
-    """Say who is who: the number of the table of members, and who is honest, which is returned too (robot)."""
+    """Add the number of each robot's table of members, and who is honest; return the latter (robot,)."""
     who = found.who(seed, trial, 1)[0]
     told = "; ".join(f"{number}: {member}" for number, member in enumerate(found.members, start=1))
     trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {told}"})
@@ -104,14 +103,14 @@ def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> n
 
 
 def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, honest: np.ndarray) -> None:
-    """Raise InputError where a trial that was run ended otherwise: results put together from several studies."""
+    """Raise InputError if the run of this trial ended differently, as in results put together by hand."""
     last = trace["estimate"].values[-1][honest]
     stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
     ran = np.isfinite(stored).all() and len(stored) == last.size
     if ran and not np.allclose(stored, last, rtol=0.0, atol=1e-9):
         raise InputError(
-            f"setting {setting}, trial {trial}: the replay ends elsewhere than the run did: these results are not of "
-            "the study that they name, or of another version"
+            f"setting {setting}, trial {trial}: the replay ends with other estimates than the run: these results come "
+            "from another study than they name, or from another version"
         )
 
 
@@ -161,18 +160,18 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
 def recording(
     results: xr.Dataset | str | Path, setting: int, trial: int, brain: str | Path | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
-    """What the robots of one trial saw and who heard whom, as `infer` takes it.
+    """The observations and links of one trial, in the form that `infer` takes.
 
-    Returns readings (step, robot), 1 black, and undirected edges (edge, 2); of robots that move and of directed
-    links, messages (message, 3) of step, sender, receiver. Raises InputError.
+    Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
+    links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
     study, found = _find(results, setting, trial, brain)
     if len(found.crew) > 1:
-        raise InputError("a recording is for one brain, and robots of this setting have several")
+        raise InputError("a recording is for one brain, and the robots of this setting have several")
     if found.brain.is_oracle and found.body is not None:
-        raise InputError("a recording of robots that move tells whom they met, and an oracle hears all")
+        raise InputError("a recording holds the messages between neighbours, and an oracle hears all robots")
     if found.link_success < 1.0 or found.faults or found.message_delay > 0:
-        raise InputError("a recording tells neither lost nor late messages nor faults, which this setting has")
+        raise InputError("a recording holds no lost messages, no delays and no faults, and this setting has some")
     if found.body is not None:
         ride = record_ride(found, study.seed, trial)
         tick, i, j = ride.links.T
@@ -192,7 +191,7 @@ def recording(
 
 
 def _readings(found: Setting, seed: int, trial: int) -> np.ndarray:
-    """The single readings (observation, robot) of a trial, NaN of robots that are done."""
+    """The single readings of a trial (observation, robot), NaN for robots that are done."""
     readings = record_readings(found, seed, trial)
     if any(brain.ends for brain in found.crew):
         done = ended(found.crew, record_trial(found, seed, trial)[0])

@@ -1,4 +1,4 @@
-"""Picks settings of a dataset by an expression such as 'topology == "ring" and accuracy == 0.675'."""
+"""Selecting settings by an expression such as 'topology == "ring" and accuracy == 0.675'."""
 
 import ast
 import json
@@ -23,14 +23,14 @@ COMPARE: dict[type, Callable[[Any, Any], Any]] = {
 }
 
 
-MOST_VALUES = 12  # of a coordinate that are named
+MOST_VALUES = 12  # of a coordinate in a message
 
 
 class TooMuch(InputError):
-    """More settings than a figure shows, and how to select some."""
+    """Too many settings for a figure, with advice on how to select some."""
 
     def __init__(self, what: str, chosen: Mapping[str, Any]) -> None:
-        """Say `what` is too much, and to select settings by coordinates, as these values of theirs do."""
+        """`what` says what is too much; `chosen` are values of coordinates that select few enough settings."""
         advice = f"{what}: select some of the settings"
         if in_shell():
             terms = [f"{name} == {json.dumps(value)}" for name, value in chosen.items()]
@@ -43,7 +43,7 @@ class TooMuch(InputError):
 
 
 def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setting",)) -> None:
-    """Raise InputError unless `data` has the variables `names`, and something along the dimensions."""
+    """Raise InputError unless `data` has the variables `names`, and the dimensions are not empty."""
     for dimension in dimensions:
         if not data.sizes.get(dimension):
             raise InputError(f"this dataset has no {dimension}: select with a list or a mask that is not empty")
@@ -54,9 +54,9 @@ def require(data: xr.Dataset, *names: str, dimensions: tuple[str, ...] = ("setti
 
 
 def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
-    """The settings for which the expression over their coordinates holds; all of them for None.
+    """Select the settings for which an expression over their coordinates is true; None selects all.
 
-    Known are ==, !=, <, <=, >, >=, in, and, or, not and brackets; nothing is executed. Raises InputError.
+    The expression may use ==, !=, <, <=, >, >=, in, and, or, not and brackets; no code is executed. Raises InputError.
     """
     if expression is None:
         return data
@@ -76,7 +76,7 @@ def where(data: xr.Dataset, expression: str | None) -> xr.Dataset:
 
 
 def _known_values(tree: ast.expr, known: dict[str, np.ndarray]) -> str:
-    """What there is of the first coordinate that is asked for a value that no setting has."""
+    """A phrase with the values of the first coordinate that is compared with a value that no setting has."""
     for node in ast.walk(tree):
         if not isinstance(node, ast.Compare) or len(node.ops) != 1 or not isinstance(node.ops[0], ast.Eq):
             continue
@@ -117,14 +117,14 @@ def _compare(op: ast.cmpop, left: ast.expr, right: ast.expr, known: dict[str, np
     if type(op) not in COMPARE:
         raise ValueError("should compare with ==, !=, <, <=, >, >= or in")
     a, b = _value(left, known), _value(right, known)
-    for one, other in ((a, b), (b, a)):  # an accuracy is text, for it may be a spread
+    for one, other in ((a, b), (b, a)):  # an accuracy is text, since it may be a spread
         if isinstance(one, np.ndarray) and one.dtype.kind in "UO" and isinstance(other, int | float):
             return COMPARE[type(op)](*((numbers(one), other) if one is a else (other, numbers(one))))
     return COMPARE[type(op)](a, b)
 
 
 def numbers(texts: np.ndarray) -> np.ndarray:
-    """Texts as numbers, NaN where one is none."""
+    """Texts as numbers; NaN for a text that is not a number."""
 
     def number(text: str) -> float:
         try:

@@ -1,8 +1,7 @@
-"""Finished work on disk while a run goes on: shards beside the output, each whole, each named by its own checksum.
+"""Shards: finished trials on disk while a run goes on, so that nothing is lost if it is killed.
 
-A shard is a NumPy archive of plain numbers; opening one runs no code. Its name ends in the hash of its bytes, so
-one that was cut short or changed is known before it is read. What a shard holds is addressed by content: a setting
-by its fingerprint, a trial by its number.
+A shard is a NumPy archive of plain numbers; opening it runs no code. Its name ends in the hash of its bytes, so a
+damaged shard is recognised before it is read. A setting is identified by its fingerprint, a trial by its number.
 """
 
 import contextlib
@@ -32,19 +31,19 @@ from swarmcensus.results.values import EVERY, Columns, Piece, shapes
 from swarmcensus.studies.tables import UNNAMED
 
 FORMAT = "swarmcensus shard 1"
-SKETCH = "study.nc"  # the dataset without a trial: see `early`
-OURS = ("lock", "run.json", "fresh", SKETCH)  # what else a run keeps beside its shards
+SKETCH = "study.nc"  # the dataset without trials: see `partial`
+OURS = ("lock", "run.json", "fresh", SKETCH)  # other files in the folder of shards
 NAME = re.compile(r"(\d{6,})-([0-9a-f]{32})\.npz")
-METRIC = "metric "  # before the name of a metric's column
+METRIC = "metric "  # prefix of a metric's column
 ITEM = np.dtype([("setting", "S32"), ("first", "i4"), ("trials", "i4"), ("robots", "i4"), ("local", "?")])
-SPOOLED_BYTES = 4_000_000  # of a shard that is put together in memory, and not in a file
-SKETCH_AFTER = 1.0, 3e-3  # seconds, and for each setting: shorter runs need no early picture, at some 40 us a setting
-AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards: so that there are never too many
+SPOOLED_BYTES = 4_000_000  # largest shard that is assembled in memory
+SKETCH_AFTER = 1.0, 3e-3  # seconds, and seconds per setting: shorter runs need no partial results
+AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards, which limits their number
 
 
 @dataclass(frozen=True)
 class Identity:
-    """What work must have in common to be put together."""
+    """What two runs must have in common for their trials to be put together."""
 
     study: str
     seed: int
@@ -52,13 +51,13 @@ class Identity:
     delta: float
     bins: int
     truth: str
-    metrics: str  # of files, and their sources
+    metrics: str  # metric files and their hashes
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
-        """Raise InputError, saying how they differ, where `other` is of something else."""
+        """Raise InputError with the differences, if `other` is the identity of another run."""
         mine = asdict(self)
         differ = [k for k, v in mine.items() if other.get(k) != v]
-        if other.get("study") == UNNAMED and "study" in differ:  # it was begun before it had its file's name
+        if other.get("study") == UNNAMED and "study" in differ:  # the run began before the study had a name
             differ.remove("study")
         if differ:
             said = "; ".join(f"{k} is {other.get(k)!r} there and {mine[k]!r} here" for k in differ)
@@ -67,7 +66,7 @@ class Identity:
 
 @dataclass
 class Found:
-    """One piece of finished work: a setting's fingerprint, the first trial, and its numbers."""
+    """Some finished trials: the fingerprint of the setting, the first trial, and the values."""
 
     setting: str
     first: int
@@ -77,14 +76,14 @@ class Found:
 
 @dataclass
 class Shard:
-    """What a shard says of itself, and what it holds."""
+    """The content of a shard: what is said about the run, and the finished trials."""
 
     about: dict[str, Any]
     found: list[Found] = field(default_factory=list)
 
 
 def read(path: Path) -> Shard | None:
-    """What a shard holds, or None where its bytes are not those that were written, or were not written by a run."""
+    """Read a shard; None if it is damaged or was not written by a run. Raises InputError if it cannot be read."""
     name = NAME.fullmatch(path.name)
     try:
         data = path.read_bytes()
@@ -98,24 +97,24 @@ def read(path: Path) -> Shard | None:
             if min(float(about[key]) for key in ("wall_seconds", "cpu_seconds", "work")) < 0.0:
                 return None
             return Shard(about, list(_unpacked(arrays, about)))
-    except Exception:  # whatever an archive of other things provokes
+    except Exception:  # an archive of other things may raise anything
         return None
 
 
 def checksum(data: bytes) -> str:
-    """The hash that a shard is named by."""
+    """The hash in the name of a shard."""
     found = blank_hash()
     found.update(data)
     return found.hexdigest()
 
 
 def blank_hash() -> hashlib.blake2b:
-    """That hash, of nothing yet."""
+    """A new object of the hash of shards."""
     return hashlib.blake2b(digest_size=16)
 
 
 def listed(folder: Path) -> list[Path]:
-    """The shards of a folder, in the order in which they were written; what has another name is no run's."""
+    """The shards of a folder in the order in which they were written."""
     return sorted(path for path in folder.glob("*.npz") if NAME.fullmatch(path.name) and _is_plain(path))
 
 
@@ -124,7 +123,7 @@ def _is_plain(path: Path) -> bool:
 
 
 def is_busy(folder: Path) -> bool:
-    """Whether a run is at work on this folder now."""
+    """Whether a run is using this folder now."""
     try:
         with FileLock(folder / "lock", timeout=0):
             return False
@@ -133,20 +132,20 @@ def is_busy(folder: Path) -> bool:
 
 
 class Parts:
-    """The shards of one run, held against any other run on the same output as long as the block lasts."""
+    """The shards of one run; inside its `with` block no other run can write the same output."""
 
     def __init__(self, out: Path, identity: Identity, checkpoints: Sequence[int], fingerprints: Sequence[str]) -> None:
-        """Name the run; `fingerprints` are of its settings."""
+        """Identify the run; `fingerprints` are those of its settings."""
         self.out, self.folder = out, folder_of(out)
         self.identity, self.checkpoints, self.fingerprints = identity, list(checkpoints), fingerprints
         self.lock = FileLock(self.folder / "lock", timeout=0)
-        self.sketch: Callable[[Path], None] | None = None  # writes the dataset without a trial, once
+        self.sketch: Callable[[Path], None] | None = None  # writes the dataset without trials, once
         self.added = False  # whether this run finished anything
         self._waiting: list[Piece] = []
         self._work = 0.0
 
     def __enter__(self) -> Self:
-        """Take the lock. Raises InputError where another run has it, or where a link leads elsewhere."""
+        """Take the lock. Raises InputError if another run has it, or if a link leads elsewhere."""
         for path in (self.folder, *(self.folder / name for name in OURS)):
             if path.is_symlink() or (path.is_dir() and path != self.folder):
                 what = "link" if path.is_symlink() else "folder"
@@ -159,7 +158,7 @@ class Parts:
             raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error
         self._begun = self._last = time.monotonic()
         self._cpu = time.process_time()
-        for left in self.folder.glob(".*.npz"):  # of a run that was killed while it wrote
+        for left in self.folder.glob(".*.npz"):  # left by a run that was killed while writing
             if is_leftover(left, NAME.pattern.removesuffix(r"\.npz"), r"\.npz"):
                 left.unlink(missing_ok=True)
         for path in (self.out, self.folder / "run.json", self.folder / SKETCH):
@@ -168,11 +167,11 @@ class Parts:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Let go of the lock, and of a folder in which nothing is kept."""
+        """Release the lock, and remove the folder if it is empty."""
         if not listed(self.folder):
             self.clear()
             with contextlib.suppress(OSError):
-                (self.folder / "lock").unlink(missing_ok=True)  # somebody may have removed the folder
+                (self.folder / "lock").unlink(missing_ok=True)  # the folder may be gone
                 self.folder.rmdir()
         self.lock.release()
 
@@ -182,7 +181,7 @@ class Parts:
             self.lock.acquire()
             if (self.folder / "lock").exists():
                 return
-            self.lock.release()  # of a folder that another run removed just then
+            self.lock.release()  # another run has just removed the folder
 
     def _holder(self) -> str:
         try:
@@ -192,7 +191,7 @@ class Parts:
             return ""
 
     def announce(self, **state: Any) -> None:
-        """Say in run.json what is being run, for `status`."""
+        """Write run.json, which `status` reads."""
         state |= asdict(self.identity) | {
             "process": os.getpid(),
             "host": socket.gethostname(),
@@ -202,7 +201,7 @@ class Parts:
             beside.write_text(json.dumps(state, indent=1), encoding="utf-8")
 
     def found(self) -> Iterator[tuple[Path, Shard | None]]:
-        """Every shard that is there; None for one that is damaged. Raises InputError for one of another run."""
+        """Yield every shard, None for a damaged one. Raises InputError for a shard of another run."""
         fresh, out = option("fresh", True), option("out")
         hint = f"Remove the folder, run with {fresh}, or write elsewhere with {out} ({self.folder})"
         for path in listed(self.folder):
@@ -212,7 +211,7 @@ class Parts:
             yield path, shard
 
     def add(self, pieces: Sequence[Piece], work: float) -> None:
-        """Keep finished work, which took so many predicted seconds; on disk within seconds."""
+        """Keep finished trials, written to disk within seconds; `work` is their predicted cost in seconds."""
         self.added |= bool(pieces)
         self._waiting += pieces
         self._work += work
@@ -221,7 +220,7 @@ class Parts:
             self.flush()
 
     def flush(self) -> None:
-        """Write what waits as one shard. Raises InputError where there is no room for it."""
+        """Write all waiting trials as one shard. Raises InputError if the disk is full."""
         if not self._waiting:
             return
         now, cpu = time.monotonic(), time.process_time()
@@ -251,23 +250,23 @@ class Parts:
 
     @property
     def replaces(self) -> bool:
-        """Whether the shards are of a run that began anew: what the output holds is none of theirs."""
+        """Whether the shards belong to a run that began anew and will replace the output."""
         return (self.folder / "fresh").exists()
 
     def begin_anew(self) -> None:
-        """Remove the shards, and remember that the output is to be replaced."""
+        """Remove the shards, and note that the output is to be replaced."""
         self.clear()
         (self.folder / "fresh").touch()
 
     def clear(self) -> None:
-        """Remove the shards: what they hold is in the output, or not wanted."""
-        # the mark goes first: with it, the output would not be taken over
+        """Remove the shards, once their trials are in the output or not wanted."""
+        # the mark goes first: while it exists, trials of the output are not taken over
         for path in (self.folder / "fresh", *listed(self.folder), self.folder / "run.json", self.folder / SKETCH):
             path.unlink(missing_ok=True)
 
 
 def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], fingerprints: Sequence[str]) -> None:
-    """Write pieces as a shard; large ones, which come alone, are not copied."""
+    """Write pieces as a shard; a single large piece is not copied."""
     items = np.array([(fingerprints[p.setting], p.first, *p.shape, p.local) for p in pieces], ITEM)
     flat: dict[str, list[NDArray[Any]]] = {}
     for piece in pieces:
@@ -281,7 +280,7 @@ def _pack(out: IO[bytes], about: dict[str, Any], pieces: Sequence[Piece], finger
 
 
 def _stored(name: str) -> str:
-    """A column's name in the archive, which has other names too."""
+    """The name of a column in the archive."""
     return name if name in EVERY else METRIC + name
 
 

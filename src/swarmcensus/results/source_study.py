@@ -1,8 +1,8 @@
-"""What results were made from: their studies and brains, read from what the results carry themselves.
+"""The studies and brains that results were made from, read from the results themselves.
 
-The text of a study in a results file may name files, and may be somebody else's. No edge list and no image is opened
-but those in the results, and no brain file is run but one that was given, or that lies below the folder in which one
-works, where the study says, with the very source that the results hold.
+A study in a results file may name files and may come from somebody else. Edge lists and images are read only from the
+results. A brain file is run only if the user gives it, or if it lies below the current folder, where the study says,
+with exactly the source in the results.
 """
 
 import contextlib
@@ -27,14 +27,14 @@ Brains = str | Path | Iterable[str | Path] | None  # brain files, given for thos
 
 
 def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool = True) -> tuple[Study, Setting]:
-    """The setting of this number in a dataset, and the study that it is of: see `studies_of`. Raises InputError."""
+    """The setting with this number and its study (see `studies_of`). Raises InputError."""
     if number not in data["setting"].values:
         known = data["setting"].values
         raise InputError(f"setting {number}: these results hold setting {known.min()} to {known.max()}")
     mark = str(data["fingerprint"].sel(setting=number).values)
     for study in studies_of(data, brain, run=run):
         settings = study.settings()
-        # its place in the grid, but for merged studies
+        # usually its place in the grid; not in merged results
         order = [settings[number], *settings] if 0 <= number < len(settings) else settings
         for setting in order:
             if setting.fingerprint(study.seed) == mark:
@@ -46,8 +46,7 @@ def setting_of(data: xr.Dataset, number: int, brain: Brains = (), *, run: bool =
 
 
 def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Study, Setting]]:
-    """The settings of these numbers and their studies, with no brain run: as `setting_of`, reading studies once. Raises
-    InputError."""
+    """The studies and settings by number, as `setting_of`, but without running any brain. Raises InputError."""
     known = {
         setting.fingerprint(study.seed): (study, setting)
         for study in studies_of(data, run=False)
@@ -58,11 +57,11 @@ def origins_of(data: xr.Dataset, numbers: Iterable[int]) -> dict[int, tuple[Stud
 
 
 def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> list[Study]:
-    """The studies that a dataset holds, as they were run: one, but for merged results.
+    """The studies of a dataset, as they were run: one, or several in merged results.
 
-    Brains that are not shipped are given as files, or lie below the current folder where the study says; they must
-    have the sources that the results were made with, and are not run before that is known. Others of the studies'
-    brains stay unread (see `must_be_read`), with run=False all of them. Raises InputError.
+    Brains that are not shipped are given as files, or lie below the current folder where the study says. They must have
+    the sources that the results were made with; this is checked before they are run. Other brains stay unread (see
+    `must_be_read`), and with run=False all do. Raises InputError.
     """
     (sources, texts), lying = made_from(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
@@ -90,7 +89,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
     watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
-    named = {metric.name: metric for metric in watched}  # read, and not run
+    named = {metric.name: metric for metric in watched}  # read and not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
                "kept": True}  # fmt: skip
     try:
@@ -106,7 +105,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
 
 
 def _lacking(data: xr.Dataset) -> str:
-    """Which packages that results were made with are not installed here."""
+    """A phrase with the packages that the results need and that are not installed here."""
     absent = set()
     for one in additions_in(data).values():
         try:
@@ -117,7 +116,7 @@ def _lacking(data: xr.Dataset) -> str:
 
 
 def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None:
-    """A round as it is, a time in ticks, where all settings have robots that move, by one clock. Raises InputError."""
+    """Convert a time to ticks; a round stays as it is. Raises InputError if the settings have no common clock."""
     if not isinstance(value, Time):
         return value
     moving = bool((data["topology"].values == MOVING).all())
@@ -131,17 +130,17 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
 
 
 def must_be_read(setting: Setting) -> None:
-    """Raise InputError for a brain's or adversary's file that results name, and that was neither given nor found."""
+    """Raise InputError for a brain or adversary file that was neither given nor found."""
     theirs = (member.brain for member in setting.members if member.brain)
     for one in (one for one in (setting.brain, *theirs) if not one.is_read):
         raise InputError(
-            f"the {one.what} {one.name!r} is a file, and a file named in results is not run unasked, but where it lies "
-            f"below the current folder, unchanged: give it yourself as it was, with {option('brain')}"
+            f"the {one.what} {one.name!r} is a file. Files named in results are run only if they lie below the current "
+            f"folder, unchanged: give it with {option('brain')}, as it was"
         )
 
 
 def metrics_may_run(study: Study, given: Brains = ()) -> None:
-    """Raise InputError for a metric that is not here, or given as a file, with the very source that results hold."""
+    """Raise InputError for a metric whose source in the results is neither shipped, nor given, nor found."""
     paths = [given] if isinstance(given, str | Path) else given or ()
     known = {brains.digest(brains.read_source("metric", Path(path))) for path in paths if Path(path).is_file()}
     for metric in study.measure.metrics:
@@ -156,13 +155,13 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         if known_here:
             raise InputError(f"metric {name!r}: its source has changed since these results were made")
         raise InputError(
-            f"the metric {name!r} is a file, and a file named in results is not run unasked, but where it lies "
-            f"below the current folder as it was: give it yourself, with {option('brain')}"
+            f"the metric {name!r} is a file. Files named in results are run only if they lie below the current "
+            f"folder, unchanged: give it with {option('brain')}, as it was"
         )
 
 
 def _found(name: str, source: str) -> brains.Brain | None:
-    """The brain file of this name, where it lies below the current folder and has this source: no other is run."""
+    """The brain file of this name, if it lies below the current folder and has this source."""
     with contextlib.suppress(InputError):
         if _lies_here("brain", name, source):
             return brains.parse(source, name, Path(name))
@@ -173,6 +172,6 @@ def _lies_here(kind: str, name: str, source: str) -> bool:
     """Whether a file of this name and source lies below the current folder."""
     with contextlib.suppress(OSError, ValueError, InputError):
         place = Path(name).resolve()
-        small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends and a byte mark
+        small = place.is_file() and place.stat().st_size <= 2 * len(source.encode()) + 3  # line ends, a byte mark
         return small and place.is_relative_to(Path.cwd().resolve()) and brains.read_source(kind, place) == source
     return False

@@ -1,4 +1,4 @@
-"""The dataset's schema: how results are laid out, stored, opened and exported."""
+"""The dataset is made, saved, loaded and exported."""
 
 import functools
 import importlib.metadata
@@ -26,11 +26,11 @@ from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, QUANTITIES
 
 LIBRARIES = ("numpy", "numba", "xarray", "h5netcdf")
-BARE = b"This is a netCDF dimension but not a netCDF variable"  # how netCDF marks what no reader shows
+BARE = b"This is a netCDF dimension but not a netCDF variable"  # marks a dimension without a coordinate
 
 
 def dataset(study: Study, settings: list[Setting], fingerprints: list[str], values: Values) -> xr.Dataset:
-    """A study's dataset: its numbers as far as they are there, with what they are of and how they came to be."""
+    """The dataset of a study: its values so far, its coordinates, and how it was made."""
     checkpoints = study.checkpoints
     robots = values.arrays["final_estimate"].shape[2]
     sizes = {"setting": len(settings), "trial": values.trials, "robot": robots, "checkpoint": len(checkpoints)}
@@ -43,7 +43,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
         dims, _, units, meaning = values.kinds[name]
         whole_numbers = array.dtype.kind == "i"
         comment = {"comment": f"{MISSING}: no such robot, or not run"} if whole_numbers else {}
-        fill = {"_FillValue": MISSING} if whole_numbers else {}  # so that other readers see what is missing
+        fill = {"_FillValue": MISSING} if whole_numbers else {}  # other readers then show missing values as such
         variables[name] = (dims, array, {"units": units, "long_name": meaning, **comment}, fill)
     variables |= {name: ("setting", np.array(column), says) for name, (column, says) in _costs(settings).items()}
     variables["fingerprint"] = (
@@ -68,7 +68,7 @@ def dataset(study: Study, settings: list[Setting], fingerprints: list[str], valu
 
 
 def filled(column: list[Any], key: str) -> list[Any]:
-    """A coordinate of all settings: a parameter is missing where the brain has none of its name."""
+    """The values of a coordinate, with the blank value for settings that have none."""
     known = COORDINATES.get(key)
     if known and known.blank is not None:
         return [value or known.blank for value in column]
@@ -78,12 +78,12 @@ def filled(column: list[Any], key: str) -> list[Any]:
 
 
 def column_of(values: list[Any]) -> NDArray[Any]:
-    """One value a setting, as a dataset holds them."""
+    """One value per setting, as an array with the dataset's type."""
     return np.array(values, dtype=object if isinstance(values[0], str) else None)
 
 
 def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]]]:
-    """What each setting's brain asks for, beside what is measured."""
+    """The variables about each setting's brain, and the number of honest robots."""
     costs = {
         "memory_bytes": [s.brain.memory_bytes for s in settings],
         "message_bytes": [s.brain.message_bytes for s in settings],
@@ -95,19 +95,19 @@ def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]
 
 
 def attributes_of(name: str) -> dict[str, str]:
-    """What a file says of a quantity of settings."""
+    """The attributes of a quantity of settings."""
     quantity = QUANTITIES[name]
     return ({"units": quantity.unit} if quantity.unit else {}) | {"long_name": quantity.meaning}
 
 
 def widths_of_rule(study: Study, widths: NDArray[np.float64]) -> tuple[str, NDArray[np.float64], dict[str, str]]:
-    """The variable `half_width` of a study with a rule, one number a setting."""
+    """The variable `half_width` of a study with a rule, (setting,)."""
     assert study.until is not None
     return "setting", widths, {**attributes_of("half_width"), "rule": study.until.until}
 
 
 def provenance(study: Study) -> dict[str, Any]:
-    """How a dataset came to be: enough to make it again."""
+    """The attributes that say how a dataset was made, enough to make it again."""
     return {
         "format": structure.FORMAT,
         "title": study.name,
@@ -134,7 +134,7 @@ def _adversaries(study: Study) -> dict[str, dict[str, str]]:
 
 
 def _parameters(study: Study) -> dict[str, list[str]]:
-    """The parameters of each brain that has any, and settings of its own: they are coordinates of these."""
+    """The names of the parameters of each brain that has any."""
     named = {brain.name for grid in study.grids for brain in grid.swarm.brain}
     return {one.name: list(one.parameters) for one in study.brains if one.parameters and one.name in named}
 
@@ -160,7 +160,7 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     packed = {"zlib": True, "complevel": 1, "shuffle": True}
     integers = [n for n, v in data.data_vars.items() if v.dtype.kind in "iu" and v.size > 1000]
     fills = {n: {"_FillValue": data[n].encoding["_FillValue"]} for n in integers if "_FillValue" in data[n].encoding}
-    # as an attribute, for xarray would look for what is missing in a copy of what it encodes
+    # as an attribute: otherwise xarray copies the array to look for missing values
     data = data.assign({n: (data[n].dims, data[n].values, data[n].attrs | fill) for n, fill in fills.items()})
     encoding = dict.fromkeys(integers, packed)
     try:
@@ -170,45 +170,45 @@ def save(data: xr.Dataset, path: str | Path) -> None:
             h5netcdf.File(file, "w") as netcdf,
         ):
             data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
-    except RuntimeError as error:  # h5py's, of a file that cannot be closed
+    except RuntimeError as error:  # raised by h5py if the file cannot be closed
         if "errno" not in str(error):
             raise
         raise InputError(f"cannot write {path}: {reason(error)}") from error
 
 
 def load(path: str | Path) -> xr.Dataset:
-    """Read a results file. Raises InputError where it is not there, cut short, changed, or not of swarmcensus."""
+    """Read a results file. Raises InputError if it is missing, damaged, changed, or not of swarmcensus."""
     return checked(read(path), path)
 
 
 def checked(data: xr.Dataset, path: str | Path) -> xr.Dataset:
-    """The same dataset, read from a file. Raises InputError where it was changed."""
+    """Check a dataset that was read from a file, and return it. Raises InputError if it was changed."""
     if wrong := structure.wrong(data):
         raise InputError(f"results file {path}: damaged or changed: {wrong}")
     return data
 
 
 def read(path: str | Path) -> xr.Dataset:
-    """Read a results file as `load` does, and do not look whether its numbers go together."""
+    """Read a results file without checking its values."""
     path = Path(path)
     check_there(path)
     if not path.is_file():
         raise InputError(f"results file {path}: {_absent(path)}")
     try:
         with _Remembering(path, "r") as file:
-            if elsewhere := _not_here(file["/"]):  # h5netcdf would complain of a bad root once past all handlers
+            if elsewhere := _not_here(file["/"]):  # h5netcdf fails later, outside this handler
                 raise InputError(f"results file {path}: damaged or changed: {elsewhere}")
             with h5netcdf.File(file, "r") as netcdf:
                 data = xr.open_dataset(H5NetCDFStore(netcdf), decode_times=False, mask_and_scale=False).load()
         texts = [name for name, one in data.variables.items() if one.dtype.kind not in "iufb"]
-        # the type of text in a dataset that was never in a file
+        # text has the type object in datasets that a run returns
         data = data.assign({name: data.variables[name].astype(object) for name in texts})
         every: list[Any] = [data, *data.variables.values()]
         for one in every:
             one.attrs = {k: v.item() if isinstance(v, np.generic) else v for k, v in one.attrs.items()}
     except InputError:
         raise
-    except Exception as error:  # whatever a damaged HDF5 file provokes
+    except Exception as error:  # a damaged HDF5 file may raise anything
         raise InputError(
             f"results file {path}: not a readable netCDF-4 file (cut short or damaged?): "
             f"{str(error).splitlines()[0] if str(error) else type(error).__name__}"
@@ -223,7 +223,7 @@ def read(path: str | Path) -> xr.Dataset:
 
 
 class _Remembering(h5py.File):  # type: ignore[misc]
-    """A file that opens each of its objects once: h5netcdf asks for a variable some forty times."""
+    """An HDF5 file that opens each object once; h5netcdf opens each variable some forty times."""
 
     def __init__(self, path: Path, mode: str, **options: Any) -> None:
         super().__init__(path, mode, **options)
@@ -233,7 +233,7 @@ class _Remembering(h5py.File):  # type: ignore[misc]
     def __getitem__(self, name: Any) -> Any:
         if not isinstance(name, str):  # a reference
             return super().__getitem__(name)
-        # another one where the object was made anew
+        # the link changes when an object is made anew
         link = self.changes and name != "/" and self.id.links.get_info(name.encode()).u
         if name not in self.seen or self.seen[name][0] != link:
             self.seen[name] = link, super().__getitem__(name)
@@ -241,7 +241,7 @@ class _Remembering(h5py.File):  # type: ignore[misc]
 
 
 def _not_here(root: h5py.Group) -> str | None:
-    """What of a file is no plain array in it, in words: HDF5 may lead to other files, which nobody meant to open."""
+    """What in a file is not a plain array, as a sentence; HDF5 links could open other files."""
     for name in root:
         if not isinstance(root.get(name, getlink=True), h5py.HardLink):
             return f"{name} is a link"
@@ -256,7 +256,7 @@ def _not_here(root: h5py.Group) -> str | None:
 
 
 def _absent(path: Path) -> str:
-    """What there is in place of a results file."""
+    """Why there is no results file."""
     from swarmcensus.results import shards
 
     folder = shards.folder_of(path)
@@ -270,10 +270,10 @@ def _absent(path: Path) -> str:
 
 
 def frame(data: xr.Dataset) -> Any:
-    """Results in long form: a pandas table with one row a robot and trial, as `export` writes it.
+    """Results in long form: a pandas table with one row per robot and trial, as `export` writes it.
 
-    Missing places are left out. Its columns are the setting's coordinates, `trial`, `robot`, and the variables that
-    each trial or each robot has, as `true_fill_ratio` and `final_estimate`.
+    Missing robots and trials are left out. Columns are the coordinates of the setting, `trial`, `robot`, and the
+    variables of each trial or robot, such as `true_fill_ratio` and `final_estimate`.
     """
     kinds = kinds_in(data)
     size = robots_in(data).values
@@ -292,7 +292,7 @@ def frame(data: xr.Dataset) -> Any:
 
 
 def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
-    """Write results in long form as "csv" or "parquet"; returns the number of rows. Raises InputError."""
+    """Write results in long form as "csv" or "parquet", and return the number of rows. Raises InputError."""
     table = frame(data)
     with whole(path) as beside:
         if kind == "csv":

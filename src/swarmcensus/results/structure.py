@@ -1,6 +1,6 @@
-"""What of a dataset is as a run makes it, as far as it can tell itself: its structure, and which numbers are there.
+"""Checks of a dataset that need nothing else: its structure, and which values are present.
 
-Whether its labels and numbers are those of its study is for `labels` and `verifying`.
+`check_against_study` compares its settings with its study, and `runs.verifying` runs trials again.
 """
 
 import json
@@ -44,7 +44,7 @@ OPTIONAL: dict[str, Any] = {
     **dict.fromkeys(("python_version", "library_versions", "machine", "processor", "started", "finished"), str),
     **dict.fromkeys(("wall_seconds", "cpu_seconds"), float | np.floating),
 }  # fmt: skip
-ONLY_WHERE = {  # what is there of a trial only where another variable says so, and how
+ONLY_WHERE = {  # a variable that a trial has only if another one has such a value
     "consensus_right": ("right_option", np.isfinite), "done_estimate": ("done_round", np.isfinite),
 }  # fmt: skip
 ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max", "valid_range", "_Unsigned")
@@ -57,9 +57,9 @@ def wrong_format(data: xr.Dataset) -> str | None:
 
 
 def unmask(data: xr.Dataset) -> str | None:
-    """Take fill values out of the attributes of a dataset as read; what of them would show other readers other numbers.
+    """Remove fill values from the attributes of a dataset as read; return a sentence if one alters its numbers.
 
-    In memory whole numbers stay whole, and -1 stands for what is missing.
+    In memory whole numbers stay whole, and -1 means missing.
     """
     for key, array in data.variables.items():
         fill = array.attrs.pop("_FillValue", None)
@@ -76,7 +76,7 @@ def unmask(data: xr.Dataset) -> str | None:
 
 
 def wrong(data: xr.Dataset) -> str | None:
-    """What of a dataset is not as a run or a merge makes it, in words; None where nothing is."""
+    """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing is."""
     if said := wrong_format(data):
         return said
     lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
@@ -89,12 +89,12 @@ def wrong(data: xr.Dataset) -> str | None:
 
 
 def _made(data: xr.Dataset) -> Any:
-    """What a dataset says of how it was made. Raises InputError where that is not legible."""
+    """Read how a dataset was made. Raises InputError if that cannot be read."""
     return made_from(data), adversaries_in(data)
 
 
 def _metrics(data: xr.Dataset) -> str | None:
-    """What of the metrics that a dataset names is not so; their sources are read, and not run."""
+    """What is wrong with the metric files of a dataset; their sources are read and not run."""
     try:
         named = [(str(v), str(s["name"]), str(s["sha256"]), str(s["source"])) for v, s in metrics_in(data).items()]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError):
@@ -178,7 +178,7 @@ def _attributes(data: xr.Dataset) -> str | None:
 
 
 def finished(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Of which trials there is all that was asked for, (setting, trial); in merged results some ask for more."""
+    """A mask of the trials that have all requested values, (setting, trial)."""
     names = ["convergence_round"]
     if "local_convergence_step" in data and "merged" not in data.attrs:
         names += ["local_convergence_step"]
@@ -186,12 +186,12 @@ def finished(data: xr.Dataset) -> NDArray[np.bool_]:
 
 
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:
-    """The trials that failed, each once: numbers of setting and trial."""
+    """The failed trials, as numbers of setting and trial."""
     return {(int(one["setting"]), int(one["trial"])) for one in json.loads(data.attrs.get("failed", "[]"))}
 
 
 def _missing(data: xr.Dataset) -> str | None:
-    """Each finished trial has all its numbers and no others, and what is not there is told in the attributes."""
+    """What is wrong with missing values: a finished trial has all its values, and an unfinished one has none."""
     done = data.variables["convergence_round"][:, :, 0] != MISSING
     exists = xr.Variable("robot", np.arange(data.sizes["robot"])) < robots_in(data).variable
     reached = xr.Variable("checkpoint", data.variables["checkpoint"].values) <= data.variables["rounds"]
@@ -203,13 +203,13 @@ def _missing(data: xr.Dataset) -> str | None:
         if lead in data:
             due = _of_trial(_there(data.variables[lead]))
             due = due if name in LOCAL else due & done
-        else:  # by some of merged studies some of what is asked for is measured: all or nothing of a trial
+        else:  # merged studies may measure different things: a trial has all or nothing of each
             due = _of_trial(there) if merged and name not in VARIABLES else done
         if name == "true_fill_ratio":
             due = due & xr.Variable("setting", data.variables["topology"].values == MOVING)
         if "robot" in dims:
             due = due & exists
-        if "checkpoint" in dims:  # of merged results, at those of the one that ran the trial
+        if "checkpoint" in dims:  # in merged results, at the checkpoints of the study that ran the trial
             due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
         if name == "right_option":
             due = due & there
@@ -238,7 +238,7 @@ def _there(array: xr.Variable) -> xr.Variable:
 
 
 def _of_trial(there: xr.Variable) -> xr.Variable:
-    """Of which trials there is something."""
+    """A mask of the trials that have any value, (setting, trial)."""
     return _any(there, {str(dim) for dim in there.dims} - {"setting", "trial"})
 
 
@@ -247,11 +247,11 @@ def _any(there: xr.Variable, dims: set[str]) -> xr.Variable:
 
 
 def _malformed(name: str, array: xr.Variable) -> xr.Variable:
-    """Which numbers are missing or infinite in a form that no run writes: each has one."""
+    """A mask of missing or infinite values in a form that no run writes."""
     values = array.values
     if values.dtype.kind == "i":
         return xr.Variable(array.dims, values < MISSING)
-    endless = name in ENDLESS or name not in EVERY  # metrics of files say infinity too of what never comes
+    endless = name in ENDLESS or name not in EVERY  # metric files use infinity for "never" too
     wrong = (np.isinf(values) & (values < 0 if endless else True)) | (
         np.isnan(values) & (values.view(np.uint64) != NAN_BITS)
     )
@@ -259,7 +259,7 @@ def _malformed(name: str, array: xr.Variable) -> xr.Variable:
 
 
 def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple[dict[str, int], str] | None:
-    """The first place at which something is wrong: its indices, and what to call it."""
+    """The indices of the first wrong value, and its name for a message."""
     found = np.argwhere(wrong.transpose(*dims).values)
     if not found.size:
         return None
@@ -268,7 +268,7 @@ def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
-    """The attributes of a dataset of which settings or trials may have been taken away, as they then are."""
+    """The attributes of a selection of a dataset, with trials counted anew."""
     left = [
         one
         for one in json.loads(data.attrs.get("failed", "[]"))
@@ -280,7 +280,7 @@ def selected(data: xr.Dataset) -> dict[str, Any]:
 
 
 def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
-    """The brains of a dataset, by name, and the texts of its studies. Raises InputError."""
+    """The brains of a dataset by name, and the texts of its studies. Raises InputError."""
     sources = _sources(data, "brains", "brain")
     try:
         texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []

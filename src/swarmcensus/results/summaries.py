@@ -1,4 +1,4 @@
-"""What results come to: a row a setting, of medians over robots and trials, and how far trials leave them open."""
+"""Summaries of results: one row per setting, with medians over robots and trials and their intervals."""
 
 import json
 from collections import Counter
@@ -31,17 +31,15 @@ Columns = dict[str, NDArray[Any]]
 
 
 def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoint: int | None = None) -> Any:
-    """Results as a pandas table with one row a setting: what they come to, with 95 % intervals over trials.
+    """Summarise results as a pandas table with one row per setting, with 95 % intervals over trials.
 
-    Beside the setting's coordinates there are `trials` (done) and `failed`, and of each of `convergence_round`,
-    `convergence_error`, `final_error` (medians over robots and trials, also of the local estimate where it was
-    followed, of the rounds of decisions, of consensus and of `done` where brains have them, and of metrics of files)
-    and `correct` (the mean over trials after round `checkpoint`, by default the last checkpoint that the setting
-    reaches) the value and its interval, `_low` and `_high`: NaN for fewer than 6 trials. Of brains that have an
-    interval there are `coverage` (the mean over trials) and `interval_width` (the median) after that round too; of
-    those that may be done, `done` is the share of robots that were. `where` picks settings, as in `swarmcensus show`.
-    What pandas shows of a wide table comes first and last: the coordinates that vary, and the values. Raises
-    InputError.
+    Columns are the setting's coordinates, `trials` (done) and `failed`, and for each measured quantity its value and
+    its interval, with the suffixes `_low` and `_high` (NaN for fewer than 6 trials). Times and errors are medians over
+    robots and trials: `convergence_round`, `convergence_error`, `final_error`, those of the local estimate, decisions,
+    consensus and `done` where they exist, and metric files. `correct` is the mean over trials after round `checkpoint`
+    (default: the last one that the setting reaches); so are `coverage` (a mean) and `interval_width` (a median) if
+    brains have intervals. `done` is the share of robots that were done. `where` selects settings, as in
+    `swarmcensus show`. Columns are ordered so that pandas shows what varies and the values. Raises InputError.
     """
     import pandas as pd
 
@@ -57,12 +55,12 @@ def summary(results: xr.Dataset | str | Path, where: str | None = None, checkpoi
 
 
 def medians_in(data: xr.Dataset) -> list[str]:
-    """The variables of which a summary holds the median: two of the paper's, and metrics of files."""
+    """The names of quantities and metric files whose median a summary has."""
     return [name for name in (*MEDIANS, *metrics_in(data)) if name in data]
 
 
 def _ready(data: xr.Dataset) -> xr.Dataset:
-    """With the error after the last round, which is no variable, as one."""
+    """Results with the final error as a variable."""
     return measures.with_measure(data, "final_error")
 
 
@@ -78,7 +76,7 @@ def _with_intervals(data: xr.Dataset, checkpoint: int | None) -> Columns:
 
 
 def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
-    """The columns of a summary without its intervals, which take the most time. Raises InputError."""
+    """The columns of a summary without intervals, which take most of the time. Raises InputError."""
     data, ran = _ready(data), done(data)
     columns: Columns = {"setting": data["setting"].values}
     columns |= {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
@@ -104,31 +102,31 @@ def points(data: xr.Dataset, checkpoint: int | None = None) -> Columns:
 
 
 def ordered(data: xr.Dataset, column: str, reverse: bool = False, checkpoint: int | None = None) -> xr.Dataset:
-    """The settings in the order of a column of `points`, what is missing last. Raises InputError."""
+    """Sort settings by a column of `points`, missing values last. Raises InputError."""
     found = points(data, checkpoint)
     if column not in found and column not in SHORT:
         known = [*SHORT, *(k for k in found if k not in SHORT.values())]
         raise InputError(f"{option('sort', column)}: {did_you_mean(column, known)}known are {', '.join(known)}")
     values = found[SHORT.get(column, column)]
-    if values.dtype.kind in "OU":  # accuracies are text: numbers among them come first, as numbers
+    if values.dtype.kind in "OU":  # accuracies are text: those that are numbers come first, in order
         texts, place = np.unique(values.astype(str), return_inverse=True)
         values = np.argsort(np.lexsort((texts, selecting.numbers(texts))))[place]
     return data.isel(setting=np.argsort(-values if reverse else values, kind="stable"))
 
 
 def asked_anew(data: xr.Dataset) -> list[str]:
-    """Which of "bins" and "delta" are not the study's own: see `remeasure`."""
+    """Which of "bins" and "delta" were changed by `remeasure`."""
     return [key for key in str(data.attrs.get("asked_anew", "")).split(", ") if key]
 
 
 def failed_trials(data: xr.Dataset) -> list[dict[str, Any]]:
-    """The failed trials of the settings that are there: `setting`, `trial` and `why`."""
+    """The failed trials of these settings, each with `setting`, `trial` and `why`."""
     there = set(data["setting"].values.tolist())
     return [one for one in json.loads(data.attrs.get("failed", "[]")) if one["setting"] in there]
 
 
-def told_of(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
-    """The summary of these settings of a file as JSON takes it: see docs/data-format.md. Raises InputError."""
+def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None) -> dict[str, Any]:
+    """The summary of these settings for JSON (see docs/data-format.md). Raises InputError."""
     import pandas as pd
 
     frame = pd.DataFrame(_with_intervals(_ready(data), checkpoint))
@@ -163,14 +161,14 @@ def _nested(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def done(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Which trials have run, (setting, trial)."""
+    """A mask of the trials that have run, (setting, trial)."""
     return np.asarray(data["convergence_round"].values[:, :, 0] >= 0)
 
 
 def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
-    """The place of the checkpoint that is looked at, a setting; -1 where a setting ends before.
+    """The index of the checkpoint for each setting, by default the last one that it reaches; -1 if it ends before.
 
-    Of such a setting nothing is known there, nor at the last checkpoint, which -1 is the place of.
+    At index -1, the last checkpoint, such a setting has no values either.
     """
     known, rounds = data["checkpoint"].values, data["rounds"].values
     if checkpoint is None:
@@ -183,12 +181,12 @@ def _reached(data: xr.Dataset, checkpoint: int | None) -> NDArray[np.intp]:
 def _looked_at(
     data: xr.Dataset, name: str, ran: NDArray[np.bool_], place: NDArray[np.intp]
 ) -> Iterator[NDArray[np.float64]]:
-    """What trials that are done have of a variable of checkpoints at these, setting by setting."""
+    """Yield the values of a variable at the checkpoints `place` for the finished trials of each setting."""
     return (data[name].values[k, place[k], trials] for k, trials in enumerate(ran))
 
 
 def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The median over the trials that are done and their robots, a setting; NaN where there is none."""
+    """The median over finished trials and robots, (setting,); NaN without a trial."""
     array, robots = _by_robot(data, name), robots_in(data).values
     settings, trials, widest = array.shape
     out = np.full(settings, np.nan)
@@ -196,7 +194,7 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
     for first in range(0, settings, step):
         rows = slice(first, first + step)
         here = ran[rows, :, np.newaxis] & (np.arange(widest) < robots[rows, np.newaxis, np.newaxis])
-        here &= array[rows] == array[rows]  # a metric that some of merged studies did not ask for
+        here &= array[rows] == array[rows]  # not every merged study asks for every metric
         values = np.sort(np.where(here, array[rows], np.inf).reshape(len(here), -1), axis=1)
         count = here.sum(axis=(1, 2))[:, np.newaxis]
         middle = np.take_along_axis(values, np.concatenate([(count - 1) // 2, count // 2], axis=1), axis=1)
@@ -205,10 +203,7 @@ def _medians(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.
 
 
 def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[np.float64]:
-    """The ends of a column's intervals over those trials that have it, (setting, 2), within what it can be.
-
-    No convergence is after the last round, though the interval of a median reaches half the way to a value beyond.
-    """
+    """The ends of a column's intervals over trials, (setting, 2), within the bounds of the quantity."""
     ran = done(data)
     ends = np.full((len(ran), 2), np.nan)
     if "checkpoint" in data[name].dims:
@@ -226,7 +221,7 @@ def _intervals(data: xr.Dataset, name: str, checkpoint: int | None) -> NDArray[n
 
 
 def _means(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The mean over the trials that are done, each the mean of its robots, a setting; NaN where none has it."""
+    """The mean over finished trials of the mean over robots, (setting,); NaN without a trial."""
     values = measures.numbers(data, name)
     known = ran & ~np.isnan(values)
     total = np.where(known, values, 0.0).sum(axis=1)
@@ -234,23 +229,23 @@ def _means(data: xr.Dataset, name: str, ran: NDArray[np.bool_]) -> NDArray[np.fl
 
 
 def _by_robot(data: xr.Dataset, name: str) -> NDArray[Any]:
-    """A variable's numbers, (setting, trial, robot); of a swarm as of a single robot."""
+    """A variable as (setting, trial, robot), with one robot for a metric of the swarm."""
     array = data[name].values
     return array if array.ndim == 3 else array[:, :, np.newaxis]
 
 
 def is_idle(value: object) -> bool:
-    """Whether a coordinate's value says nothing, as the density and the floor of a fixed network."""
+    """Whether a coordinate has no value, as density and floor on a fixed network."""
     return str(value) in ("", "nan")
 
 
 def restated(results: xr.Dataset) -> set[str]:
-    """Coordinates that say no more than others do: of density and side one, and who and how many of members lie."""
-    return {told(results)} | ({"liars", "adversary"} if "members" in results.coords else set())
+    """Coordinates that repeat others: one of density and side, and `liars` and `adversary` if there are `members`."""
+    return {derived_size(results)} | ({"liars", "adversary"} if "members" in results.coords else set())
 
 
-def told(results: xr.Dataset) -> str:
-    """Which of an arena's density and side the other one tells: what the study gave has fewer, or rounder, values."""
+def derived_size(results: xr.Dataset) -> str:
+    """Which of density and side follows from the other; the study gave the one with fewer or rounder values."""
     if not {"density", "side"} <= results.coords.keys():
         return ""
     texts = {name: {f"{value:.12g}" for value in results[name].values.tolist()} for name in ("side", "density")}

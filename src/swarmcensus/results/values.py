@@ -1,4 +1,4 @@
-"""A study's numbers as they come in: which variables there are, and arrays that fill up piece by piece."""
+"""The arrays of a run: which variables there are, and values that arrive piece by piece."""
 
 import contextlib
 import ctypes
@@ -25,7 +25,7 @@ Kind = tuple[tuple[str, ...], Any, str, str]  # a variable's dimensions, type, u
 
 
 def kind_of(quantity: Quantity) -> Kind:
-    """What a file says of a quantity."""
+    """The dimensions, type, unit and meaning of a quantity."""
     return quantity.dims, quantity.kind, quantity.unit, quantity.meaning
 
 
@@ -39,46 +39,40 @@ ENDINGS = _group("endings")
 INTERVALS = _group("intervals")
 LOCAL = _group("local")
 ESTIMATES = _group("estimates")
-EVERY = VARIABLES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # but for metrics of files
-# a trial has all of such a group or nothing of it: the first variable of the group tells which
+EVERY = VARIABLES | DECISIONS | ENDINGS | INTERVALS | LOCAL | ESTIMATES  # apart from metric files
+# A trial has either all variables of such a group or none: the first variable of the group shows which.
 LEADS = {name: next(iter(group)) for group in (DECISIONS, ENDINGS, INTERVALS, LOCAL) for name in group}
-ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # what never comes is infinite
-MARKS = "convergence_round", "local_convergence_step"  # by which one knows that a trial is done, and its local part
-MISSING = -1  # for whole numbers; NaN for the others
-NAN_BITS = np.array(np.nan).view(np.uint64)  # there are many NaN, and what is missing is this one
+ENDLESS = tuple(name for name, quantity in QUANTITIES.items() if quantity.never)  # infinite stands for "never"
+MARKS = "convergence_round", "local_convergence_step"  # present once a trial is done, and its local part
+MISSING = -1  # in whole numbers; NaN in others
+NAN_BITS = np.array(np.nan).view(np.uint64)  # many bit patterns are NaN; this one means missing
 
 Columns = dict[str, NDArray[Any]]
-
-
-LARGE_BYTES = 16_000_000  # of an array from which on it lies in a file
-
-
+LARGE_BYTES = 16_000_000  # from this size on, an array lies in a file
 BLOCK = 2_000_000  # numbers that are written at once
-
-
-FRESH_BYTES = 16_000_000  # that are put into arrays before memory is looked after
+FRESH_BYTES = 16_000_000  # written bytes after which unused memory is returned
 
 
 class Room:
-    """Makes arrays of missing numbers: large ones in files of a folder, if one is given.
+    """Makes arrays of missing numbers; large ones are mapped to unnamed files in a folder, if one is given.
 
-    The system then keeps of them in memory what there is room for. The files go with the process, however it ends.
+    The operating system keeps as much of them in memory as fits. The files vanish when the process ends.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
-        """Know the folder."""
+        """Set the folder of the files."""
         self.folder = folder
         self._maps: list[mmap.mmap] = []
         self._fresh = 0
 
     def full(self, shape: tuple[int, ...], missing: float, kind: Any) -> NDArray[Any]:
-        """An array in which all numbers are `missing`. Raises InputError where the folder's disk is full."""
+        """An array in which all numbers are `missing`. Raises InputError if the disk is full."""
         size = math.prod(shape)
         if self.folder is None or size * np.dtype(kind).itemsize < LARGE_BYTES:
             return np.full(shape, missing, kind)
         try:
             with tempfile.TemporaryFile(dir=self.folder) as file:
-                for first in range(0, size, BLOCK):  # written, not mapped: where there is no room, one is told
+                for first in range(0, size, BLOCK):  # written, not mapped: a full disk raises an error
                     file.write(np.full(min(BLOCK, size - first), missing, kind).tobytes())
                 file.flush()
                 pages = mmap.mmap(file.fileno(), 0)
@@ -88,50 +82,50 @@ class Room:
         return np.frombuffer(pages, kind).reshape(shape)
 
     def wrote(self, size: int) -> None:
-        """So many bytes were put into arrays: now and then memory that is not needed goes back to the system."""
+        """Count `size` bytes written into arrays; now and then, return unused memory to the system."""
         self._fresh += size
         if self._fresh < FRESH_BYTES:
             return
         self._fresh = 0
-        if hasattr(mmap, "MADV_DONTNEED"):  # what was put there is in the file
+        if hasattr(mmap, "MADV_DONTNEED"):  # the pages are in the file
             for pages in self._maps:
                 pages.madvise(mmap.MADV_DONTNEED)
-        with contextlib.suppress(OSError, AttributeError, TypeError):  # other C libraries have none of its name
-            ctypes.CDLL(None).malloc_trim(0)  # glibc keeps arrays of some megabytes that were freed, thread by thread
+        with contextlib.suppress(OSError, AttributeError, TypeError):  # only glibc has it
+            ctypes.CDLL(None).malloc_trim(0)  # glibc keeps freed arrays of some megabytes, per thread
 
 
 def blank(kind: Any) -> Any:
-    """What stands for a missing number in an array of this type."""
+    """The missing value of an array of this type."""
     return MISSING if np.issubdtype(kind, np.integer) else np.nan
 
 
 def is_missing(array: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which numbers are missing, or padding (the same shape)."""
+    """A mask of the missing values (same shape)."""
     return np.asarray(array == MISSING if array.dtype.kind == "i" else np.isnan(array))
 
 
 def same_bits(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
-    """Which values are the same to the last bit (the same shape): 0 is not -0, and two NaN may differ."""
+    """A mask of the values that are equal to the last bit (same shape): 0 differs from -0, and two NaN may differ."""
     if one.dtype.kind == other.dtype.kind == "f" and one.dtype.itemsize == other.dtype.itemsize == 8:
         one, other = one.view(np.uint64), other.view(np.uint64)
     return np.asarray(one == other)
 
 
 def _place(kind: Kind) -> tuple[int, bool]:
-    """Which axis of a setting's array is the trial, and whether the last one is the robot."""
+    """The axis of the trial in a setting's array, and whether the last axis is the robot."""
     return kind[0].index("trial") - 1, kind[0][-1] == "robot"
 
 
-PLACES = {name: _place(kind) for name, kind in EVERY.items()}  # of every piece, each name is looked up
+PLACES = {name: _place(kind) for name, kind in EVERY.items()}  # looked up for every piece
 
 
 def kinds_of(metrics: Iterable[Metric]) -> dict[str, Kind]:
-    """The variables of metrics."""
+    """The variables of metric files."""
     return {m.variable: (PER_TRIAL if m.of_swarm else PER_ROBOT, np.float64, m.unit, m.meaning) for m in metrics}
 
 
 def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
-    """The variables of a dataset that a run fills: those of old, and those of the metrics that it names."""
+    """The variables of a dataset that a run fills: stored quantities and metric files."""
     known = {name: kind for name, kind in EVERY.items() if name in data}
     return known | {
         name: (data[name].dims, np.float64, str(data[name].attrs.get("units")), str(data[name].attrs.get("long_name")))
@@ -141,17 +135,17 @@ def kinds_in(data: Mapping[Any, Any]) -> dict[str, Kind]:
 
 
 def robots_in(data: Any) -> Any:
-    """How many robots a setting has numbers of: all of them, or where some lie the honest ones (setting)."""
+    """The number of measured robots, (setting,): all, or only the honest ones if some lie."""
     return data["honest"] if "honest" in data else data["robots"]
 
 
 def parameters_in(data: Any) -> list[str]:
-    """The coordinates that are brains' parameters."""
+    """The names of coordinates that are parameters of brains."""
     return list(dict.fromkeys(name for names in _read(data.attrs.get("parameters", "{}")).values() for name in names))
 
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
-    """The metrics that a dataset names, by their variables: `name`, `sha256` and `source`."""
+    """The metric files of a dataset by variable, each with `name`, `sha256` and `source`."""
     return _read(data.attrs.get("metrics", "{}"))
 
 
@@ -162,13 +156,13 @@ def _read(text: str) -> dict[str, Any]:
 
 
 def metric_of(data: Any, name: str) -> Metric:
-    """The metric file that a variable comes from, as the dataset holds it; it is not run."""
+    """The metric file of a variable, from the source in the dataset; it is not run."""
     about = metrics_in(data)[name]
     return parse(about["source"], about["name"], Path(about["name"]))
 
 
 def bounds_in(data: Any, name: str) -> tuple[float, float | NDArray[np.float64]]:
-    """The least and the largest number that a variable can be, the latter also by setting, (setting,)."""
+    """The lowest and the highest possible value of a variable; the highest may be an array (setting,)."""
     if name in metrics_in(data):
         return metric_of(data, name).bounds
     quantity = QUANTITIES.get(name)
@@ -182,7 +176,7 @@ def bounds_in(data: Any, name: str) -> tuple[float, float | NDArray[np.float64]]
 
 
 def additions_in(data: Any) -> dict[str, dict[str, str]]:
-    """What of other packages a dataset says that it used, as `Study.additions`; nothing where that is not legible."""
+    """The additions of other packages that a dataset used, as `Study.additions`; empty if they cannot be read."""
     try:
         said = json.loads(data.attrs.get("additions", "{}"))
         return {str(name): {k: str(one[k]) for k in ("package", "version", "sha256")} for name, one in said.items()}
@@ -191,7 +185,7 @@ def additions_in(data: Any) -> dict[str, dict[str, str]]:
 
 
 def edited(data: Any, study: Study) -> str:
-    """Which of them is of another edition here, as a sentence; empty where none is."""
+    """A sentence that names an addition which has changed since the results were made; empty if none has."""
     for name, one in additions_in(data).items():
         if study.additions.get(name, one)["sha256"] != one["sha256"]:
             return f"the {name} of {one['package']} was changed since these results were made"
@@ -199,18 +193,18 @@ def edited(data: Any, study: Study) -> str:
 
 
 def sources_of(metrics: Iterable[Metric]) -> dict[str, dict[str, Any]]:
-    """The same of metrics themselves, as a dataset is to name them."""
+    """Metric files as a dataset stores them: `name`, `sha256` and `source` by variable."""
     return {m.variable: {"name": m.name, "sha256": m.sha256, "source": m.source} for m in metrics}
 
 
 def told(sources: Mapping[str, Mapping[str, Any]]) -> str:
-    """The same in a line that tells two versions of a metric apart."""
+    """Metric files as one line, with the start of each hash."""
     return ", ".join(f"{variable} ({one['sha256'][:8]})" for variable, one in sorted(sources.items()))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """What came of some trials of one setting."""
+    """The values of some consecutive trials of one setting."""
 
     setting: int
     first: int
@@ -219,7 +213,7 @@ class Piece:
 
     @property
     def shape(self) -> tuple[int, int]:
-        """How many trials, and robots."""
+        """The numbers of trials and robots."""
         name = "local_convergence_error" if self.local else "convergence_error"
         trials, robots = self.columns[name].shape
         return trials, robots
@@ -228,7 +222,7 @@ class Piece:
 def shapes(
     trials: int, robots: int, checkpoints: int, local: bool, names: Iterable[str], of_swarm: Collection[str]
 ) -> dict[str, tuple[int, ...]]:
-    """The shapes of those; `names` are all that there are, `of_swarm` those of metrics that have one number a trial."""
+    """The shapes of a piece's columns; `of_swarm` names the metrics with one number per trial."""
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
     if local:
         return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in LOCAL.items()}
@@ -241,7 +235,7 @@ def shapes(
 
 
 class Values:
-    """Arrays of the dataset's shapes, missing values where nothing has run yet."""
+    """Arrays with the shapes of the dataset, filled with missing values where nothing has run yet."""
 
     def __init__(
         self,
@@ -251,9 +245,9 @@ class Values:
         local: bool | None = None,
         room: Room | None = None,
     ) -> None:
-        """Make room for so many trials of settings of a study; `local` instead of what it says of local estimates.
+        """Allocate arrays for `trials` trials of each setting; `local` overrides the study's `measure.local`.
 
-        Arrays lie in the `room`, by default in memory. Raises InputError where it is full.
+        `room` allocates the arrays, by default in memory. Raises InputError if it is full.
         """
         self.robots = [s.honest for s in settings]
         sizes = {
@@ -273,7 +267,7 @@ class Values:
 
     @classmethod
     def of(cls, data: Mapping[Any, Any]) -> Self:
-        """Those of a dataset, which are not copied."""
+        """The arrays of a dataset, without copying."""
         values = cls.__new__(cls)
         values.room = Room()
         values.robots = robots_in(data).values.tolist()
@@ -283,11 +277,11 @@ class Values:
 
     @property
     def trials(self) -> int:
-        """For how many trials there is room."""
+        """The number of trials that the arrays hold."""
         return int(self.arrays["convergence_round"].shape[1])
 
     def grow(self, trials: int) -> None:
-        """Make room for so many trials, if there is less."""
+        """Enlarge the arrays to at least `trials` trials."""
         if trials <= self.trials:
             return
         for name, array in self.arrays.items():
@@ -298,7 +292,7 @@ class Values:
             self.arrays[name] = wider
 
     def put(self, setting: int, first: int, taken: Columns) -> None:
-        """Store the numbers of some trials of a setting; what `done` looks at last: Ctrl-C may fall between."""
+        """Store the values of some trials of a setting. What `done` reads is written last, as Ctrl-C may interrupt."""
         for name in (*(name for name in taken if name not in MARKS), *(name for name in MARKS if name in taken)):
             axis, by_robot = PLACES.get(name) or _place(self.kinds[name])
             values, array = taken[name], self.arrays[name][setting]
@@ -308,15 +302,15 @@ class Values:
             self.room.wrote(values.nbytes)
 
     def forget_halves(self) -> None:
-        """Make missing again what Ctrl-C left of trials that were just being stored."""
+        """Clear trials that Ctrl-C interrupted while they were stored."""
         for name, array in self.arrays.items():
             by_trial = np.moveaxis(array, self.kinds[name][0].index("trial"), 1)
             by_trial[~self.done(name in LOCAL)] = blank(array.dtype)
 
     def done(self, local: bool = False) -> NDArray[np.bool_]:
-        """Which trials have run, (setting, trial)."""
+        """A mask of the trials that have run, (setting, trial)."""
         return np.asarray(self.arrays[MARKS[local]][:, :, 0] != MISSING)
 
     def finished(self) -> NDArray[np.bool_]:
-        """Of which trials there is all that was asked for, (setting, trial)."""
+        """A mask of the trials that have all requested values, (setting, trial)."""
         return self.done() & self.done(local=True) if MARKS[True] in self.arrays else self.done()
