@@ -13,8 +13,8 @@ FILES = {
     "tiny.py": "from swarmcensus.engine.compiling import entry\n\n\n@entry\ndef double(x):\n    return 2 * x\n",
 }
 CODE = f"""
-from swarmcensus.engine import modules
-tiny = modules.module({FILES!r}, "tiny")
+from swarmcensus.engine import code_cache
+tiny = code_cache.module({FILES!r}, "tiny")
 print(tiny.double(21), tiny.double(1.5), sum(tiny.double.stats.cache_hits.values()))
 """
 
@@ -71,8 +71,8 @@ def test_damaged_files_are_made_anew(name, damage, folder):
 def test_processes_that_need_the_same_at_the_same_time_compile_it_once(tmp_path):
     code = f"""
 import pathlib, time
-from swarmcensus.engine import modules
-tiny = modules.module({FILES!r}, "tiny")
+from swarmcensus.engine import code_cache
+tiny = code_cache.module({FILES!r}, "tiny")
 print("ready", flush=True)
 while not pathlib.Path("go").exists():
     time.sleep(0.001)
@@ -92,8 +92,8 @@ print(tiny.double(21), sum(tiny.double.stats.cache_misses.values()))
 def test_a_process_that_was_forked_compiles_too(tmp_path):
     code = f"""
 import os
-from swarmcensus.engine import modules
-tiny = modules.module({FILES!r}, "tiny")
+from swarmcensus.engine import code_cache
+tiny = code_cache.module({FILES!r}, "tiny")
 tiny.double(21)
 child = os.fork()
 if not child:

@@ -296,9 +296,9 @@ def test_where_no_cache_can_be_kept_nothing_is_compiled_beside(tmp_path):
     code = """
         import warnings
         warnings.simplefilter("ignore")
-        from swarmcensus.engine import modules
+        from swarmcensus.engine import code_cache
         from swarmcensus.runs import pools
-        print(modules.keeps())
+        print(code_cache.keeps())
     """
     for place, said in (("file", "False"), ("folder", "True")):
         done = python(code, env=os.environ | {"SWARMCENSUS_CACHE": str(tmp_path / place)})
