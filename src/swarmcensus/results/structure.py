@@ -29,13 +29,13 @@ from swarmcensus.results.values import (
     robots_in,
 )
 from swarmcensus.vocabulary.coordinates import COORDINATES
-from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL
+from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.worlds.networks import MOVING
 
 FORMAT = "swarmcensus results 3"
 TEXTS = tuple(name for name, one in COORDINATES.items() if one.always and one.type == "text")
 NUMBERS = tuple(name for name, one in COORDINATES.items() if one.always and one.type != "text")
-BRAIN_FACTS = ("memory_bytes", "message_bytes", "anonymous")  # variables about each setting's brain
+BRAIN_FACTS = tuple(name for name, one in stored("setting").items() if one.kind is np.int64)
 ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),

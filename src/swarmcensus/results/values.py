@@ -33,7 +33,7 @@ def _group(name: str) -> dict[str, Kind]:
     return {one: kind_of(quantity) for one, quantity in stored(name).items()}
 
 
-VARIABLES = _group("always")
+VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
 DECISIONS = _group("decisions")
 ENDINGS = _group("endings")
 INTERVALS = _group("intervals")

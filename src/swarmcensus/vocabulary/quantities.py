@@ -28,10 +28,11 @@ OPTIONS = (-1.0, inf)  # bounds of an option's number; -1 is none
 class Quantity:
     """Something that is measured, with what every reader needs to know of it.
 
-    `group` says which runs store it ("always", or with which kind of brain or key of a study); "derived" is stored by
-    none: `derive` then works it out of the arrays of `inputs`, robot by robot. `statistic` is what is taken over robots
-    and over trials, `share` is whether it is a share, which is printed in percent. `low` is whether less is better;
-    None is not compared. `summary` is whether `swarmcensus show --json` and `sc.summary` have it.
+    `group` says which runs store it ("always", "messages" and "setting": all runs; other groups: with which kind of
+    brain or key of a study); "derived" is stored by none: `derive` then works it out of the arrays of `inputs`, robot
+    by robot. `statistic` is what is taken over robots and over trials, `share` is whether it is a share, which is
+    printed in percent. `low` is whether less is better; None is not compared. `summary` is whether `swarmcensus show
+    --json` and `sc.summary` have it.
     """
 
     name: str
@@ -131,14 +132,14 @@ ALL = (
         label="local error at K", axis=r"local error $|\hat{x}^K - f\,|$", low=True, summary=True,
         compared="|x - f| of the local estimate at its K", page="its error there; only with `local = true`",
     ),
-    Quantity(  # of messages: real numbers, for R knows no whole ones as large
-        "messages_sent", "rounds, or ticks, in which the robot broadcast", "always", unit="messages",
+    Quantity(
+        "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
         label="messages", axis="messages sent by a robot", low=True, statistic="mean", summary=True,
         compared="messages sent by a robot",
         page="in how many rounds, or ticks, the robot broadcast; times `message_bytes` it is what it sent",
     ),
     Quantity(
-        "messages_heard", "messages that reached the robot", "always", unit="messages",
+        "messages_heard", "messages that reached the robot", "messages", unit="messages",
         label="heard", low=True, statistic="mean", summary=True, compared="messages heard by a robot",
         page="how many messages reached it",
     ),
