@@ -23,7 +23,7 @@ from swarmcensus.paper import claims, page, report
 from swarmcensus.paper import reproducing as paper
 from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.paper.page import strip
+from swarmcensus.paper.strips import strip
 from swarmcensus.results import store as results
 
 CLAIM = claims.CLAIMS[0]
@@ -283,7 +283,7 @@ def test_all_text_on_the_page_is_escaped(tmp_path):
     texts = dict.fromkeys(("title", "sentence", "section", "statistic", "threshold", "explanation"), nasty)
     text = a_page(tmp_path, outcome(FAILS, *[detail] * 5, **texts))
     assert "<script>" not in text
-    assert text.count("&lt;script&gt;alert(&#x27;&amp;&#x27;)") > 12
+    assert text.count("&lt;script&gt;alert(&#39;&amp;&#39;)") > 12
 
 
 def test_findings_put_refuted_claims_first_and_explain_them(tmp_path):

@@ -191,7 +191,7 @@ def doctor(options: argparse.Namespace) -> int:
 
 LIBRARIES = (
     "numpy", "numba", "llvmlite", "xarray", "h5netcdf", "h5py", "pydantic", "rich", "matplotlib", "networkx",
-    "filelock", "pillow", "shtab",
+    "filelock", "pillow", "shtab", "jinja2",
 )  # fmt: skip
 EXTRAS = {
     "parquet": ("pyarrow",),

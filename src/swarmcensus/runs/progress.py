@@ -1,16 +1,17 @@
 """How a run tells a person where it is: a bar on a terminal, plain lines elsewhere."""
 
 import contextlib
-import html
 import importlib
 import logging
 import math
 import sys
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.formatting import counted
+from swarmcensus.basics.templates import render
 from swarmcensus.runs.collect import Progress
 
 LOG = logging.getLogger(__name__)
@@ -92,9 +93,10 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
     last: Progress | None = None
     handle: Any = None
 
-    def put(text: str, bar: str = "") -> None:
+    def put(text: str, done: float = 0.0, whole: float | None = None) -> None:
         nonlocal handle
-        shown = {"text/plain": text, "text/html": f"{bar}<small>{html.escape(text)}</small>"}
+        page = render(Path(__file__).with_name("progress.html.jinja"), text=text, done=done, whole=whole)
+        shown = {"text/plain": text, "text/html": page}
         if handle is None:
             handle = display(shown, raw=True, display_id=True)
         else:
@@ -108,8 +110,8 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
         count = "{:,} of {:,}".format(*progress.steps) if progress.steps[1] > 1 else ""
         pace = ", ".join(filter(None, (progress.note, count) if progress.note else _pace(progress, elapsed)))
         trials = f"{progress.done:,} of {counted(progress.total, 'trial')}" if progress.total else ""
-        bar = f'<progress max="{max(progress.work_total, 1e-9)}" value="{progress.work_done}"></progress> '
-        put(": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))])), bar)
+        text = ": ".join(filter(None, [label, ", ".join(filter(None, [trials, pace]))]))
+        put(text, progress.work_done, max(progress.work_total, 1e-9))
 
     try:
         yield show

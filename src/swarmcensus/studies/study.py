@@ -1,7 +1,6 @@
 """A study: a grid of settings, from a study file or from Python."""
 
 import functools
-import html
 import itertools
 import warnings
 from collections.abc import Iterator, Mapping
@@ -14,6 +13,7 @@ from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.templates import render
 from swarmcensus.brains import Adversary, Brain, adversary
 from swarmcensus.studies.checks import all_settings, check
 from swarmcensus.studies.grids import Grid, grids_of
@@ -218,15 +218,13 @@ def grid(study: Any) -> str:
     """The study as a table in HTML: a row for each key, those of several values first."""
     rows = sorted(_keys(study.grids[0]), key=lambda row: len(row[1]) < 2)
     rows += [(f"[[{name}]]", [f"{len(tables)} more"]) for name, tables in _more(study) if tables]
-    lines = [
-        f"<tr><th style='text-align:left'>{html.escape(key)}</th><td style='text-align:right'>"
-        f"{len(values) if len(values) > 1 else ''}</td><td style='text-align:left'>{html.escape(_listed(values))}</td>"
-        "</tr>"
-        for key, values in rows
-    ]
-    head = f"<b>{html.escape(study.name)}</b>: {size_of(study)}, seed {study.seed}"
-    columns = "<tr><th style='text-align:left'>key</th><th></th><th style='text-align:left'>values</th></tr>"
-    return f"<div>{head}<table><thead>{columns}</thead><tbody>{''.join(lines)}</tbody></table></div>"
+    return render(
+        Path(__file__).with_name("grid.html.jinja"),
+        name=study.name,
+        size=size_of(study),
+        seed=study.seed,
+        rows=[(key, len(values), _listed(values)) for key, values in rows],
+    )
 
 
 def _keys(of: Grid) -> Iterator[tuple[str, list[Any]]]:

@@ -1,13 +1,9 @@
 """One recorded trial in one file: the page, its parts and all frames, which opens from disk without a server."""
 
 import base64
-import hashlib
-import html
-import json
 import zlib
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -15,8 +11,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import whole
 from swarmcensus.basics.formatting import counted
 from swarmcensus.watching.offers import Offer, wanted
+from swarmcensus.watching.pages import recorded_page
 from swarmcensus.watching.scenes import scene_of
-from swarmcensus.watching.server import PAGE
 from swarmcensus.watching.sessions import form_of
 from swarmcensus.watching.shows import Show
 
@@ -66,7 +62,7 @@ def export(
         "step": step,
         "played": dict(played or {}),
     }
-    text = _page(recording)
+    text = recorded_page(recording)
     with whole(path) as beside:
         beside.write_text(text, encoding="utf-8")
     return len(text.encode())
@@ -108,29 +104,3 @@ def _shuffled(values: np.ndarray) -> bytes:
 
 def _packed(content: bytes) -> str:
     return base64.b64encode(zlib.compress(content, 9)).decode()
-
-
-def _page(recording: dict[str, Any]) -> str:
-    """The page with all its parts in it; what it may run is named by its hash."""
-    page = (PAGE / "index.html").read_text(encoding="utf-8")
-    styles, scripts = [], []
-    lines = []
-    for line in page.splitlines():
-        if 'rel="stylesheet"' in line:
-            styles.append((PAGE / line.split('href="')[1].split('"')[0]).read_text(encoding="utf-8"))
-        elif line.startswith("<script src="):
-            scripts.append((PAGE / line.split('src="')[1].split('"')[0]).read_text(encoding="utf-8"))
-        else:
-            lines.append(line)
-    licences = "\n".join(path.read_text(encoding="utf-8") for path in sorted(PAGE.glob("*-license.txt")))
-    style, script = "\n".join(styles), "\n".join(scripts)
-    hashes = (base64.b64encode(hashlib.sha256(f"\n{one}\n".encode()).digest()).decode() for one in (script, style))
-    policy = "default-src 'none'; script-src 'sha256-{}'; style-src 'sha256-{}'; img-src data:; base-uri 'none'"
-    head = f'<meta http-equiv="Content-Security-Policy" content="{policy.format(*hashes)}">'
-    data = json.dumps(recording, allow_nan=False).replace("<", "\\u003c")
-    title = html.escape(f"{recording['form']['name']} – swarmcensus")
-    top = f"{head}\n<title>{title}</title>\n<style>\n{style}\n</style>"
-    text = "\n".join(lines).replace("<title>swarmcensus watch</title>", top)
-    parts = f'<script id="recorded" type="application/json">{data}</script>\n<script>\n{script}\n</script>\n'
-    makers = f"<!-- Konva draws the swarm, uPlot the curves:\n{licences}-->"
-    return text.replace("</body>", f"{parts}{makers}\n</body>") + "\n"

@@ -1,7 +1,6 @@
 """`sc.watch`: the live page from Python, in a notebook as a frame."""
 
 import contextlib
-import html
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,6 +9,7 @@ from urllib.parse import urlencode
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.templates import render
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
@@ -29,8 +29,7 @@ class Watching:
         self._running.close()
 
     def _repr_html_(self) -> str:
-        source = html.escape(self.address, quote=True)
-        return f'<iframe src="{source}" width="100%" height="{self.height}" style="border: 0" title="swarmcensus watch"></iframe>'  # noqa: E501
+        return render(Path(__file__).with_name("frame.html.jinja"), address=self.address, height=self.height)
 
 
 def watch(

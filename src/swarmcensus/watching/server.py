@@ -8,16 +8,15 @@ import threading
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.watching.compilations import COMPILATIONS
 from swarmcensus.watching.offers import Offer
+from swarmcensus.watching.pages import PAGE, live_page
 from swarmcensus.watching.sessions import MOST_TEXT, Session, Spoken, spoken
 
-PAGE = Path(__file__).with_name("page")
 KINDS = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
@@ -103,11 +102,11 @@ def app_of(served: Served) -> Any:
             return reply(421, "This server answers to its own address alone.\n")
         if not _knows(served, request.url.query):
             return reply(403, "This address lacks the token: open the one that swarmcensus watch printed.\n")
-        return reply(200, *parts["index.html"])
+        return reply(200, live_page(), KINDS[".html"])
 
     async def part(request: Request) -> Response:
         name = request.path_params["name"]
-        if not _is_meant(served, request.headers.get("host", "")) or name not in parts or name == "index.html":
+        if not _is_meant(served, request.headers.get("host", "")) or name not in parts:
             return reply(404, "There is nothing here.\n")
         return reply(200, *parts[name])
 
