@@ -187,18 +187,18 @@ def test_the_table_and_its_last_line(stored, capsys):
     assert cells[-1] == "agrees"
     assert any(line.startswith("[1] no verdict: of what minimalistic makes of what it hears") for line in lines)
     assert lines[-1] == (
-        "2 of 2 settings where theory is exact agree, at 1 in 1,000 each "
-        "(0.002 expected to differ by chance; that any does: at most 0.2 %)"
+        "2 of 2 settings with exact theory agree (by chance 0.002 would differ; the probability that any does is at "
+        "most 0.2 %)"
     )
 
 
 def test_some_settings_few_rows_and_nothing_exact(stored, capsys):
     assert main(["explain", str(stored), "--limit", "1"]) == 0
     out = capsys.readouterr().out
-    assert f"1 of 4 settings; all of them: swarmcensus explain {stored} --limit 0" in out
-    assert "2 of 2 settings where theory is exact agree" in out
+    assert f"1 of 4 settings; show all: swarmcensus explain {stored} --limit 0" in out
+    assert "2 of 2 settings with exact theory agree" in out
     assert main(["explain", str(stored), "--where", 'brain == "minimalistic"']) == 0
-    assert "no verdict in any of these settings: theory is not exact there" in capsys.readouterr().out.splitlines()[-1]
+    assert "no verdict for any of these settings: theory is not exact" in capsys.readouterr().out.splitlines()[-1]
 
 
 def test_json_is_the_same_as_data(stored, capsys):

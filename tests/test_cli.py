@@ -180,7 +180,7 @@ def test_bad_studies(change, said, here, capsys):
         (["replay", *FIRST, "--out", "new.nc", "--recording", "obs.csv"], "obs.csv is a file, not a folder"),
         (["export", "cut.nc"], "cut.nc"),
         (["export", "good.nc", "--to", "parquet", "--out", "x.csv"], "--to parquet is written as .parquet"),
-        (["verify", "good.nc", "--all", "--seed", "3"], "--seed 3 chooses a sample: it does not go with --all"),
+        (["verify", "good.nc", "--all", "--seed", "3"], "--seed 3 is for a sample: it does not go with --all"),
         *[(["plot", "good.nc", "--out", name], "it is a folder") for name in (".", "..", "/", "plain")],
         (["replay", *FIRST, "--plot", "."], "cannot write .: it is a folder"),
         (["plot", "good.nc", "--local", "--delta", "0.1"], "--local does not go with --delta"),

@@ -78,7 +78,7 @@ def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
     where = "robots == 10"
     assert main(["compare", str(two), "--limit", "4", "--where", where, "--metric", "correct"]) == 0
     out = capsys.readouterr().out
-    assert f"2 of 4 worlds; all of them: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
+    assert f"2 of 4 worlds; show all: swarmcensus compare {two} --where '{where}' --metric correct --limit 0" in out
     assert sum(line.strip().startswith(("legacy",)) for line in out.splitlines()) == 2
 
 
@@ -115,7 +115,7 @@ def test_counts_of_worlds_are_printed_and_the_command_for_all_is_named(two, caps
     lines = capsys.readouterr().out.splitlines()
     assert lines[1].split()[:4] == ["topology", "accuracy", "contender", "worlds"]
     assert [line.split()[0] for line in lines[2:5]] == ["ring", "0.8", "full"]  # what is as above is not said again
-    assert f"3 of 4 rows; all of them: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
+    assert f"3 of 4 rows; show all: swarmcensus {' '.join(words[:-2])} --limit 0" in lines
     assert set(sc.compare(two, against="legacy").verdict) < set(lines)
 
 
@@ -150,7 +150,7 @@ def test_in_a_narrow_terminal_each_measure_has_a_table(two, capsys, monkeypatch)
         (["--where", "brain == 'lgacy'"], "no setting is so"),
         (["--by", "topolgy"], "--by topolgy: did you mean 'topology'? worlds differ in topology, accuracy"),
         (["--by", "robots"], "--by robots: all worlds have the same, 10"),
-        (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows pairs in each of them: leave one out"),
+        (["--by", "topology", "--pairs"], "--by counts worlds, --pairs shows single worlds: give one of them"),
         (["--out", "/dev/null/a.png"], "cannot write /dev/null/a-ranks.png"),
     ],
 )

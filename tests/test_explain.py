@@ -204,9 +204,9 @@ def file(results, tmp_path_factory):
     [
         (["--setting", "99"], "setting 99: these results hold setting 0 to 7"),
         (["--setting", "-1"], "should be a whole number from 0"),
-        (["--setting", "1", "--limit", "0"], "--limit is of all settings: it does not go with --setting"),
-        (["--json", "--limit", "3"], "--limit 3 is of the table's rows: it does not go with --json, which has all"),
-        (["--json", "--limit", "0"], "--limit 0 is of the table's rows: it does not go with --json"),
+        (["--setting", "1", "--limit", "0"], "--limit does not go with --setting, which shows one setting"),
+        (["--json", "--limit", "3"], "--limit 3 does not go with --json, which has all settings"),
+        (["--json", "--limit", "0"], "--limit 0 does not go with --json, which has all settings"),
         (["--where", "robots == 7"], "where"),
     ],
 )

@@ -89,7 +89,7 @@ def command(*words):
         code = 2
         code = main([str(word) for word in words])
     said = [line for line in err.getvalue().splitlines() if not line.startswith(("warning: ", "usage: ", " "))]
-    assert "unforeseen" not in err.getvalue(), err.getvalue()
+    assert "internal error" not in err.getvalue(), err.getvalue()
     assert code in (0, 1, 2)
     if code == 2:
         assert len([line for line in said if line.startswith("swarmcensus")]) == 1, err.getvalue()

@@ -235,7 +235,7 @@ def test_who_is_ranked_is_said(small, capsys):
     toml.write_text(SMALL.replace('"legacy"', '"alone", "oracle"'))
     assert main(["leaderboard", "--out", "out", "--trials", "2"]) == 0
     shown = " ".join(capsys.readouterr().out.split())
-    assert "no rank among brains: oracle, which no robot could be; alone is ranked, as one could use it" in shown
+    assert "not ranked, as bounds that no robot can reach: oracle; alone is ranked, as a robot can run it" in shown
     text = (small / "out" / "leaderboard.md").read_text()
     assert "The bounds" not in text
     assert "`alone` talks to nobody and is ranked: one could use it." in text

@@ -177,8 +177,8 @@ def test_an_installation(both):
 @pytest.mark.parametrize(
     ("command", "why"),
     [
-        ("studies ring --json", "--json is of the list: it does not go with ring, which is copied"),
-        ("brains --show commons --json", "--json is of the list and of --check"),
+        ("studies ring --json", "--json goes with the list of studies only, not with ring"),
+        ("brains --show commons --json", "--json does not go with --show"),
     ],
 )
 def test_what_is_no_table_is_no_document(command, why, said):

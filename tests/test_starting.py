@@ -25,7 +25,7 @@ def here(tmp_path, monkeypatch):
 
 def test_a_new_study_runs_and_has_its_file_s_name(here, capsys):
     assert main(["new", "study", "first try.toml"]) == 0
-    assert capsys.readouterr().out == "first try.toml: now swarmcensus run 'first try.toml'\n"
+    assert capsys.readouterr().out == "first try.toml: next, swarmcensus run 'first try.toml'\n"
     study = Study.load(here / "first try.toml")
     assert study.name == "first-try"
     assert "run first try.toml" in study.text
@@ -45,7 +45,7 @@ def test_what_a_new_study_has_in_comments_is_right_too(here):
 
 def test_a_new_brain_keeps_the_contract(here, capsys):
     assert main(["new", "brain"]) == 0
-    assert capsys.readouterr().out == "my_brain.py: now swarmcensus brains --check my_brain.py\n"
+    assert capsys.readouterr().out == "my_brain.py: next, swarmcensus brains --check my_brain.py\n"
     found = list(examine(here / "my_brain.py", PROMISES))
     assert [one.fault for one in found] == [None] * (len(PROMISES) + 1)
     assert "THIS_FILE" not in (here / "my_brain.py").read_text()
@@ -54,12 +54,12 @@ def test_a_new_brain_keeps_the_contract(here, capsys):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["new", "study", "there.toml"], "there.toml is there already: name another file"),
+        (["new", "study", "there.toml"], "there.toml already exists: name another file"),
         (["new", "study", "x.py"], "x.py: a study is a .toml file"),
         (["new", "brain", "x.toml"], "x.toml: a brain is a .py file"),
         (["new", "brain", "gone/there.toml/x.py"], "cannot write gone/there.toml/x.py"),
         (["studies", "rng"], "rng: no such study comes with swarmcensus: did you mean 'ring'? `swarmcensus studies`"),
-        (["studies", "ring", "--out", "there.toml"], "there.toml is there already"),
+        (["studies", "ring", "--out", "there.toml"], "there.toml already exists"),
         (["studies", "ring", "--out", "x.nc"], "--out x.nc: a study is a .toml file"),
     ],
 )
@@ -143,9 +143,9 @@ def test_it_says_what_is_missing(here, monkeypatch, capsys):
     monkeypatch.setitem(start.EXTRAS, "film", ("no_such_thing",))
     assert main(["doctor"]) == 2
     told = capsys.readouterr().out
-    assert "not there: pip install 'swarmcensus[film]'" in told
+    assert "not installed: pip install 'swarmcensus[film]'" in told
     assert "swarmcensus-of-bees is not installed: pip install swarmcensus" in told
-    assert "brains cannot be kept there and are compiled anew by every run: let $SWARMCENSUS_CACHE name" in told
+    assert "compiled brains cannot be stored there, so that every run compiles again: set $SWARMCENSUS_CACHE" in told
 
 
 def test_it_imports_nothing_that_takes_long():
@@ -161,7 +161,7 @@ def test_who_begins_a_brain_and_copies_studies_in_one_folder_loses_nothing(here,
     """The example's brain and a new one would have one name; two examples have the very same brain."""
     for words in ("new brain", "studies example/compare", "studies example/ranking", "new brain", "studies ring"):
         assert main(words.split()) == 0
-    assert "my_brain-2.py: there is another my_brain.py already, which stays as it is\n" in capsys.readouterr().out
+    assert "my_brain-2.py: a different my_brain.py exists, and is kept\n" in capsys.readouterr().out
     assert sorted(path.name for path in here.iterdir()) == [
         "compare.toml", "my_brain-2.py", "my_brain-3.py", "my_brain.py", "ranking.toml", "ring.toml",
     ]  # fmt: skip

@@ -149,7 +149,7 @@ def test_the_hint_to_the_others_is_a_command(file, capsys):
     assert main(["show", file]) == 0
     out = capsys.readouterr().out
     last = out.splitlines()[-1]
-    assert last == "40 of 48 settings; all of them: swarmcensus show many.nc --limit 0"
+    assert last == "40 of 48 settings; show all: swarmcensus show many.nc --limit 0"
     assert len(out.splitlines()) == 2 + 40 + 3 + 1
     assert (
         main(["show", file, "--where", "robots > 1", "--checkpoint", "5", "--sort", "K", "--reverse", "--limit", "3"])
@@ -277,7 +277,7 @@ def test_a_run_of_many_settings_ends_with_a_summary(tmp_path, monkeypatch, capsy
     lines = capsys.readouterr().out.splitlines()
     assert "K [95 %]" in lines[0]
     assert sum(line.split()[0].isdigit() for line in lines[:-2]) == 40
-    assert lines[-2].startswith("40 of 48 settings; all of them: swarmcensus show 'my results.nc' --limit 0")
+    assert lines[-2].startswith("40 of 48 settings; show all: swarmcensus show 'my results.nc' --limit 0")
     assert lines[-1].startswith("my results.nc: 48 settings of 6 trials")
 
 

@@ -311,7 +311,7 @@ def test_labels_that_differ_are_sentences_and_exit_with_1(files, tmp_path, capsy
     assert (
         "setting 0: accuracy is 'black=0.9 white=0.6' in the file and '0.8' by its study (24 settings differ)" in said
     )
-    assert "1 of the file's labels are not its study's" in said
+    assert "labels that do not match the study: 1" in said
 
 
 @pytest.mark.long(but_every=2)

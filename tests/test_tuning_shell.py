@@ -216,7 +216,7 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     process.send_signal(signal.SIGINT)
     _, error = process.communicate(timeout=60)
     assert process.returncode == 130
-    assert "kept what is done in cut.csv: tune again to go on" in error
+    assert "kept finished evaluations in cut.csv: the same command continues" in error
     assert "Traceback" not in error
     assert not Path("cut.toml").exists()
     kept = lines_of("cut.csv")

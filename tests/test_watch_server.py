@@ -197,7 +197,7 @@ def test_who_wishes_on_while_something_long_is_computed_is_not_sent_away(hasty, 
 def test_an_answer_that_cannot_be_written_ends_no_connection(served, monkeypatch):
     monkeypatch.setattr(Session, "_frames", lambda *_: [{"share": float("nan")}])
     with talk(served) as page:
-        assert "unforeseen: ValueError" in ask(page, id=1, do="frames")[1]["error"]
+        assert "internal error: ValueError" in ask(page, id=1, do="frames")[1]["error"]
         assert "no brain of this study" in ask(page, id=2, do="begin", ask={"brain": "none"})[1]["error"]
 
 
@@ -298,7 +298,7 @@ def test_it_listens_on_loopback_alone(served):
         (["--set", "robots"], "--set robots: should be such as robots=100"),
         (["--set", "brian=voter"], "brian: did you mean 'brain'?"),
         (["--at", "#robots=-4"], "robots = -4: should be a whole number from 1 to 20,000"),
-        (["--at", "not a link"], "--at not a link: should be a copied link, or what stands behind its #"),
+        (["--at", "not a link"], "--at not a link: should be a copied link, or the part of it behind #"),
         (["--set", "tick=10001"], "tick = 10001: should be a whole number from 0 to 10,000"),
         (["--set", "robot=25"], "robot = 25: should be a whole number from 0 to 24"),
         (["--set", "colour=red"], "colour = red: should be one of belief, off, error"),
@@ -385,7 +385,7 @@ def test_ctrl_c_ends_it_at_once_whatever_is_computed(times):
                     time.sleep(0.05)
                 assert running.wait(10) == 0
                 assert time.monotonic() - began < 5
-            assert running.stderr.read() == "Ctrl-C ends it.\n"
+            assert running.stderr.read() == "Press Ctrl-C to stop.\n"
         finally:
             running.kill()
 

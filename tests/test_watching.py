@@ -312,7 +312,7 @@ def test_the_lowest_and_the_highest_fill_ratios_are_shown(ratio, tmp_path):
 def test_an_answer_that_is_no_json_becomes_an_error():
     [told] = spoken([b"frames", {"id": 7, "end": float("inf")}])
     assert json.loads(told)["id"] == 7
-    assert "unforeseen: ValueError" in json.loads(told)["error"]
+    assert "internal error: ValueError" in json.loads(told)["error"]
 
 
 @pytest.mark.parametrize(
@@ -343,7 +343,7 @@ def test_what_is_long_is_not_said_again_in_full(offer, key, value):
     asked = {"setting": "2", key: value}
     [answer] = Session(offer).answer(json.dumps({"do": "begin", "ask": asked}))
     assert f"{key[:40]}{' = ' * (key in KEYS)}" in answer["error"]
-    assert "unforeseen" not in answer["error"]
+    assert "internal error" not in answer["error"]
     assert len(answer["error"]) < 500
 
 

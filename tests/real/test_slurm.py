@@ -204,7 +204,7 @@ def test_a_run_that_is_stopped_cancels_its_jobs(slurm, ctrl_c, number):
         process.send_signal(number)
         assert process.wait(60) == 130
     assert not slurm.jobs()
-    assert "run again to go on" in Path("said").read_text()
+    assert "the same command continues" in Path("said").read_text()
 
 
 def test_jobs_end_by_themselves_when_the_run_is_killed(slurm):

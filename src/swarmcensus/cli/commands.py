@@ -1,4 +1,4 @@
-"""The command line: parses the options, calls a command, and says in one line what went wrong."""
+"""The command line: parses the options, calls a command, and reports an error in one line."""
 
 import argparse
 import functools
@@ -31,7 +31,7 @@ from swarmcensus.results.presence import check_there
 
 
 class Command(NamedTuple):
-    """A command: what it does, the function that does it, the one that adds its options, and whether it has --json."""
+    """A command: its help text, the function that runs it, the one that adds its options, and whether it has --json."""
 
     text: str
     run: Callable[[argparse.Namespace], int]
@@ -46,7 +46,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with of_a_shell(vars(options)), speaking(options):
             _look_for_results(options)
             code = int(options.run(options) or 0)
-            sys.stdout.flush()  # a full disk should be told of here
+            sys.stdout.flush()  # a full disk is reported here
             return code
     except InputError as error:
         _complain(error)
@@ -65,16 +65,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _complain(f"{error.filename}: {what}" if error.filename else what)
         return 2
     except MemoryError:
-        print(
-            "swarmcensus: not enough memory: fewer robots, rounds, settings or trials would need less", file=sys.stderr
-        )
+        print("swarmcensus: not enough memory: try fewer robots, rounds, settings or trials", file=sys.stderr)
         return 2
     except Exception as error:
         if os.environ.get("SWARMCENSUS_DEBUG"):
             raise
         what = str(error).strip().splitlines()[0] if str(error).strip() else ""
         print(
-            f"swarmcensus: {type(error).__name__}: {what} (unforeseen: with SWARMCENSUS_DEBUG=1 it says where)",
+            f"swarmcensus: {type(error).__name__}: {what} (internal error: SWARMCENSUS_DEBUG=1 shows where)",
             file=sys.stderr,
         )
         return 2
@@ -85,12 +83,12 @@ def parser() -> argparse.ArgumentParser:
     top = Parser(
         prog="swarmcensus",
         description="Robot swarms with lying sensors agree on how much of a floor is black.",
-        epilog="'swarmcensus COMMAND --help' tells more. Begin with: swarmcensus reproduce",
+        epilog="'swarmcensus COMMAND --help' shows the options of a command. To begin: swarmcensus reproduce",
     )
     top.add_argument("--version", action="version", version=f"swarmcensus {__version__}")
-    every = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    commands = top.add_subparsers(title="commands", metavar="COMMAND", required=True)
     for name, command in COMMANDS.items():
-        sub = every.add_parser(name, help=command.text, description=command.text)
+        sub = commands.add_parser(name, help=command.text, description=command.text)
         sub.set_defaults(run=command.run)
         if command.add_options:
             command.add_options(sub)
@@ -104,20 +102,20 @@ def _cached_parser() -> argparse.ArgumentParser:
 
 
 def _look_for_results(options: argparse.Namespace) -> None:
-    """Raise InputError for results that are not there, before a command imports what it needs to open them."""
-    given = getattr(options, "results", [])
-    for path in [given] if isinstance(given, Path) else given:
-        if options.run is not run.status:  # which has more to say
+    """Raise InputError for results files that do not exist, before a command spends time on its imports."""
+    results = getattr(options, "results", [])
+    for path in [results] if isinstance(results, Path) else results:
+        if options.run is not run.status:  # it may describe a run that has not written its results yet
             check_there(path)
 
 
 def _complain(what: object) -> None:
-    """One line, whatever is in it."""
+    """Print an error in one line, even if its message has several."""
     print("swarmcensus:", " ".join(str(what).split("\n")), file=sys.stderr)
 
 
 def add_completion_options(sub: argparse.ArgumentParser) -> None:
-    """Of `completion`."""
+    """Add the options of `completion`."""
     sub.add_argument(
         "shell",
         choices=("bash", "zsh", "tcsh"),
@@ -131,7 +129,7 @@ def completion(options: argparse.Namespace) -> int:
     import shtab
 
     top = parser()
-    [commands] = [one for one in top._actions if isinstance(one, argparse._SubParsersAction)]
+    [commands] = [action for action in top._actions if isinstance(action, argparse._SubParsersAction)]
     for sub in commands.choices.values():
         for action in sub._actions:
             if action.type is Path:
@@ -142,19 +140,19 @@ def completion(options: argparse.Namespace) -> int:
 
 COMMANDS = {
     "reproduce": Command(
-        "Run the paper's evaluation; draw its figures; check its claims.", run.reproduce, run.add_reproduce_options
+        "Run the paper's evaluation, draw its figures and check its claims.", run.reproduce, run.add_reproduce_options
     ),
-    "run": Command("Run a study file; write its results as netCDF.", run.run, run.add_study_options),
+    "run": Command("Run a study file and write its results as netCDF.", run.run, run.add_study_options),
     "show": Command(
-        "Print the summary of a results file: medians and right decisions, a row a setting.",
+        "Print a summary of a results file: medians and right decisions, one row per setting.",
         read_results.show, read_results.add_show_options,
     ),
     "compare": Command(
-        "Rank brains within each world, paired trial by trial, and say what trials tell.",
+        "Rank brains within each world, paired trial by trial, and test their differences.",
         compare.compare, compare.add_compare_options,
     ),
     "explain": Command(
-        "Hold all settings against theory, or set what one measured beside it and say what limits it.",
+        "Compare all settings with theory, or show one in detail and what limits its error.",
         explain.explain, explain.add_explain_options,
     ),
     "leaderboard": Command(
@@ -162,54 +160,56 @@ COMMANDS = {
         leaderboard.leaderboard, leaderboard.add_leaderboard_options,
     ),
     "tune": Command(
-        "Search for good values of a brain's parameters, and evaluate them where the search was not.",
+        "Search for good values of a brain's parameters, and evaluate them in trials that the search did not use.",
         tune.tune, tune.add_tune_options,
     ),
-    "plan": Command("Say how many robots, or how many minutes, a mission needs.", plan.plan, plan.add_plan_options),
+    "plan": Command("Find how many robots, or how many minutes, a mission needs.", plan.plan, plan.add_plan_options),
     "status": Command(
-        "Say how far a study is that runs, or was cut off, and when it ends.", run.status, run.add_status_options
+        "Show how far a running or interrupted study is, and when it will end.", run.status, run.add_status_options
     ),
     "merge": Command(
-        "Put results together whose settings or trials differ.",
+        "Merge results files with different settings or trials into one.",
         read_results.merge, read_results.add_merge_options, json=False,
     ),
     "verify": Command(
         "Run trials of a results file again and compare them bit for bit.",
         read_results.verify, read_results.add_verify_options,
     ),
-    "plot": Command("Draw a results file.", plot.plot, plot.add_plot_options, json=False),
+    "plot": Command("Draw a figure of a results file.", plot.plot, plot.add_plot_options, json=False),
     "export": Command(
-        "Write results as a table: one row a robot and trial.",
+        "Write results as a table with one row per robot and trial.",
         read_results.export, read_results.add_export_options, json=False,
     ),
     "replay": Command(
-        "Run one trial of a results file again and show every round of it.", replay.replay, replay.add_replay_options
+        "Run one trial of a results file again and show every round.", replay.replay, replay.add_replay_options
     ),
     "infer": Command(
         "Run a brain on recorded observations and links instead of a simulated world.",
         replay.infer, replay.add_infer_options,
     ),
     "list": Command(
-        "List what there is to choose from, ours and what other installed packages add.",
+        "List what studies and figures can use by name, including plugins from other packages.",
         list_brains.choices, list_brains.add_list_options,
     ),
     "brains": Command(
-        "List the shipped brains and adversaries, show one, or check a file.",
+        "List brains and adversaries, print the source of one, or check a file.",
         list_brains.brains, list_brains.add_brains_options,
     ),
     "new": Command(
-        "Write a study or a brain to begin with, every line explained.", start.new, start.add_new_options, json=False
+        "Write a study or a brain to start from, with every line explained.",
+        start.new, start.add_new_options, json=False,
     ),
     "watch": Command(
-        "Watch one trial live in a browser, or write it as a page for others.",
+        "Watch one trial live in a browser, or write it as an HTML page to share.",
         watch.watch, watch.add_watch_options, json=False,
     ),
     "studies": Command(
         "List the studies that come with swarmcensus, copy one, or print their schema.",
         start.studies, start.add_studies_options,
     ),
-    "doctor": Command("Say what this installation is made of, and what is missing.", start.doctor),
+    "doctor": Command("Show which versions are installed, and what is missing.", start.doctor),
     "completion": Command(
-        "Print what makes a shell complete commands, options and files.", completion, add_completion_options, json=False
+        "Print the script that makes a shell complete commands, options and files.",
+        completion, add_completion_options, json=False,
     ),
 }  # fmt: skip

@@ -1,4 +1,4 @@
-"""The command `compare`: brains within each world, as tables, files and figures. Imports wait until needed."""
+"""The command `compare`, which prints, writes and draws comparisons. Imports wait until the command needs them."""
 
 import argparse
 from pathlib import Path
@@ -14,28 +14,31 @@ if TYPE_CHECKING:
 
 
 def add_compare_options(sub: argparse.ArgumentParser) -> None:
-    """Of `compare`."""
+    """Add the options of `compare`."""
     add_source_options(sub)
     sub.add_argument(
         "--metric",
         action="append",
         default=[],
         metavar="NAME",
-        help="a measure to compare by, as correct, or my_metric:low (default: the usual ones); several: once for each",
+        help="a measure to compare by, such as correct, or my_metric:low if low is good (default: the usual measures); "
+        "may be repeated",
     )
-    sub.add_argument("--against", metavar="NAME", help="hold all others against this brain alone, in fewer tests")
+    sub.add_argument("--against", metavar="NAME", help="compare all brains with this one only, which needs fewer tests")
     sub.add_argument(
         "--by",
         action="append",
         default=[],
         metavar="AXIS",
-        help="count worlds by their topology, robots or what else they differ in; several: once for each",
+        help="count wins by topology, robots or another coordinate of the worlds; may be repeated",
     )
-    sub.add_argument("--pairs", action="store_true", help="each pair of brains too: difference, effect, p-values")
+    sub.add_argument("--pairs", action="store_true", help="also show each pair of brains: difference, effect, p-values")
     add_limit_option(sub)
-    sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, a row each")
+    sub.add_argument("--csv", type=Path, metavar="FILE.csv", help="write all pairs, one row each")
     sub.add_argument("--latex", type=Path, metavar="FILE.tex", help="write the table of worlds for a paper (booktabs)")
-    sub.add_argument("--out", type=Path, metavar="FILE", help="draw FILE-ranks and FILE-pareto (.png, .svg, .pdf)")
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE", help="draw the figures FILE-ranks and FILE-pareto (.png, .svg, .pdf)"
+    )
 
 
 def compare(options: argparse.Namespace) -> int:
@@ -49,7 +52,7 @@ def compare(options: argparse.Namespace) -> int:
     from swarmcensus.comparing.tables import write_csv
 
     if options.by and options.pairs:
-        raise InputError("--by counts worlds, --pairs shows pairs in each of them: leave one out")
+        raise InputError("--by counts worlds, --pairs shows single worlds: give one of them")
     for path, suffix in ((options.csv, ".csv"), (options.latex, ".tex")):
         if path and path.suffix.lower() != suffix:
             flag = "--csv" if path is options.csv else "--latex"
@@ -60,30 +63,40 @@ def compare(options: argparse.Namespace) -> int:
     for path in figures.values():
         figure_files(path, ("png", "svg"), options.results)
     stored = read(options).stored
-    found = compare_results(stored, options.metric, options.where, options.against)
+    comparison = compare_results(stored, options.metric, options.where, options.against)
     limit = MOST_ROWS if options.limit is None else options.limit
     title, line = head(stored, options.results), again(options, "compare", ("against", "metric", "by"))
     if options.json:
-        answer("comparison", _told(found, list(dict.fromkeys(options.by))))
+        answer("comparison", _as_dict(comparison, list(dict.fromkeys(options.by))))
     elif options.by:
-        compare_tables.show_groups(found, title, line, list(dict.fromkeys(options.by)), limit)
+        compare_tables.show_groups(comparison, title, line, list(dict.fromkeys(options.by)), limit)
     else:
-        compare_tables.show(found, title, line, limit, options.pairs)
+        compare_tables.show(comparison, title, line, limit, options.pairs)
     if options.csv:
-        wrote(f"{options.csv}: {counted(write_csv(found, options.csv), 'row')}")
+        wrote(f"{options.csv}: {counted(write_csv(comparison, options.csv), 'row')}")
     if options.latex:
-        write_latex(found, options.latex)
+        write_latex(comparison, options.latex)
         wrote(options.latex)
     if figures:
-        _draw(found, figures)
+        _draw(comparison, figures)
     return 0
 
 
-def _told(found: "Comparison", axes: list[str]) -> dict[str, Any]:
-    """All its tables as data, a row an object; with `axes` also the one of `--by`."""
-    tables = {"worlds": found.table, "pairs": found.pairs, "ranks": found.ranks, "duels": found.duels}
-    tables |= {"groups": found.by(*axes)} if axes else {}
-    about = {"title": found.title, "measures": found.measures, "verdict": found.verdict, "cautions": found.cautions}
+def _as_dict(comparison: "Comparison", axes: list[str]) -> dict[str, Any]:
+    """All tables of a comparison for JSON, an object per row; with `axes` also the table of `--by`."""
+    tables = {
+        "worlds": comparison.table,
+        "pairs": comparison.pairs,
+        "ranks": comparison.ranks,
+        "duels": comparison.duels,
+    }
+    tables |= {"groups": comparison.by(*axes)} if axes else {}
+    about = {
+        "title": comparison.title,
+        "measures": comparison.measures,
+        "verdict": comparison.verdict,
+        "cautions": comparison.cautions,
+    }
     return about | {name: table.to_dict("records") for name, table in tables.items()}
 
 
@@ -92,14 +105,14 @@ def _beside(out: Path, kind: str) -> Path:
     return out.with_name(f"{out.stem}-{kind}{out.suffix}")
 
 
-def _draw(found: "Comparison", figures: dict[str, Path]) -> None:
-    """Draw its figures; ranks are left out, and this is said, where all contenders are held against one."""
+def _draw(comparison: "Comparison", figures: dict[str, Path]) -> None:
+    """Draw ranks and the Pareto front; with --against, say why there are no ranks."""
     from swarmcensus.cli.plot import save_figure
     from swarmcensus.figures.kinds.pareto import draw_pareto
     from swarmcensus.figures.kinds.ranks import draw_ranks
 
-    if found.against is None:
-        save_figure(draw_ranks(found), figures["ranks"])
+    if comparison.against is None:
+        save_figure(draw_ranks(comparison), figures["ranks"])
     else:
-        say(f"{figures['ranks']} is not drawn: ranks are of each against each")
-    save_figure(draw_pareto(found), figures["pareto"])
+        say(f"{figures['ranks']} is not drawn: --against does not rank all brains")
+    save_figure(draw_pareto(comparison), figures["pareto"])

@@ -55,7 +55,7 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
         out.print(line, style="dim")
     if worlds < len(found.field.worlds):
         out.print(
-            f"{worlds:,} of {counted(len(found.field.worlds), 'world')}; all of them: {again} --limit 0", soft_wrap=True
+            f"{worlds:,} of {counted(len(found.field.worlds), 'world')}; show all: {again} --limit 0", soft_wrap=True
         )
     if with_pairs:
         out.print()
@@ -179,7 +179,7 @@ def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], 
             style="dim",
         )
     if len(rows) < len(everything):
-        out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; all of them: {again} --limit 0", soft_wrap=True)
+        out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
     tell(found)
 
 

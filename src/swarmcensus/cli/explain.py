@@ -1,4 +1,4 @@
-"""The command `explain`: a setting's measured figures beside theory's, or all settings'. Imports wait until needed."""
+"""The command `explain`: measurements beside theory. Imports wait until the command needs them."""
 
 import argparse
 import math
@@ -18,26 +18,28 @@ NAMES = {
     "neighbourhood": "its neighbourhood",
     "mixed": "mixed sums",
     "swarm": "the whole swarm",
-}  # theory's lines, in their order
+}  # lines of theory, in the order that they are shown
 MEANS = {
-    "alone": "the exact law of a robot that hears nobody",
-    "neighbourhood": "no unbiased estimate of what a robot and those that it hears have seen errs less",
+    "alone": "exact, for a robot that hears nobody",
+    "neighbourhood": "the smallest error of any unbiased estimate from the readings of a robot and its neighbours",
     "mixed": "running sums of evidence, mixed and divided on the same network",
-    "swarm": "no unbiased estimate of all readings errs less",
+    "swarm": "the smallest error of any unbiased estimate from all readings",
 }
-NEGLIGIBLE = 1e-12  # a squared error that comes of rounding, or of a prior
-MOST_CHECKPOINTS = 6  # that are shown
+NEGLIGIBLE = 1e-12  # a squared error of this size is due to rounding or to a prior
+MOST_CHECKPOINTS = 6  # shown in the table
 
 
 def add_explain_options(sub: argparse.ArgumentParser) -> None:
-    """Of `explain`."""
+    """Add the options of `explain`."""
     add_source_options(sub)
-    sub.add_argument("--setting", type=from_zero, metavar="N", help="one, as 'show' numbers them (default: all)")
+    sub.add_argument(
+        "--setting", type=from_zero, metavar="N", help="explain this setting, by its number in 'show' (default: all)"
+    )
     add_limit_option(sub)
 
 
 def explain(options: argparse.Namespace) -> int:
-    """Explain a setting, or hold all against theory."""
+    """Explain one setting, or compare all with theory."""
     from swarmcensus.basics.errors import InputError
     from swarmcensus.explaining import one_setting
     from swarmcensus.results.partial import say_partial
@@ -45,9 +47,8 @@ def explain(options: argparse.Namespace) -> int:
     if options.setting is None:
         return _all(options)
     for name in ("where", "limit"):
-        given = getattr(options, name)
-        if given is not None:
-            raise InputError(f"--{name} is of all settings: it does not go with --setting")
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name} does not go with --setting, which shows one setting")
     data = read(options).stored
     found = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
@@ -65,7 +66,7 @@ def _all(options: argparse.Namespace) -> int:
     from swarmcensus.explaining.agreement import agreement
 
     if options.json and options.limit is not None:
-        raise InputError(f"--limit {options.limit} is of the table's rows: it does not go with --json, which has all")
+        raise InputError(f"--limit {options.limit} does not go with --json, which has all settings")
     stored, data = read(options)
     found = agreement(data)
     if options.json:
@@ -77,12 +78,12 @@ def _all(options: argparse.Namespace) -> int:
 
 
 def show(found: "Explanation", path: str) -> None:
-    """Print it: what was measured and what theory says, line by line, then what lies between them."""
+    """Print what one setting measured and what theory expects, then what its error consists of."""
     from swarmcensus.basics.terminal import UNFOLDED, console
 
     out = console()
     out.print(f"{path}, setting {found.setting}: {found.what}; {counted(found.trials, 'trial')}")
-    for most in range(MOST_CHECKPOINTS, 0, -1):  # fewer checkpoints where a terminal is narrow
+    for most in range(MOST_CHECKPOINTS, 0, -1):  # as many checkpoints as the terminal has room for
         rows = _table(found, most)
         if rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width:
             break
@@ -94,18 +95,18 @@ def show(found: "Explanation", path: str) -> None:
     out.print(f"K: {k:,.0f} {found.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
     total = sum(found.terms.values())
     if found.terms and total < NEGLIGIBLE:
-        out.print(f"mean squared error: {total:.3g}, which nothing limits")
+        out.print(f"mean squared error: {total:.3g}, due to rounding or a prior: nothing limits it")
     elif found.terms:
         value, low, high = found.efficiency
         ends = f" [{low:.3g}, {high:.3g}]" if math.isfinite(low) else ""
         out.print(f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error")
         parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in found.terms.items())
-        out.print(f"mean squared error: {found.squared_error[0]:.3g}, of it {parts}")
+        out.print(f"mean squared error: {found.squared_error[0]:.3g}, made of {parts}")
         out.print(f"What limits it most is {found.limit}")
     for why in dict.fromkeys(found.absent.values()):
-        names = [NAMES[name] for name, one in found.absent.items() if one == why]
-        whose = "no line of theory" if len(names) == len(NAMES) else f"no line for {', '.join(names)}"
-        out.print(f"{whose}: {why}")
+        names = [NAMES[name] for name, reason in found.absent.items() if reason == why]
+        missing = "no line of theory" if len(names) == len(NAMES) else f"no line for {', '.join(names)}"
+        out.print(f"{missing}: {why}")
 
 
 def _table(found: "Explanation", most: int) -> Any:

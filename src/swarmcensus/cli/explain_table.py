@@ -1,4 +1,4 @@
-"""What the terminal shows of all settings beside theory: a row each, why some have no verdict, and how many agree."""
+"""The table of `explain`: one row per setting, why some have no verdict, and how many agree with theory."""
 
 import math
 from typing import TYPE_CHECKING
@@ -15,22 +15,22 @@ if TYPE_CHECKING:
     from swarmcensus.explaining.one_setting import Interval
 
 MEANS = (
-    "measured: the root of the mean squared error |x - f| after the last round; theory: what it should be, exactly",
-    "ratio: of both, robot by robot, with its 99.9 % interval over trials; theory agrees where that holds 1",
-    "efficiency: the bound of the whole swarm over the mean squared error; limit: where most of it comes from",
+    "measured: root mean squared error of x - f after the last round; theory: its expected value, where that is exact",
+    "ratio: measured by theory, robot by robot, with its 99.9 % interval over trials; they agree if it contains 1",
+    "efficiency: bound of the whole swarm divided by the mean squared error; limit: the largest part of the error",
 )
 
 
 def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
-    """Print the first `limit` settings (0: all) of `data`, and what all come to; `again` is the command that does."""
+    """Print the first `limit` settings (0: all) of `data`, and how many of all agree. `again`: the command's line."""
     from swarmcensus.explaining.agreement import UNKNOWN
 
     shown = found.settings[: limit or None]
-    some = data.sel(setting=[row.setting for row in shown])
+    shown_data = data.sel(setting=[row.setting for row in shown])
     all_of = coordinates(data.sel(setting=[row.setting for row in found.settings]))
     varied = [name for name, values in all_of.items() if (values != values[0]).any()]
     same = [f"{name} {values[0]}" for name, values in all_of.items() if name not in varied and values[0] != NOTHING]
-    texts = coordinates(some)
+    texts = coordinates(shown_data)
     left = {name: texts[name].tolist() for name in varied if name in texts}
     reasons = list(dict.fromkeys(row.why for row in shown if row.verdict == UNKNOWN))
     out = console()
@@ -47,19 +47,19 @@ def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: in
         out.print(f"[{number}] no verdict: {why}")
     if len(shown) < len(found.settings):
         out.print(
-            f"{len(shown):,} of {counted(len(found.settings), 'setting')}; all of them: {again} --limit 0",
+            f"{len(shown):,} of {counted(len(found.settings), 'setting')}; show all: {again} --limit 0",
             soft_wrap=True,
         )
     out.print(verdict_of(found))
 
 
 def verdict_of(found: "Agreement") -> str:
-    """How many settings agree, and how many would differ by chance."""
+    """How many settings agree, and how many are expected to differ by chance."""
     if not found.exact:
-        return "no verdict in any of these settings: theory is not exact there, or trials are too few to tell"
+        return "no verdict for any of these settings: theory is not exact, or there are too few trials"
     return (
-        f"{found.agree:,} of {counted(found.exact, 'setting')} where theory is exact agree, at 1 in 1,000 each "
-        f"({found.by_chance:.2g} expected to differ by chance; that any does: at most {100 * found.by_chance:.2g} %)"
+        f"{found.agree:,} of {counted(found.exact, 'setting')} with exact theory agree (by chance "
+        f"{found.by_chance:.2g} would differ; the probability that any does is at most {100 * found.by_chance:.2g} %)"
     )
 
 
@@ -71,10 +71,10 @@ def _rows(left: dict[str, list[str]], shown: "list[Held]", reasons: list[str], n
     for k, row in enumerate(shown):
         numbers = [_number(row.measured), _number(row.expected), _ratio(row.ratio[0])]
         numbers += [] if narrow else [_ends(row.ratio)]
-        said = f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict
+        verdict = f"[{reasons.index(row.why) + 1}]" if row.why else row.verdict
         efficiency = f"{row.efficiency[0]:.3g}" if math.isfinite(row.efficiency[0]) else NOTHING
-        what = [values[k] for values in left.values()]
-        rows.append([str(row.setting), *what, *numbers, efficiency, row.limit or NOTHING, said])
+        labels = [values[k] for values in left.values()]
+        rows.append([str(row.setting), *labels, *numbers, efficiency, row.limit or NOTHING, verdict])
     return table(heads, rows)
 
 

@@ -1,4 +1,4 @@
-"""The command `leaderboard`: brains of one's own beside the shipped ones. Imports wait until needed."""
+"""The command `leaderboard`. Imports wait until the command needs them."""
 
 import argparse
 from pathlib import Path
@@ -15,14 +15,16 @@ if TYPE_CHECKING:
 
 
 def add_leaderboard_options(sub: argparse.ArgumentParser) -> None:
-    """Of `leaderboard`."""
-    sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="a brain file of your own")
-    sub.add_argument("--out", type=Path, default=Path("leaderboard"), help="folder to write (default: %(default)s)")
+    """Add the options of `leaderboard`."""
+    sub.add_argument("files", type=Path, nargs="*", metavar="FILE.py", help="brain files of your own")
+    sub.add_argument(
+        "--out", type=Path, default=Path("leaderboard"), help="folder for the results (default: %(default)s)"
+    )
     add_run_options(sub)
 
 
 def leaderboard(options: argparse.Namespace) -> int:
-    """Run the leaderboard and print its top, and where brains of one's own lose."""
+    """Run the leaderboard and print the ranking, and where your own brains lose most."""
     from swarmcensus.leaderboard.board import leaderboard
 
     board = leaderboard(
@@ -30,15 +32,15 @@ def leaderboard(options: argparse.Namespace) -> int:
         reporting=reporting, say=say,
     )  # fmt: skip
     if options.json:
-        answer("leaderboard", _told(board))
+        answer("leaderboard", _as_dict(board))
     else:
         _show(board)
     wrote(board.page)
     return 0
 
 
-def _told(board: "Board") -> dict[str, Any]:
-    """A row a brain in the order of the table, with its error and its share of right robots in every kind of world."""
+def _as_dict(board: "Board") -> dict[str, Any]:
+    """The board for JSON: brains in the order of the table, with error and share of right robots by kind of world."""
     from swarmcensus.leaderboard.scores import COLUMNS
 
     scores = board.scores
@@ -55,7 +57,8 @@ def _told(board: "Board") -> dict[str, Any]:
 
 
 def _placed(scores: "Scores") -> "Iterator[tuple[int | None, int]]":
-    """Each contender's place and number, the best first: None for bounds, and for those without errors, at the end."""
+    """Place and number of each contender, the best first. The place is None for bounds, and for those without errors,
+    which come last."""
     ranked, place = scores.error.order, 0
     for k in [*ranked, *(k for k in scores.side.order if k not in ranked)]:
         bound = scores.contenders[k] in scores.bounds
@@ -83,20 +86,21 @@ def _show(board: "Board") -> None:
             cell(right[k], False),
             *(f"{scores.costs[name][k]:.0f}" for name in ("memory_bytes", "message_bytes")),
         ])  # fmt: skip
-    lying = (names[k].replace(" liars", "\nliars") for k in liars)  # two lines leave room for long names beside
+    lying = (names[k].replace(" liars", "\nliars") for k in liars)  # in two lines, so that long names fit beside them
     heads = ("", "brain", "rank", "error", *lying, "right\n%", "memory", "message")
     out = console()
     out.print(table([(head, head != "brain") for head in heads], rows))
     out.print(
-        "error: |x - f| after the last round, mean over worlds, and over those with so many liars; right: on f's side "
-        "of one half; memory, message: bytes"
+        "error: |x - f| after the last round, mean over all worlds, and over those with 10 % and 30 % liars; "
+        "right: estimates on the same side of one half as f; memory, message: bytes"
     )
     if bounds := [name for name in scores.contenders if name in scores.bounds]:
         out.print(
-            f"no rank among brains: {', '.join(bounds)}, which no robot could be; alone is ranked, as one could use it"
+            f"not ranked, as bounds that no robot can reach: {', '.join(bounds)}; "
+            "alone is ranked, as a robot can run it"
         )
-    for one in board.losses:
-        worst = one.columns[0]
-        where = f"loses most where: {worst.column} (it is {worst.place} of {worst.of}, the best is {worst.best})"
-        said = where if worst.place > 1 else "is first in every kind of world"
-        out.print(f"{one.name} is number {one.place} of {one.of}, and {said}")
+    for losses in board.losses:
+        worst = losses.columns[0]
+        text = f"its worst kind of world is '{worst.column}' (number {worst.place} of {worst.of}; best is {worst.best})"
+        text = text if worst.place > 1 else "it is first in every kind of world"
+        out.print(f"{losses.name} is number {losses.place} of {losses.of}; {text}")

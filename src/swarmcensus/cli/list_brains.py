@@ -1,4 +1,4 @@
-"""The commands `brains` and `list`: what there is to choose from, and whether a brain file conforms."""
+"""The commands `brains` and `list`: what can be used by name, and whether a brain file keeps the contract."""
 
 import argparse
 import ast
@@ -17,24 +17,26 @@ PLUGINS = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
     "figures": "figures.kinds",
-}  # fmt: skip  # what is added by files, and the module that finds it
+}  # fmt: skip  # kinds of plugins, and the module that finds each
 GROUPS = {"number": "estimates a number", "opinion": "has an opinion, black or white", "": "what is wrong"}
 Row = dict[str, Any]
 
 
 def add_brains_options(sub: argparse.ArgumentParser) -> None:
-    """Of `brains`."""
-    one = sub.add_mutually_exclusive_group()
-    one.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
-    one.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
-    sub.add_argument("--wearing", metavar="BRAIN", default="", help="what an adversary wears (default: minimalistic)")
+    """Add the options of `brains`."""
+    action = sub.add_mutually_exclusive_group()
+    action.add_argument("--check", metavar="FILE", help="run a brain or an adversary through the conformance suite")
+    action.add_argument("--show", metavar="FILE", help="print the source of a brain, or of an adversary and its brain")
+    sub.add_argument(
+        "--wearing", metavar="BRAIN", default="", help="the brain that an adversary is put on (default: minimalistic)"
+    )
 
 
 def brains(options: argparse.Namespace) -> int:
     """List, show or check brains and adversaries."""
     if options.check is None and options.show is None:
         if options.wearing:
-            raise InputError(f"--wearing {options.wearing}: it goes with --check or --show, and an adversary")
+            raise InputError(f"--wearing {options.wearing} needs --check or --show with an adversary")
         known, liars = brain_rows(), adversary_rows()
         if options.json:
             answer("brains", {"brains": known, "adversaries": liars})
@@ -46,29 +48,30 @@ def brains(options: argparse.Namespace) -> int:
     from swarmcensus.conformance.suite import check, subject
 
     if options.wearing:
-        find(options.wearing)  # what is misspelt there is no fault of the adversary's
+        find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
-            raise InputError("--json is of the list and of --check: --show prints a program")
+            raise InputError("--json does not go with --show, which prints a program")
         sys.stdout.write(subject(options.show, options.wearing).source)
         return 0
-    say(f"checking {options.check}: compiled too, which takes up to a minute")
-    found = check(options.check, wearing=options.wearing)
-    if not options.json:
-        return 0 if checks(options.check, found) else 2
-    conforms = all(one.fault is None for one in found)
-    answer("checks", {"file": options.check, "conforms": conforms, "checks": found})
+    say(f"checking {options.check}, which is compiled for it: up to a minute")
+    checks = check(options.check, wearing=options.wearing)
+    conforms = all(result.fault is None for result in checks)
+    if options.json:
+        answer("checks", {"file": options.check, "conforms": conforms, "checks": checks})
+    else:
+        show_checks(options.check, checks, conforms)
     return 0 if conforms else 2
 
 
 def brain_rows() -> list[Row]:
-    """The brains that come with swarmcensus and other packages: what each is, and its size on a robot, in bytes.
+    """The brains of swarmcensus and of plugins: what each is, and its size on a robot, in bytes.
 
-    Of one that cannot be read there is `fault`, which is None of the others.
+    A brain that cannot be read has only its name and `fault`, which is None otherwise.
     """
     from swarmcensus import brains
 
-    def told(name: str) -> Row:
+    def details(name: str) -> Row:
         brain = brains.load(name)
         return {
             "what": (brain.functions.__doc__ or "").strip().partition("\n")[0],
@@ -79,29 +82,29 @@ def brain_rows() -> list[Row]:
             "parameters": brain.parameters,
         }
 
-    return [_row(name, told) for name in brains.DOOR.names]
+    return [_row(name, details) for name in brains.DOOR.names]
 
 
 def adversary_rows() -> list[Row]:
-    """The adversaries that come with swarmcensus and other packages, likewise."""
+    """The adversaries of swarmcensus and of plugins: what each does, and its parameters; `fault` as of brains."""
     from swarmcensus.brains import adversary
 
-    def told(name: str) -> Row:
-        one = adversary.load(name)
-        return {"what": (one.functions.__doc__ or "").strip().partition("\n")[0], "parameters": one.parameters}
+    def details(name: str) -> Row:
+        liar = adversary.load(name)
+        return {"what": (liar.functions.__doc__ or "").strip().partition("\n")[0], "parameters": liar.parameters}
 
-    return [_row(name, told) for name in adversary.DOOR.names]
+    return [_row(name, details) for name in adversary.DOOR.names]
 
 
-def _row(name: str, told: Callable[[str], Row]) -> Row:
+def _row(name: str, details: Callable[[str], Row]) -> Row:
     try:
-        return {"name": name, **told(name), "fault": None}
+        return {"name": name, **details(name), "fault": None}
     except InputError as error:
         return {"name": name, "fault": str(error)}
 
 
 def show_brains(rows: list[Row]) -> None:
-    """Print them by what they estimate."""
+    """Print brains, grouped by what they estimate."""
     from swarmcensus.basics.terminal import console, table
 
     groups: dict[str, list[tuple[str, ...]]] = {group: [] for group in GROUPS.values()}
@@ -110,78 +113,78 @@ def show_brains(rows: list[Row]) -> None:
         what = row["fault"] or row["what"] + " Not anonymous." * (not row["anonymous"])
         groups[GROUPS[row.get("estimates", "")]].append((row["name"], *sizes, what))
     widest = max(len(row["name"]) for row in rows)
-    for group, some in groups.items():
-        if some:
+    for group, cells in groups.items():
+        if cells:
             heads = [("brain".ljust(widest), False), ("memory", True), ("message", True), (group, False)]
-            console().print(table(heads, some))
+            console().print(table(heads, cells))
             print()
-    print("memory and message: bytes, 4 a number; not anonymous: uses its robot's name\n")
+    print("memory and message: in bytes, 4 per number; not anonymous: uses the name of its robot\n")
 
 
 def show_adversaries(rows: list[Row]) -> None:
-    """Print them with their parameters."""
+    """Print adversaries with their parameters."""
     from swarmcensus.basics.terminal import console, table
 
     cells = []
     for row in rows:
-        told = [f"{k} {v:,.10g}" if isinstance(v, float) else k for k, v in row.get("parameters", {}).items()]
-        cells.append((row["name"], "-" if row["fault"] else ", ".join(told), row["fault"] or row["what"]))
+        texts = [f"{k} {v:,.10g}" if isinstance(v, float) else k for k, v in row.get("parameters", {}).items()]
+        cells.append((row["name"], "-" if row["fault"] else ", ".join(texts), row["fault"] or row["what"]))
     console().print(table([("adversary", False), ("parameters", False), ("what it does", False)], cells))
 
 
-def checks(path: Any, found: "list[Check]") -> bool:
-    """What the conformance suite found; whether the brain passed."""
+def show_checks(path: Any, checks: "list[Check]", conforms: bool) -> None:
+    """Print the results of the conformance suite."""
     from rich.text import Text
 
     from swarmcensus.basics.terminal import console
 
     out = console()
-    for one in found:
-        if not one.used:
-            out.print(f"-     {one.name}: not used", style="dim")
+    for result in checks:
+        if not result.used:
+            out.print(f"-     {result.name}: not used", style="dim")
             continue
-        out.print(Text("pass", "green") if one.fault is None else Text("FAIL", "red bold"), f" {one.name}")
-        if one.fault is not None:
-            out.print(f"      {one.fault}", soft_wrap=True)
-    good = all(one.fault is None for one in found)
-    out.print(f"{path}: {'conforms' if good else 'does not conform'}", soft_wrap=True)
-    return good
+        out.print(Text("pass", "green") if result.fault is None else Text("FAIL", "red bold"), f" {result.name}")
+        if result.fault is not None:
+            out.print(f"      {result.fault}", soft_wrap=True)
+    out.print(f"{path}: {'conforms' if conforms else 'does not conform'}", soft_wrap=True)
 
 
-MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments a study gives
+MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arguments are keys in a study
 
 
 def add_list_options(sub: argparse.ArgumentParser) -> None:
-    """Of `list`."""
+    """Add the options of `list`."""
     sub.add_argument("kind", nargs="?", metavar="KIND", choices=[*PLUGINS], help=f"one of {', '.join(PLUGINS)}")
 
 
 def choices(options: argparse.Namespace) -> int:
-    """List what there is, kind by kind."""
-
+    """List what can be used by name, kind by kind."""
     from swarmcensus.basics.terminal import console, table
 
     kinds = [options.kind] if options.kind else list(PLUGINS)
     if options.json:
-        answer("choices", {kind: [_told(row) for row in _rows(kind)] for kind in kinds})
+        answer("choices", {kind: [_as_dict(row) for row in _rows(kind)] for kind in kinds})
         return 0
     for k, kind in enumerate(kinds):
         rows = list(_rows(kind))
-        ours = {row[-1] for row in rows} == {"swarmcensus"}  # then every line would end in the same word
-        heads = [(kind, False), ("keys", False), ("what it is", False), *[("from", False)] * (not ours)]
+        plugins = {row[-1] for row in rows} != {"swarmcensus"}  # else the last column would say the same in every row
+        heads = [(kind, False), ("keys", False), ("what it is", False), *[("from", False)] * plugins]
         if k:
             print()
         console().print(table(heads, [row[: len(heads)] for row in rows]))
     return 0
 
 
-def _told(row: tuple[str, str, str, str]) -> dict[str, object]:
-    name, keys, what, giver = row
-    return {"name": name, "keys": keys.split(", ") if keys else [], "what": what, "from": giver}
+def _as_dict(row: tuple[str, str, str, str]) -> dict[str, object]:
+    name, keys, what, package = row
+    return {"name": name, "keys": keys.split(", ") if keys else [], "what": what, "from": package}
 
 
 def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
-    """Each one's name, its keys or parameters, the first line of its file, which is not run, and whose it is."""
+    """Of each plugin of a kind: name, keys or parameters, the first line of its docstring, and its package.
+
+    Files are parsed, and not run.
+    """
     from swarmcensus import brains
     from swarmcensus.brains import adversary
 
@@ -204,9 +207,9 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
 
 
 def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:
-    """What may be given to what a file makes."""
+    """The keys that a study may give to a plugin, from the arguments of its functions."""
     for node in tree.body:
         if isinstance(node, ast.FunctionDef) and node.name in makers:
-            yield from (one.arg for one in node.args.kwonlyargs)
+            yield from (argument.arg for argument in node.args.kwonlyargs)
             if node.name == "quantile":
-                yield from (one.arg for one in node.args.args[1:])
+                yield from (argument.arg for argument in node.args.args[1:])

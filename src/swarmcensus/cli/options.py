@@ -1,4 +1,4 @@
-"""What the options of all commands share: a parser that says what was meant, types of values, common options."""
+"""The parser, which suggests what was probably meant, the types of option values, and options of several commands."""
 
 import argparse
 import re
@@ -10,55 +10,55 @@ DIGITS = 18  # of a number, so that it fits into 64 bits
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser that says what was probably meant."""
+    """A parser whose errors suggest what was probably meant."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
-        """Refuse what is not known here, where the options that are known here can be named."""
-        self.given = [one for one in args or [] if one.startswith("--")]
-        found, rest = super().parse_known_args(args, namespace)
+        """Refuse unknown arguments here, where the options of this command are known and one can be suggested."""
+        self.given = [argument for argument in args or [] if argument.startswith("--")]
+        parsed, rest = super().parse_known_args(args, namespace)
         if rest:
-            strange = next((one for one in rest if one.startswith("-")), rest[0])
+            unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
             hint = did_you_mean(
-                strange.partition("=")[0], (o for o in self._option_string_actions if o.startswith("--"))
+                unknown.partition("=")[0], (o for o in self._option_string_actions if o.startswith("--"))
             )
             self.error(f"unrecognized arguments: {' '.join(rest)}" + (f" ({hint.rstrip()})" if hint else ""))
-        return found, rest
+        return parsed, rest
 
     def error(self, message: str) -> NoReturn:
-        """Say it, and which choice was meant by one that is not known, or which option that is lacking."""
+        """Print the message, with a suggestion for an unknown choice or for a required option that is misspelt."""
         wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
         hint = did_you_mean(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ""
         if message.startswith("the following arguments are required"):
-            options = [one for one in self._option_string_actions if one.startswith("--")]
-            names = (one.partition("=")[0] for one in self.given)
-            strange = (one for one in names if not any(known.startswith(one) for known in options))
-            hint = next(filter(None, (did_you_mean(one, options) for one in strange)), "")
+            options = [option for option in self._option_string_actions if option.startswith("--")]
+            names = (argument.partition("=")[0] for argument in self.given)
+            unknown = (name for name in names if not any(option.startswith(name) for option in options))
+            hint = next(filter(None, (did_you_mean(name, options) for name in unknown)), "")
         super().error(f"{message}: {hint.rstrip()}" if hint else message)
 
 
 def add_output_options(sub: argparse.ArgumentParser, json: bool) -> None:
-    """Give a command --quiet and --verbose, and --json if it prints a table."""
+    """Add --quiet and --verbose, and --json if the command prints a table."""
     sub.set_defaults(json=False)
     group = sub.add_argument_group("output")
     if json:
-        group.add_argument("--json", action="store_true", help="one JSON document on stdout, and nothing else")
-    loud = group.add_mutually_exclusive_group()
-    loud.add_argument("-q", "--quiet", action="store_true", help="answers and errors, and nothing else")
-    loud.add_argument(
-        "-v", "--verbose", action="store_true", help="also what is compiled, found and finished, on stderr"
-    )
+        group.add_argument("--json", action="store_true", help="print one JSON document on stdout, and nothing else")
+    volume = group.add_mutually_exclusive_group()
+    volume.add_argument("-q", "--quiet", action="store_true", help="print only answers and errors")
+    volume.add_argument("-v", "--verbose", action="store_true", help="also report each step on stderr")
 
 
 def add_run_options(sub: argparse.ArgumentParser) -> None:
-    """The options of all commands that run a study and keep its results."""
-    sub.add_argument("--jobs", type=positive, help="threads (default: one a core); the numbers do not depend on it")
-    sub.add_argument("--trials", type=positive, help="instead of the study's own number")
-    sub.add_argument("--seed", type=from_zero, help="instead of the study's own")
-    sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with what --out holds")
+    """Add the options of all commands that run studies and write their results."""
+    sub.add_argument(
+        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
+    )
+    sub.add_argument("--trials", type=positive, help="trials per setting, instead of the study's own number")
+    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers, instead of the study's own")
+    sub.add_argument("--fresh", action="store_true", help="start over instead of continuing what --out holds")
 
 
 def name_list(text: str) -> list[str]:
-    """Names with commas between them."""
+    """Names separated by commas."""
     return [name.strip() for name in text.split(",") if name.strip()]
 
 

@@ -1,6 +1,6 @@
-"""How much a command says: answers and files on stdout, what goes on on stderr, as loud as one asked for.
+"""What a command prints: answers and names of files on stdout, messages on stderr, as --quiet and --verbose ask.
 
-Rooms log to the logger `swarmcensus` and below: INFO is what everybody is told, DEBUG what --verbose adds.
+All packages log to the logger `swarmcensus` and below: INFO is printed by default, DEBUG only with --verbose.
 """
 
 import argparse
@@ -19,7 +19,7 @@ WROTE = LOG.getChild("wrote")
 
 
 class _Voice(logging.Handler):
-    """Prints to the streams there are at that moment: a progress bar puts its own in their place."""
+    """Prints to the current sys.stdout and sys.stderr, which a progress bar replaces by its own."""
 
     def __init__(self, json: bool) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class _Voice(logging.Handler):
 
 @contextlib.contextmanager
 def speaking(options: argparse.Namespace) -> Iterator[None]:
-    """Say as much as the options ask for while the block lasts: warnings are left out with --quiet too."""
+    """Print messages and warnings as the options ask while the block lasts; with --quiet neither."""
     level = logging.ERROR if options.quiet else logging.DEBUG if options.verbose else logging.INFO
     voice, before = _Voice(options.json), LOG.level
     LOG.setLevel(level)
@@ -48,17 +48,17 @@ def speaking(options: argparse.Namespace) -> Iterator[None]:
 
 
 def say(line: str) -> None:
-    """What goes on, on stderr; not with --quiet."""
+    """Print a message on stderr; not with --quiet."""
     LOG.info("%s", line)
 
 
 def wrote(line: object) -> None:
-    """What was written, on stdout; not with --quiet, and with --json on stderr."""
+    """Print the name of a written file on stdout; not with --quiet, and with --json on stderr."""
     WROTE.info("%s", line)
 
 
 def answer(kind: str, about: Mapping[str, Any]) -> None:
-    """The one document of --json, on stdout."""
+    """Print the document of --json on stdout."""
     from swarmcensus.basics.documents import document
 
     print(document(kind, about))
@@ -66,7 +66,7 @@ def answer(kind: str, about: Mapping[str, Any]) -> None:
 
 @contextlib.contextmanager
 def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
-    """A callback for `run` that shows how far it is; with --quiet it shows nothing."""
+    """A callback for `run` that shows its progress; with --quiet it shows nothing."""
     if not LOG.isEnabledFor(logging.INFO):
         yield lambda _: None
         return

@@ -1,4 +1,4 @@
-"""The command `plot`: its options are checked, results are drawn, files written. Imports wait until needed."""
+"""The command `plot`, and how figures are written. Imports wait until the command needs them."""
 
 import argparse
 import contextlib
@@ -14,56 +14,64 @@ from swarmcensus.cli.options import from_zero, name_list, positive, round_or_tim
 from swarmcensus.cli.output import LOG, wrote
 from swarmcensus.cli.source import add_source_options, read
 
-HANDED_ON = (
+KIND_OPTIONS = (
     *("x", "y", "color", "panels", "local", "setting", "trial", "brain", "tick", "robot", "first", "last", "every"),
     *("fps", "theory"),
-)  # flags of `plot` that are options of kinds, by the names of these
-ASKED_ANEW = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # kinds of ours that draw it
+)  # options of `plot` that are passed on to the function of a kind, by the same name
+DRAWN_BY = {"bins": ("decisions", "lines"), "delta": ("scatter", "heatmap", "lines")}  # shipped kinds affected by these
 
 
 def add_plot_options(sub: argparse.ArgumentParser) -> None:
-    """Of `plot`."""
+    """Add the options of `plot`."""
     add_source_options(sub)
     sub.add_argument(
         "--kind",
         default="scatter",
         help="what to draw: lines, decisions, heatmap, curves, arena, ... (docs/plotting.md; default: %(default)s)",
     )
-    sub.add_argument("--x", metavar="NAME", help="the coordinate along the x axis (lines, heatmap)")
-    sub.add_argument("--y", metavar="NAME", help="the variable of lines, or the other coordinate of a heatmap")
-    sub.add_argument("--color", metavar="NAME", help="the coordinate that colours tell apart (default: accuracy)")
+    sub.add_argument("--x", metavar="NAME", help="coordinate on the x axis (lines, heatmap)")
+    sub.add_argument("--y", metavar="NAME", help="variable on the y axis of lines, or coordinate on that of a heatmap")
+    sub.add_argument("--color", metavar="NAME", help="coordinate shown by colour (default: accuracy)")
     sub.add_argument(
-        "--panels", type=name_list, metavar="NAMES", help="coordinates with a panel for each value, as topology,robots"
+        "--panels",
+        type=name_list,
+        metavar="NAMES",
+        help="coordinates with one panel per value, such as topology,robots",
     )
     sub.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="OPTION=VALUE",
-        help="any other option of the kind, as scale=linear",
+        help="any other option of the kind, such as scale=linear; may be repeated",
     )
-    sub.add_argument("--local", action="store_true", default=None, help="the local estimate instead (scatter)")
     sub.add_argument(
-        "--theory", action="store_true", default=None, help="lay theory's curves over it (scatter, decisions, curves)"
+        "--local", action="store_true", default=None, help="draw the local estimate instead of the final one (scatter)"
+    )
+    sub.add_argument(
+        "--theory", action="store_true", default=None, help="add curves of theory (scatter, decisions, curves)"
     )
     sub.add_argument("--setting", type=int, help="the setting of curves, arena or film (default: the first)")
     sub.add_argument("--trial", type=int, help="the trial of curves, arena or film (default: 0)")
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own (curves, arena, film)")
     sub.add_argument(
-        "--tick", type=round_or_time, help="when the arena is drawn, a tick or a time as '1 min' (default: the last)"
+        "--tick", type=round_or_time, help="tick of the arena, or a time such as '1 min' (default: the last)"
     )
-    sub.add_argument("--robot", type=from_zero, help="whose radio range the arena shows (default: 0)")
-    sub.add_argument("--first", type=round_or_time, help="the tick, or time, that a film begins at (default: 1)")
-    sub.add_argument("--last", type=round_or_time, help="the tick, or time, that it ends at (default: 600 ticks)")
-    sub.add_argument("--every", type=positive, help="ticks from frame to frame (default: 2)")
-    sub.add_argument("--fps", type=positive, help="frames a second (default: 20)")
+    sub.add_argument("--robot", type=from_zero, help="robot whose radio range the arena shows (default: 0)")
+    sub.add_argument("--first", type=round_or_time, help="first tick of a film, or a time (default: 1)")
+    sub.add_argument("--last", type=round_or_time, help="last tick of a film, or a time (default: 600 ticks)")
+    sub.add_argument("--every", type=positive, help="ticks from one frame of a film to the next (default: 2)")
+    sub.add_argument("--fps", type=positive, help="frames per second of a film (default: 20)")
     sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="default: RESULTS-KIND.png and .svg (also .pdf), or .mp4 (also .gif)"
+        "--out",
+        type=Path,
+        metavar="FILE",
+        help="file to write (default: RESULTS-KIND.png and .svg, or .mp4; also .pdf, .gif)",
     )
 
 
 def plot(options: argparse.Namespace) -> int:
-    """Draw a results file."""
+    """Draw a figure of a results file."""
     from swarmcensus.figures.kinds import find
     from swarmcensus.results.partial import say_partial
 
@@ -71,15 +79,15 @@ def plot(options: argparse.Namespace) -> int:
     given = _given(options, draw)
     suffix = Path(given.get("out") or "").suffix
     out = options.out or Path(f"{options.results.stem}-{options.kind}{suffix}")
-    if "out" in given:  # it writes its file itself
+    if "out" in given:  # this kind writes its file itself
         given["out"] = out
     else:
         figure_files(out)
-    every, data = read(options)
-    say_partial(every, options.results)
-    if options.setting in every["setting"].values and options.setting not in data["setting"].values:
+    stored, data = read(options)
+    say_partial(stored, options.results)
+    if options.setting in stored["setting"].values and options.setting not in data["setting"].values:
         raise InputError(f"setting {options.setting} is not one of those that --where {options.where!r} selects")
-    with _failures(options.kind), _telling(given, data):
+    with _failures(options.kind), _showing_progress(given, data):
         drawn = draw(data, **given)
     if "out" in given:
         wrote(f"{out}: {counted(drawn, 'frame')}" if isinstance(drawn, int) else out)
@@ -89,20 +97,20 @@ def plot(options: argparse.Namespace) -> int:
 
 
 def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, Any]:
-    """The options of a kind as they are given, or by default. Raises InputError for those that it has not."""
+    """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
     from swarmcensus.basics.plugins import keys_of, read_keys
     from swarmcensus.basics.times import Time
     from swarmcensus.figures.kinds import DOOR, find
 
     with _failures(options.kind):
-        has = keys_of(draw).model_fields
-    given = {name: value for name in HANDED_ON if (value := getattr(options, name)) is not None}
+        known = keys_of(draw).model_fields
+    given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
     fitting = {
-        name: [k for k in DOOR.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in has
+        name: [k for k in DOOR.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in known
     }
     if options.kind in DOOR.shipped:
-        asked = [name for name in ASKED_ANEW if getattr(options, name) is not None]
-        fitting |= {name: [*ASKED_ANEW[name]] for name in asked if options.kind not in ASKED_ANEW[name]}
+        remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
+        fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}
     for name, kinds in fitting.items():
         raise InputError(f"--{name} goes with --kind {' or '.join(kinds)}, not with {options.kind}")
     if options.local and options.delta is not None:
@@ -112,7 +120,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     if len(more) < len(options.set):
         raise InputError("--set gives an option twice")
     for name in given.keys() & more:
-        raise InputError(f"--{name} and --set {name}=... say the same: give one of them")
+        raise InputError(f"--{name} and --set {name}=... set the same option: give one of them")
     try:
         return dict(read_keys(f"--kind {options.kind}", draw, given | more))
     except ValueError as error:
@@ -120,7 +128,7 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
 
 
 def _set(text: str) -> tuple[str, Any]:
-    """The option and the value of `--set`: what TOML reads as a value, else the text itself."""
+    """The option and the value of `--set`: the value as TOML reads it, or else the text itself."""
     import tomllib
 
     name, equals, value = text.partition("=")
@@ -134,7 +142,7 @@ def _set(text: str) -> tuple[str, Any]:
 
 @contextlib.contextmanager
 def _failures(kind: str) -> Iterator[None]:
-    """What goes wrong in drawing, in one line: of another package's kind, whose it is."""
+    """Report an error of another package's kind as one line that names the package."""
     from swarmcensus.figures.kinds import DOOR
 
     try:
@@ -149,8 +157,8 @@ def _failures(kind: str) -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def _telling(given: dict[str, Any], data: Any) -> Iterator[None]:
-    """Say what a kind that draws one trial waits for: the compiler, and frame after frame."""
+def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
+    """Show what a kind that draws one trial waits for: the compiler, and the frames of a film."""
     from rich.console import Console
     from rich.progress import Progress
 
@@ -182,13 +190,13 @@ def _as_figure(drawn: Any, kind: str) -> Any:
 
 
 def brain_of(data: Any, setting: int | None = None) -> str:
-    """The name of a setting's brain, or of the only one, for messages; of a setting that is not there, none."""
-    every = data["brain"].values if setting is None else data["brain"].values[data["setting"].values == setting]
-    return "the brain" if len({*every}) > 1 else "".join(every[:1].tolist())
+    """The name of a setting's brain, or of the only brain, for messages; empty for a setting that does not exist."""
+    names = data["brain"].values if setting is None else data["brain"].values[data["setting"].values == setting]
+    return "the brain" if len({*names}) > 1 else "".join(names[:1].tolist())
 
 
 def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg")) -> None:
-    """Write a figure in the format of its suffix, without one in all of `default`, and print the paths."""
+    """Write a figure in the format of its suffix, or without a suffix in all of `default`, and print the paths."""
     from swarmcensus.figures.files import save
 
     for path in save(figure, *figure_files(out, default)):
@@ -196,7 +204,7 @@ def save_figure(figure: Any, out: Path, default: tuple[str, ...] = ("png", "svg"
 
 
 def figure_files(out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: Path) -> tuple[Path, tuple[str, ...]]:
-    """The name without its suffix, and the formats; raises InputError where they cannot be written."""
+    """The path without its suffix, and the formats to write. Raises InputError if they cannot be written."""
     from swarmcensus.basics.files import check_writable
 
     if not out.suffix and (out.is_dir() or out.name in ("", "..")):
@@ -205,6 +213,6 @@ def figure_files(out: Path, default: tuple[str, ...] = ("png", "svg"), *inputs: 
     if suffix and suffix not in ("png", "svg", "pdf"):
         raise InputError(f"{out}: figures are written as .png, .svg or .pdf")
     stem, formats = (out.with_suffix(""), (suffix,)) if suffix else (out, default)
-    for each in formats:
-        check_writable(stem.with_name(f"{stem.name}.{each}"), *inputs)
+    for ending in formats:
+        check_writable(stem.with_name(f"{stem.name}.{ending}"), *inputs)
     return stem, formats

@@ -1,4 +1,4 @@
-"""The commands `show`, `export`, `merge` and `verify`: results are read. Imports wait until needed."""
+"""The commands `show`, `merge`, `verify` and `export`. Imports wait until a command needs them."""
 
 import argparse
 from pathlib import Path
@@ -13,26 +13,28 @@ from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_optio
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
 
-SHOWN = ("checkpoint", "sort", "reverse")  # options of `show` beside those of all results
-DIFFER = 1  # results that do not come out again as stored
+SHOW_OPTIONS = ("checkpoint", "sort", "reverse")  # options of `show` in addition to the source options
+DIFFER = 1  # exit code of `verify` where results differ
 
 
 def add_show_options(sub: argparse.ArgumentParser) -> None:
-    """Of `show`."""
+    """Add the options of `show`."""
     add_source_options(sub)
     sub.add_argument(
         "--checkpoint",
         type=round_or_time,
         metavar="K",
-        help="the round of 'right', or a time as '5 min' (default: the last)",
+        help="count right decisions at this round, or at a time such as '5 min' (default: the last checkpoint)",
     )
-    sub.add_argument("--sort", metavar="COLUMN", help="as error, right, K or fill_ratio (default: as stored)")
-    sub.add_argument("--reverse", action="store_true", help="the other way round")
-    add_limit_option(sub, "; of --json all")
+    sub.add_argument(
+        "--sort", metavar="COLUMN", help="sort by a column, such as error, right, K or fill_ratio (default: as stored)"
+    )
+    sub.add_argument("--reverse", action="store_true", help="reverse the order of --sort")
+    add_limit_option(sub, "; with --json: all")
 
 
 def show(options: argparse.Namespace) -> int:
-    """Print the summary of a results file."""
+    """Print a summary of a results file."""
     from swarmcensus.cli import tables
     from swarmcensus.results import summaries
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
@@ -43,14 +45,14 @@ def show(options: argparse.Namespace) -> int:
     if options.sort:
         data = summaries.ordered(data, options.sort, options.reverse, checkpoint)
     elif options.reverse:
-        raise InputError("--reverse goes with --sort")
+        raise InputError("--reverse needs --sort")
     if options.json:
-        few = data.isel(setting=slice(options.limit or None))
-        answer("summary", summaries.as_dict(stored, few, checkpoint))
+        shown = data.isel(setting=slice(options.limit or None))
+        answer("summary", summaries.as_dict(stored, shown, checkpoint))
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     title = tables.head(stored, options.results)
-    tables.settings(data, options.results, limit, checkpoint, title, again(options, "show", SHOWN))
+    tables.settings(data, options.results, limit, checkpoint, title, again(options, "show", SHOW_OPTIONS))
     tables.failures(data)
     warn_of_start(data)
     warn_of_edges(data)
@@ -58,14 +60,16 @@ def show(options: argparse.Namespace) -> int:
 
 
 def add_merge_options(sub: argparse.ArgumentParser) -> None:
-    """Of `merge`."""
+    """Add the options of `merge`."""
     sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True)
-    sub.add_argument("--fresh", action="store_true", help="replace what --out holds, though it is not in the others")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True, help="file of the merged results")
+    sub.add_argument(
+        "--fresh", action="store_true", help="replace a results file --out, even if it has trials that the others lack"
+    )
 
 
 def merge(options: argparse.Namespace) -> int:
-    """Put results together."""
+    """Merge results files into one."""
     from swarmcensus.results import merging
 
     if options.out.suffix != ".nc":
@@ -77,28 +81,36 @@ def merge(options: argparse.Namespace) -> int:
 
 
 def add_verify_options(sub: argparse.ArgumentParser) -> None:
-    """Of `verify`."""
+    """Add the options of `verify`."""
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
     which = sub.add_mutually_exclusive_group()
     which.add_argument(
-        "--sample", type=float, default=0.01, metavar="SHARE", help="of the trials (default: %(default)s)"
+        "--sample",
+        type=float,
+        default=0.01,
+        metavar="SHARE",
+        help="share of the trials to check (default: %(default)s)",
     )
-    which.add_argument("--all", action="store_true", help="every trial")
+    which.add_argument("--all", action="store_true", help="check every trial")
     sub.add_argument(
-        "--brain", action="append", default=[], metavar="FILE", help="a brain or metric file, if any is used"
+        "--brain",
+        action="append",
+        default=[],
+        metavar="FILE",
+        help="a brain or metric file of your own that the study uses; may be repeated",
     )
-    sub.add_argument("--seed", type=from_zero, help="of the choice, to make the same one again")
-    sub.add_argument("--jobs", type=positive, help="threads (default: one a core)")
+    sub.add_argument("--seed", type=from_zero, help="seed of the sample, to check the same trials again")
+    sub.add_argument("--jobs", type=positive, help="number of threads (default: one per core)")
 
 
 def verify(options: argparse.Namespace) -> int:
-    """Run trials again and compare; 1 where they differ."""
+    """Run trials again and compare them with the file; the exit code is 1 where they differ."""
     import secrets
 
     from swarmcensus.runs import verifying
 
     if options.all and options.seed is not None:
-        raise InputError(f"--seed {options.seed} chooses a sample: it does not go with --all")
+        raise InputError(f"--seed {options.seed} is for a sample: it does not go with --all")
     seed = secrets.randbelow(2**31) if options.seed is None else options.seed
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
@@ -108,8 +120,8 @@ def verify(options: argparse.Namespace) -> int:
     if options.json:
         about = {"results": options.results, "trials_checked": found.checked, "trials_stored": found.stored}
         about |= {"seed": None if options.all else seed, "differences": found.differences}
-        said = {"labels": found.labels, "notes": found.notes, "unchecked": found.unchecked}
-        answer("verification", about | said)
+        about |= {"labels": found.labels, "notes": found.notes, "unchecked": found.unchecked}
+        answer("verification", about)
         return _code(found)
     for difference in (*found.labels, *found.differences):
         print(difference)
@@ -117,9 +129,9 @@ def verify(options: argparse.Namespace) -> int:
         "" if options.all else f" (--seed {seed})"
     )
     same = "the numbers are the same to the last bit" if found.labels or found.notes else "the same to the last bit"
-    same = same if found.checked else "none of them is of a study that can be run"
+    same = same if found.checked else "no trial could be run again"
     differ = f"{len(found.differences):,} differ" if found.differences else same
-    labels = [f"{len(found.labels):,} of the file's labels are not its study's"] if found.labels else []
+    labels = [f"labels that do not match the study: {len(found.labels):,}"] if found.labels else []
     print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))
     print("not compared:", *found.unchecked, sep="\n  ")
     return _code(found)
@@ -130,10 +142,12 @@ def _code(found: "Verification") -> int:
 
 
 def add_export_options(sub: argparse.ArgumentParser) -> None:
-    """Of `export`."""
+    """Add the options of `export`."""
     add_source_options(sub)
-    sub.add_argument("--to", choices=("csv", "parquet"), help="default: as --out ends, else csv")
-    sub.add_argument("--out", type=Path, metavar="FILE", help="default: RESULTS.csv or .parquet, here")
+    sub.add_argument("--to", choices=("csv", "parquet"), help="format (default: by the ending of --out, else csv)")
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE", help="file to write (default: RESULTS.csv or .parquet, in this folder)"
+    )
 
 
 def export(options: argparse.Namespace) -> int:

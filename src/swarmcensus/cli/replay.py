@@ -1,4 +1,4 @@
-"""The commands `replay` and `infer`: a trace of a trial, or from recorded data. Imports wait until needed."""
+"""The commands `replay` and `infer`, which write a trace. Imports wait until a command needs them."""
 
 import argparse
 from pathlib import Path
@@ -9,18 +9,23 @@ from swarmcensus.cli.plot import brain_of, figure_files, save_figure
 
 
 def add_replay_options(sub: argparse.ArgumentParser) -> None:
-    """Of `replay`."""
+    """Add the options of `replay`."""
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--setting", type=int, required=True)
-    sub.add_argument("--trial", type=int, required=True)
-    sub.add_argument("--brain", metavar="FILE", help="the brain file, where the brain is one of your own")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="every robot's memory after every round")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="every robot's estimate against rounds")
-    sub.add_argument("--recording", type=Path, metavar="FOLDER", help="the trial as observations.csv and links.csv")
+    sub.add_argument("--setting", type=int, required=True, help="number of the setting, as 'show' prints it")
+    sub.add_argument("--trial", type=int, required=True, help="number of the trial, from 0")
+    sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc|csv", help="write every robot's memory after every round")
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="plot every robot's estimate against rounds")
+    sub.add_argument(
+        "--recording",
+        type=Path,
+        metavar="FOLDER",
+        help="write the trial as observations.csv and links.csv, for 'infer'",
+    )
 
 
 def replay(options: argparse.Namespace) -> int:
-    """Run one trial again."""
+    """Run one trial again and show every round."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
@@ -56,18 +61,33 @@ def replay(options: argparse.Namespace) -> int:
 
 
 def add_infer_options(sub: argparse.ArgumentParser) -> None:
-    """Of `infer`."""
-    sub.add_argument("observations", type=Path, metavar="OBSERVATIONS.csv")
-    sub.add_argument("--links", type=Path, metavar="LINKS.csv", help="edges, or messages: step, sender, receiver")
-    sub.add_argument("--accuracy", required=True, help="0.8 (b = w), 0.9,0.6 (b, w), or a CSV with a row a robot")
-    sub.add_argument("--every", type=int, metavar="STEPS", help="steps in a round (default: 10; 1 for messages)")
+    """Add the options of `infer`."""
+    sub.add_argument(
+        "observations", type=Path, metavar="OBSERVATIONS.csv", help="readings: one row per step, one column per robot"
+    )
+    sub.add_argument(
+        "--links", type=Path, metavar="LINKS.csv", help="edges, or messages with the columns step, sender, receiver"
+    )
+    sub.add_argument(
+        "--accuracy",
+        required=True,
+        help="of the sensors: 0.8 (b = w), 0.9,0.6 (b, w), or a CSV file with one row per robot",
+    )
+    sub.add_argument(
+        "--every", type=int, metavar="STEPS", help="steps per communication round (default: 10; with messages 1)"
+    )
     sub.add_argument("--brain", default="minimalistic", help="a shipped brain or a brain file (default: %(default)s)")
-    sub.add_argument("--out", type=Path, metavar="FILE.csv|nc", help="default: OBSERVATIONS-trace.csv, here")
-    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="default: beside --out, as .png")
+    sub.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE.csv|nc",
+        help="trace to write (default: OBSERVATIONS-trace.csv, in this folder)",
+    )
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="figure to write (default: --out with .png)")
 
 
 def infer(options: argparse.Namespace) -> int:
-    """Run a brain on recorded data."""
+    """Run a brain on recorded observations."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
@@ -80,16 +100,20 @@ def infer(options: argparse.Namespace) -> int:
     check_writable(out, options.observations, Path(options.accuracy), *([options.links] if options.links else []))
     plotted = options.plot or out.with_suffix(".png")
     figure_files(plotted, ("png",))
-    files = {"observations": options.observations, "links": options.links, "accuracy": f"--accuracy {options.accuracy}"}
+    sources = {
+        "observations": options.observations,
+        "links": options.links,
+        "accuracy": f"--accuracy {options.accuracy}",
+    }
     readings = recordings.read_observations(options.observations)
     links = recordings.read_links(options.links) if options.links else None
     try:
         accuracy = recordings.read_accuracy(options.accuracy)
         with compiling(Path(options.brain).name, "recorded data"):
             trace = inferring.infer(readings, links, accuracy, options.every, options.brain)
-    except InputError as error:  # say which file it is in
-        name = next((str(f) for key, f in files.items() if str(error).startswith(key)), None)
-        raise InputError(f"{name}: {error}" if name else str(error)) from error
+    except InputError as error:  # name the file or option that the message is about
+        source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)
+        raise InputError(f"{source}: {error}" if source else str(error)) from error
     recordings.write_trace(trace, out)
     rounds(trace, options.json)
     wrote(out)

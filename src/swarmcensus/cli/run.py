@@ -1,4 +1,4 @@
-"""The commands `run`, `reproduce` and `status`: studies are run. Imports wait until needed."""
+"""The commands `reproduce`, `run` and `status`. Imports wait until a command needs them."""
 
 import argparse
 import time
@@ -11,21 +11,23 @@ from swarmcensus.cli.output import answer, reporting, say, wrote
 
 
 def add_reproduce_options(sub: argparse.ArgumentParser) -> None:
-    """Of `reproduce`."""
+    """Add the options of `reproduce`."""
     sub.add_argument(
         "of",
         nargs="?",
         default="paper",
         metavar="WHAT",
-        help="paper (default), or rivals: what is known of them",
+        help="paper (default), or rivals: published results on other algorithms",
     )
-    sub.add_argument("--out", type=Path, help="folder to write (default: reproduction, or reproduction-rivals)")
-    sub.add_argument("--only", nargs="+", metavar="PART", help="such as fig2, fig3, fig4, fig5 or claims")
+    sub.add_argument("--out", type=Path, help="folder for the results (default: reproduction, or reproduction-rivals)")
+    sub.add_argument(
+        "--only", nargs="+", metavar="PART", help="only these parts, such as fig2, fig3, fig4, fig5 or claims"
+    )
     add_run_options(sub)
 
 
 def reproduce(options: argparse.Namespace) -> int:
-    """Run, draw and check the paper."""
+    """Run the studies of an evaluation, draw its figures and check its claims."""
     from swarmcensus.paper import report, reproducing
     from swarmcensus.statistics.intervals import FEWEST
 
@@ -45,20 +47,33 @@ def reproduce(options: argparse.Namespace) -> int:
     elif done.claims:
         report.show(done.claims)
         if options.trials is not None and options.trials < FEWEST:
-            few = f"{counted(options.trials, 'trial')} decide{'s' * (options.trials == 1)} next to nothing"
-            say(f"{few}: with fewer than {FEWEST}, intervals do not hold")
+            say(f"intervals need {FEWEST} trials or more: {counted(options.trials, 'trial')} cannot decide most claims")
     wrote(done.page)
     return 0
 
 
 def add_study_options(sub: argparse.ArgumentParser) -> None:
-    """Of `run`."""
+    """Add the options of `run`."""
     sub.add_argument("study", type=Path, metavar="STUDY.toml")
-    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="default: the study file's name with .nc, here")
+    sub.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE.nc",
+        help="results file (default: name of the study file with .nc, in this folder)",
+    )
     add_run_options(sub)
-    sub.add_argument("--share", type=share, metavar="K/N", help="run the K-th of N parts of the trials, to merge")
-    sub.add_argument("--scheduler", metavar="ADDRESS", help="a running Dask scheduler, as tcp://host:8786")
-    sub.add_argument("--cluster", metavar="WHERE", help="local:4 (processes here), or a TOML file (docs/clusters.md)")
+    sub.add_argument(
+        "--share",
+        type=share,
+        metavar="K/N",
+        help="run only the K-th of N parts of the trials; 'merge' joins the results",
+    )
+    sub.add_argument(
+        "--scheduler", metavar="ADDRESS", help="address of a running Dask scheduler, such as tcp://host:8786"
+    )
+    sub.add_argument(
+        "--cluster", metavar="WHERE", help="local:4 (4 processes on this machine), or a TOML file (docs/clusters.md)"
+    )
 
 
 def run(options: argparse.Namespace) -> int:
@@ -72,7 +87,7 @@ def run(options: argparse.Namespace) -> int:
         raise InputError(f"--out {out}: results are written as .nc")
     check_writable(out, options.study)
     study = study.with_(trials=options.trials, seed=options.seed)
-    from swarmcensus.cli.tables import failures, settings  # once all is well: these take long
+    from swarmcensus.cli.tables import failures, settings  # after the checks above, since these imports are slow
     from swarmcensus.results.cautions import warn_of_edges, warn_of_start
     from swarmcensus.results.summaries import as_dict
     from swarmcensus.runs.running import run as run_study
@@ -91,11 +106,11 @@ def run(options: argparse.Namespace) -> int:
                 say=say,
             )
     except Interrupted as stopped:
-        say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: run again to go on")
+        say(f"kept {stopped.done:,} of {counted(stopped.total, 'trial')} in {out}: the same command continues")
         raise
     if options.json:
         answer("summary", as_dict(data, data))
-    elif not options.quiet:  # what was asked for is the file
+    elif not options.quiet:  # the answer is the file, so that --quiet prints nothing
         settings(data, out)
     warn_of_start(data)
     warn_of_edges(data)
@@ -107,26 +122,28 @@ def run(options: argparse.Namespace) -> int:
 
 def _cluster(options: argparse.Namespace) -> str | None:
     if options.scheduler and options.cluster:
-        raise InputError("--scheduler and --cluster: a study runs on one of them")
+        raise InputError("--scheduler and --cluster exclude each other: give one of them")
     if options.jobs and (options.scheduler or options.cluster):
-        raise InputError(f"--jobs {options.jobs} is of threads: a cluster has as many workers as it has")
+        raise InputError(
+            f"--jobs {options.jobs} sets the threads of this machine: it does not go with --scheduler or --cluster"
+        )
     if options.scheduler and "://" not in options.scheduler:
-        raise InputError(f"--scheduler {options.scheduler}: should be an address, as tcp://host:8786")
+        raise InputError(f"--scheduler {options.scheduler}: should be an address such as tcp://host:8786")
     return options.scheduler or options.cluster  # type: ignore[no-any-return]
 
 
 def add_status_options(sub: argparse.ArgumentParser) -> None:
-    """Of `status`."""
+    """Add the options of `status`."""
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
 
 
 def status(options: argparse.Namespace) -> int:
-    """Say how far a study is."""
+    """Show how far a study is, and when it will end."""
     from swarmcensus.runs.status import status as status_of
 
-    found = status_of(options.results)
+    progress = status_of(options.results)
     if options.json:
-        answer("status", found.told)
+        answer("status", progress.told)
     else:
-        print("\n".join(found.lines))
+        print("\n".join(progress.lines))
     return 0

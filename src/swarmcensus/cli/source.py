@@ -1,4 +1,4 @@
-"""Which results a command reads: the file, `--where`, `--bins` and `--delta`, and the settings that they select."""
+"""The options of commands that read results, RESULTS.nc, `--where`, `--bins` and `--delta`, and what they select."""
 
 import argparse
 import shlex
@@ -11,28 +11,36 @@ if TYPE_CHECKING:
 
 from swarmcensus.cli.options import from_zero
 
-MOST_ROWS = 40  # of a table, unless one asks for more
+MOST_ROWS = 40  # of a table, unless --limit asks for more
 
 
 class Source(NamedTuple):
-    """A results file as it was read: all settings of it, and those that `--where` selects."""
+    """The dataset of a results file: all its settings, and those that `--where` selects."""
 
     stored: "xr.Dataset"
     selected: "xr.Dataset"
 
 
 def add_source_options(sub: argparse.ArgumentParser) -> None:
-    """The options of all commands that read the settings of a results file."""
+    """Add the options of all commands that read the settings of a results file."""
     sub.add_argument("results", type=Path, metavar="RESULTS.nc")
-    sub.add_argument("--where", metavar="EXPR", help="only these settings, as 'topology == \"ring\" and robots == 100'")
-    sub.add_argument("--bins", type=int, help="of decisions, instead of the study's own; needs kept estimates")
-    sub.add_argument("--delta", type=float, help="of convergence, instead of the study's own; needs kept estimates")
+    sub.add_argument(
+        "--where", metavar="EXPR", help="only these settings, such as 'topology == \"ring\" and robots == 100'"
+    )
+    sub.add_argument(
+        "--bins", type=int, help="bins of decisions, instead of the study's own; needs estimates kept at checkpoints"
+    )
+    sub.add_argument(
+        "--delta",
+        type=float,
+        help="tolerance of convergence, instead of the study's own; needs estimates kept at checkpoints",
+    )
 
 
 def add_limit_option(sub: argparse.ArgumentParser, more: str = "") -> None:
-    """The option of all commands that print a row a setting, or a world."""
-    help_ = f"rows at the most, 0: all (default: {MOST_ROWS}{more})"
-    sub.add_argument("--limit", type=from_zero, metavar="N", help=help_)
+    """Add the option of all commands that print one row per setting, or per world."""
+    text = f"maximum number of rows, 0 for all (default: {MOST_ROWS}{more})"
+    sub.add_argument("--limit", type=from_zero, metavar="N", help=text)
 
 
 def read(options: argparse.Namespace) -> Source:
@@ -46,13 +54,13 @@ def read(options: argparse.Namespace) -> Source:
 
 
 def again(options: argparse.Namespace, command: str, more: Iterable[str] = ()) -> str:
-    """The same command as a line for a shell, with the options that select, and the values of `more` options."""
+    """The shell line of this command on these results: with the source options and those named in `more`."""
     words = ["swarmcensus", command, str(options.results)]
     for name in ("where", "bins", "delta", *more):
-        given = getattr(options, name)
-        if given is True:
+        values = getattr(options, name)
+        if values is True:
             words.append(f"--{name}")
-        for value in given if isinstance(given, list) else [given]:
+        for value in values if isinstance(values, list) else [values]:
             if value is not None and not isinstance(value, bool):
                 words += [f"--{name}", str(value)]
     return shlex.join(words)

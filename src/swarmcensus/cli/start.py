@@ -1,4 +1,4 @@
-"""The commands to begin with: `new`, `studies` and `doctor`. Imports wait until needed."""
+"""The commands to start with: `new`, `studies` and `doctor`. Imports wait until a command needs them."""
 
 import argparse
 import filecmp
@@ -22,23 +22,23 @@ from swarmcensus.basics.version import __version__
 from swarmcensus.cli.output import answer, wrote
 
 STARTERS = {"study": "study.toml", "brain": "brain.py"}
-NEXT = {"study": "run", "brain": "brains --check"}  # what to do with them
+NEXT = {"study": "run", "brain": "brains --check"}  # the command to use the new file with
 
 
 def add_new_options(sub: argparse.ArgumentParser) -> None:
-    """Of `new`."""
-    sub.add_argument("what", choices=("study", "brain"), metavar="study|brain", help="what to begin")
+    """Add the options of `new`."""
+    sub.add_argument("what", choices=("study", "brain"), metavar="study|brain", help="kind of file")
     sub.add_argument(
         "file",
         type=Path,
         nargs="?",
         metavar="FILE",
-        help="default: my_study.toml or my_brain.py, here, with a number where that is taken",
+        help="file to write (default: my_study.toml or my_brain.py in this folder, with a number if that exists)",
     )
 
 
 def new(options: argparse.Namespace) -> int:
-    """Write a commented file to begin with."""
+    """Write a commented study or brain to start from."""
     from swarmcensus.basics.files import whole
 
     starter = Path(__file__).parent / "starters" / STARTERS[options.what]
@@ -49,20 +49,22 @@ def new(options: argparse.Namespace) -> int:
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
     with whole(out) as beside:
         beside.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
-    wrote(f"{out}: now swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
+    wrote(f"{out}: next, swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
     return 0
 
 
 def add_studies_options(sub: argparse.ArgumentParser) -> None:
-    """Of `studies`."""
+    """Add the options of `studies`."""
     what = sub.add_mutually_exclusive_group()
-    what.add_argument("name", nargs="?", metavar="NAME", help="one to copy, with the files that it names")
+    what.add_argument("name", nargs="?", metavar="NAME", help="copy this study, with the files that it uses")
     what.add_argument("--schema", action="store_true", help="print the JSON schema of study files, for editors")
-    sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: its own name, here")
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE.toml", help="file of the copy (default: NAME.toml in this folder)"
+    )
 
 
 def studies(options: argparse.Namespace) -> int:
-    """List the studies that come with swarmcensus, copy one with the files that it names, or print their schema."""
+    """List the studies that come with swarmcensus, copy one with the files that it uses, or print their schema."""
     from swarmcensus.basics.files import shipped_studies
     from swarmcensus.basics.hints import did_you_mean
 
@@ -71,7 +73,7 @@ def studies(options: argparse.Namespace) -> int:
     known = shipped_studies()
     if options.name is None:
         if options.out:
-            raise InputError(f"--out {options.out}: it goes with the name of a study, which is copied there")
+            raise InputError(f"--out {options.out} needs the name of a study to copy")
         from swarmcensus.basics.terminal import console, table
 
         rows = [(name, _first_words(path)) for name, path in known.items()]
@@ -81,7 +83,7 @@ def studies(options: argparse.Namespace) -> int:
         console().print(table([("study", False), ("what it is", False)], rows))
         return 0
     if options.json:
-        raise InputError(f"--json is of the list: it does not go with {options.name}, which is copied")
+        raise InputError(f"--json goes with the list of studies only, not with {options.name}")
     name = options.name.removesuffix(".toml")
     if name not in known:
         hint = did_you_mean(name, known)
@@ -104,16 +106,16 @@ def _schema(options: argparse.Namespace) -> int:
 
 
 def _copy(study: Path, out: Path) -> None:
-    """The files that a study names, then the study, which names them where they now lie: beside it."""
+    """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
     if out.suffix != ".toml":
         raise InputError(f"--out {out}: a study is a .toml file")
     from swarmcensus.basics.files import whole
 
     text = study.read_text(encoding="utf-8")
     _not_there(out)
-    copies = {name: _free(out.parent / Path(name).name, study.parent / name) for name in _named_by(study)}
-    new = {name: copy for name, copy in copies.items() if not copy.exists()}
-    for name, copy in new.items():
+    copies = {name: _free(out.parent / Path(name).name, study.parent / name) for name in _files_of(study)}
+    missing = {name: copy for name, copy in copies.items() if not copy.exists()}
+    for name, copy in missing.items():
         with whole(copy) as beside:
             shutil.copyfile(study.parent / name, beside)
     for name, copy in copies.items():
@@ -121,33 +123,33 @@ def _copy(study: Path, out: Path) -> None:
     with whole(out) as beside:
         beside.write_text(text, encoding="utf-8")
     wrote(out)
-    for name, copy in new.items():
+    for name, copy in missing.items():
         usual = Path(name).name
-        wrote(copy if copy.name == usual else f"{copy}: there is another {usual} already, which stays as it is")
+        wrote(copy if copy.name == usual else f"{copy}: a different {usual} exists, and is kept")
 
 
-def _named_by(study: Path) -> list[str]:
-    """Files that a study names, as brains, metrics or links."""
+def _files_of(study: Path) -> list[str]:
+    """The files that a study uses, such as brains, metrics or links, as it names them."""
     import tomllib
 
-    def words(value: object) -> list[str]:
+    def strings(value: object) -> list[str]:
         if isinstance(value, dict):
-            return [word for one in value.values() for word in words(one)]
+            value = list(value.values())
         if isinstance(value, list):
-            return [word for one in value for word in words(one)]
+            return [text for item in value for text in strings(item)]
         return [value] if isinstance(value, str) else []
 
-    found = dict.fromkeys(words(tomllib.loads(study.read_text(encoding="utf-8"))))
-    return [word for word in found if (study.parent / word).is_file()]
+    texts = dict.fromkeys(strings(tomllib.loads(study.read_text(encoding="utf-8"))))
+    return [text for text in texts if (study.parent / text).is_file()]
 
 
 def _free(path: Path, like: Path | None = None) -> Path:
-    """The path, or with a number the first that is not taken; one that holds what the file `like` does will do."""
+    """The path, or the first with a number that does not exist yet or equals the file `like`."""
     numbered = (path.with_stem(f"{path.stem}-{number}") for number in itertools.count(2))
-    return next(one for one in itertools.chain([path], numbered) if _will_do(one, like))
+    return next(candidate for candidate in itertools.chain([path], numbered) if _usable(candidate, like))
 
 
-def _will_do(path: Path, like: Path | None) -> bool:
+def _usable(path: Path, like: Path | None) -> bool:
     if not path.exists() and not path.is_symlink():
         return True
     return like is not None and path.is_file() and filecmp.cmp(path, like, shallow=False)
@@ -155,11 +157,11 @@ def _will_do(path: Path, like: Path | None) -> bool:
 
 def _not_there(path: Path) -> None:
     if path.exists() or path.is_symlink():
-        raise InputError(f"{path} is there already: name another file")
+        raise InputError(f"{path} already exists: name another file")
 
 
 def _plain(stem: str) -> str:
-    """What a study may be called."""
+    """A name that a study may have, from the stem of a file."""
     return "".join(c if c.isalnum() or c in "-_" else "-" for c in stem)
 
 
@@ -175,11 +177,10 @@ def _first_words(study: Path) -> str:
 
 
 def doctor(options: argparse.Namespace) -> int:
-    """Say what this installation is made of, and what is missing; 2 where compiled brains cannot be kept."""
-
+    """Show what is installed and what is missing; the exit code is 2 if something required is."""
     found = health()
     if options.json:
-        answer("installation", found.told | {"faults": found.faults})
+        answer("installation", found.as_dict | {"faults": found.faults})
     else:
         from swarmcensus.basics.terminal import console, table
 
@@ -199,48 +200,50 @@ EXTRAS = {
     "cluster": ("distributed", "dask_jobqueue"),
     "tune": ("cma",),
     "watch": ("starlette", "uvicorn", "websockets"),
-}  # what each of pyproject's extras is imported as
+}  # the modules of each extra in pyproject.toml
 
 
 @dataclass(frozen=True)
 class Health:
-    """What was found, as JSON takes it, and what is wrong, a sentence each."""
+    """What an installation consists of, as data for JSON, and its faults, a sentence each."""
 
-    told: dict[str, Any]
+    as_dict: dict[str, Any]
     faults: list[str]
 
     def lines(self) -> Iterator[tuple[str, Any]]:
-        """What each thing is, and what of it there is."""
-        yield "swarmcensus", self.told["swarmcensus"]
-        yield "Python", f"{self.told['python']}, {self.told['executable']}"
-        yield "system", f"{self.told['system']}, {counted(self.told['cores'], 'core')}"
-        yield from self.told["libraries"].items()
-        cache = self.told["cache"]
+        """The parts of the installation and their state, as rows of a table."""
+        yield "swarmcensus", self.as_dict["swarmcensus"]
+        yield "Python", f"{self.as_dict['python']}, {self.as_dict['executable']}"
+        yield "system", f"{self.as_dict['system']}, {counted(self.as_dict['cores'], 'core')}"
+        yield from self.as_dict["libraries"].items()
+        cache = self.as_dict["cache"]
         state = f"{cache['brains']:,} pieces of compiled code, {cache['bytes'] / 1e6:.0f} MB"
         yield "cache", f"{cache['folder']}: {state if cache['usable'] else 'cannot be used'}"
-        for name, there in self.told["extras"].items():
-            yield f"extra {name}", "there" if there else f"not there: pip install 'swarmcensus[{name}]'"
+        for name, installed in self.as_dict["extras"].items():
+            yield f"extra {name}", "installed" if installed else f"not installed: pip install 'swarmcensus[{name}]'"
 
 
 def health() -> Health:
-    """Look at this installation; nothing is imported that is only counted."""
+    """Examine this installation, without importing the libraries."""
     from swarmcensus.engine.code_cache import cache_root, keeps
 
     faults = []
     libraries = {name: _version(name) for name in LIBRARIES}
-    faults += [f"{name} is not installed: pip install swarmcensus" for name, found in libraries.items() if not found]
+    faults += [
+        f"{name} is not installed: pip install swarmcensus" for name, version in libraries.items() if not version
+    ]
     try:
         folder, usable = str(cache_root()), keeps()
     except OSError:
         folder, usable = "no home folder", False
     if not usable:
         faults.append(
-            f"{folder}: brains cannot be kept there and are compiled anew by every run: let $SWARMCENSUS_CACHE name a "
-            "folder that can be written"
+            f"{folder}: compiled brains cannot be stored there, so that every run compiles again: "
+            "set $SWARMCENSUS_CACHE to a folder that can be written"
         )
     kept = [path for path in Path(folder).iterdir() if path.is_dir()] if usable else []
-    sizes = [file.stat().st_size for one in kept for file in one.rglob("*") if file.is_file()]
-    told = {
+    sizes = [file.stat().st_size for folder_ in kept for file in folder_.rglob("*") if file.is_file()]
+    as_dict = {
         "swarmcensus": __version__,
         "python": platform.python_version(),
         "executable": sys.executable,
@@ -250,7 +253,7 @@ def health() -> Health:
         "cache": {"folder": folder, "usable": usable, "brains": len(kept), "bytes": sum(sizes)},
         "extras": {name: all(map(importlib.util.find_spec, parts)) for name, parts in EXTRAS.items()},
     }
-    return Health(told, faults)
+    return Health(as_dict, faults)
 
 
 def _version(name: str) -> str:

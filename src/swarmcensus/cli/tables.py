@@ -83,7 +83,7 @@ def settings(
         out.print(line, style="dim")
     if len(frame) < data.sizes["setting"]:
         out.print(
-            f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; all of them: "
+            f"{len(frame):,} of {counted(data.sizes['setting'], 'setting')}; show all: "
             f"{again or shlex.join(['swarmcensus', 'show', str(path)])} --limit 0",
             soft_wrap=True,  # to be copied
         )

@@ -1,4 +1,4 @@
-"""The command `tune`: values of a brain's parameters, with their evidence. Imports wait until needed."""
+"""The command `tune`. Imports wait until the command needs them."""
 
 import argparse
 import time
@@ -10,36 +10,46 @@ from swarmcensus.cli.output import answer, reporting, say, wrote
 
 
 def add_tune_options(sub: argparse.ArgumentParser) -> None:
-    """Of `tune`."""
+    """Add the options of `tune`."""
     sub.add_argument("study", type=Path, metavar="STUDY.toml")
-    sub.add_argument("--brain", metavar="NAME", help="which of the study's brains, if several have parameters")
+    sub.add_argument("--brain", metavar="NAME", help="the brain to tune, if several in the study have parameters")
     sub.add_argument(
         "--parameters",
         nargs="+",
         required=True,
         metavar="NAME=LOW:HIGH",
-        help="where to look, as prior=1:100, prior=1:100:log, k=1:9:whole, weights[0]=0:1",
+        help="ranges to search, such as prior=1:100, prior=1:100:log, k=1:9:whole, weights[0]=0:1",
     )
     sub.add_argument(
         "--metric",
         default="final_error",
         metavar="NAME",
-        help="a measure as of compare, as correct, or my_metric:low (default: %(default)s)",
+        help="the measure to improve, as in 'compare': such as correct, or my_metric:low (default: %(default)s)",
     )
     sub.add_argument(
-        "--budget", default="200", metavar="N|TIME", help="evaluations, or a time as '10 min' (default: %(default)s)"
+        "--budget",
+        default="200",
+        metavar="N|TIME",
+        help="number of evaluations, or a time such as '10 min' (default: %(default)s)",
     )
     sub.add_argument(
-        "--trials", type=positive, default=10, help="in each world of an evaluation (default: %(default)s)"
+        "--trials", type=positive, default=10, help="trials in each world of an evaluation (default: %(default)s)"
     )
-    sub.add_argument("--seed", type=from_zero, help="instead of the study's own")
-    sub.add_argument("--jobs", type=positive, help="threads (default: one a core); the values do not depend on it")
-    sub.add_argument("--out", type=Path, metavar="FILE.toml", help="default: the brain's name with -tuned.toml, here")
-    sub.add_argument("--fresh", action="store_true", help="begin anew instead of going on with the log")
+    sub.add_argument("--seed", type=from_zero, help="seed of all random numbers, instead of the study's own")
+    sub.add_argument(
+        "--jobs", type=positive, help="number of threads (default: one per core); results do not depend on it"
+    )
+    sub.add_argument(
+        "--out",
+        type=Path,
+        metavar="FILE.toml",
+        help="the tuned brain as a part of a study file (default: NAME-tuned.toml, in this folder)",
+    )
+    sub.add_argument("--fresh", action="store_true", help="start over instead of continuing the log of --out")
 
 
 def tune(options: argparse.Namespace) -> int:
-    """Search for values of a brain's parameters."""
+    """Search for good values of a brain's parameters and evaluate them."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.studies.study import Study
     from swarmcensus.tuning.plans import chosen
@@ -54,7 +64,7 @@ def tune(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     try:
         with reporting(f"tuning {brain.name}") as progress:
-            found = tune(
+            tuning = tune(
                 study,
                 options.parameters,
                 brain.name,
@@ -69,11 +79,11 @@ def tune(options: argparse.Namespace) -> int:
             )
     except KeyboardInterrupt:
         if files[".csv"].exists():
-            say(f"kept what is done in {files['.csv']}: tune again to go on")
+            say(f"kept finished evaluations in {files['.csv']}: the same command continues")
         raise
     if options.json:
-        answer("tuning", found.told)
+        answer("tuning", tuning.told)
     else:
-        print(found)
-    wrote(f"{out}: {counted(len(found.evaluations), 'evaluation')}, {time.monotonic() - begun:.1f} s")
+        print(tuning)
+    wrote(f"{out}: {counted(len(tuning.evaluations), 'evaluation')}, {time.monotonic() - begun:.1f} s")
     return 0

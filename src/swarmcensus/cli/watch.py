@@ -1,4 +1,4 @@
-"""The command `watch`: the live page, or one trial in a file. Imports wait until needed."""
+"""The command `watch`: the live page, or one trial in a file. Imports wait until the command needs them."""
 
 import argparse
 import contextlib
@@ -15,68 +15,70 @@ if TYPE_CHECKING:
 
 
 def add_watch_options(sub: argparse.ArgumentParser) -> None:
-    """Of `watch`."""
+    """Add the options of `watch`."""
     sub.add_argument(
         "of",
         type=Path,
         nargs="?",
         metavar="STUDY.toml|RESULTS.nc|BRAIN.py",
-        help="default: 25 robots that move",
+        help="what to watch (default: 25 robots that move)",
     )
     sub.add_argument(
         "--set",
         action="append",
         default=[],
         metavar="KEY=VALUE",
-        help="such as robots=100, setting=3, trial=7, tick=500; may be repeated",
+        help="initial value of a control, such as robots=100, setting=3, trial=7, tick=500; may be repeated",
     )
-    sub.add_argument("--at", default="", metavar="ADDRESS", help="the moment of somebody's copied link")
+    sub.add_argument("--at", default="", metavar="ADDRESS", help="start at the moment of a copied link")
     sub.add_argument(
         "--brain",
         type=Path,
         action="append",
         default=[],
         metavar="FILE",
-        help="a brain file that may be watched too; may be repeated",
+        help="another brain file to choose from; may be repeated",
     )
-    sub.add_argument("--export", type=Path, metavar="FILE.html", help="write the page with this trial in it, and end")
-    sub.add_argument("--port", type=_port, default=0, help="default: a free one")
-    sub.add_argument("--host", default="127.0.0.1", help="whom to answer to (default: this machine alone)")
-    sub.add_argument("--no-browser", action="store_true", help="print the address, and open nothing")
+    sub.add_argument(
+        "--export", type=Path, metavar="FILE.html", help="write the page with this trial as one file, and exit"
+    )
+    sub.add_argument("--port", type=_port, default=0, help="port of the server (default: a free one)")
+    sub.add_argument("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
+    sub.add_argument("--no-browser", action="store_true", help="only print the address")
 
 
 def watch(options: argparse.Namespace) -> int:
-    """Serve the page until it is interrupted, or write it with one trial."""
+    """Serve the page until Ctrl-C, or write it with one trial."""
     from swarmcensus.watching.offers import PLAYED, check_moment, offer_of, wanted
 
-    asked = _asked(options)
+    query = _query(options)
     if options.of is not None and options.of.suffix == ".py":  # a brain, in the small swarm
         options.brain, options.of = [options.of, *options.brain], None
     if options.brain and (options.of is None or options.of.suffix != ".nc"):
-        asked.setdefault("brain", str(options.brain[0]))
+        query.setdefault("brain", str(options.brain[0]))
     if options.export is not None and options.export.suffix != ".html":
         raise InputError(f"--export {options.export}: a page is written as .html")
     offer = offer_of(options.of, tuple(options.brain))
-    play = {key: asked.pop(key) for key in PLAYED if key in asked}
-    check_moment(wanted(offer, asked), play)  # what is wrong is told here, rather than in the browser
+    play = {key: query.pop(key) for key in PLAYED if key in query}
+    check_moment(wanted(offer, query), play)  # so that errors are reported here, not in the browser
     if options.export is not None:
-        return _export(options, offer, asked, play)
-    return _serve(options, offer, asked, play)
+        return _export(options, offer, query, play)
+    return _serve(options, offer, query, play)
 
 
-def _serve(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], play: dict[str, str]) -> int:
+def _serve(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from urllib.parse import urlencode
 
     from swarmcensus.watching.server import LOOPBACK, listen, serve, warm
 
     served = listen(offer, options.host, options.port)
-    with contextlib.suppress(KeyboardInterrupt):  # as it is meant to be ended, which is no failure
-        warm(served, asked)
-        address = served.address(urlencode(asked | play))
+    with contextlib.suppress(KeyboardInterrupt):  # the usual way to end it, and no failure
+        warm(served, query)
+        address = served.address(urlencode(query | play))
         print(address, flush=True)
-        say("Ctrl-C ends it.")
+        say("Press Ctrl-C to stop.")
         if options.host not in LOOPBACK:
-            say(f"Whoever reaches {options.host} and has this address can watch, and make this machine work.")
+            say(f"Anyone who can reach {options.host} and knows this address can run simulations on this machine.")
         if not options.no_browser:
             _open_browser(address)
         serve(served)
@@ -84,7 +86,7 @@ def _serve(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], p
 
 
 def _open_browser(address: str) -> None:
-    """Open it once the server answers, which it does by then: its socket listens before."""
+    """Open the page a moment later, when the server has started; its socket listens already."""
     import threading
     import webbrowser
 
@@ -93,7 +95,7 @@ def _open_browser(address: str) -> None:
     opening.start()
 
 
-def _export(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], play: dict[str, str]) -> int:
+def _export(options: argparse.Namespace, offer: "Offer", query: dict[str, str], play: dict[str, str]) -> int:
     from rich.progress import Progress
 
     from swarmcensus.basics.files import check_writable
@@ -104,23 +106,23 @@ def _export(options: argparse.Namespace, offer: "Offer", asked: dict[str, str], 
     silent = options.quiet or not sys.stderr.isatty()
     with Progress(console=console(stderr=True), transient=True, disable=silent) as bar:
         task = bar.add_task("recording", total=1.0)
-        size = export(offer, asked, options.export, play, lambda share: bar.update(task, completed=share))
+        size = export(offer, query, options.export, play, lambda share: bar.update(task, completed=share))
     wrote(f"{options.export} ({size / 1e6:.1f} MB)")
     return 0
 
 
-def _asked(options: argparse.Namespace) -> dict[str, str]:
-    """What is asked for by an address, or part of one, and by --set."""
+def _query(options: argparse.Namespace) -> dict[str, str]:
+    """What to show, by key: from the address of --at, or the part behind its #, and from --set."""
     text = urlsplit(options.at).fragment or options.at
-    asked = dict(parse_qsl(text.lstrip("#")))
-    if options.at and not asked:
-        raise InputError(f"--at {options.at[:80]}: should be a copied link, or what stands behind its #")
-    for one in options.set:
-        key, sign, value = one.partition("=")
+    query = dict(parse_qsl(text.lstrip("#")))
+    if options.at and not query:
+        raise InputError(f"--at {options.at[:80]}: should be a copied link, or the part of it behind #")
+    for pair in options.set:
+        key, sign, value = pair.partition("=")
         if not sign:
-            raise InputError(f"--set {one}: should be such as robots=100")
-        asked[key] = value
-    return asked
+            raise InputError(f"--set {pair}: should be such as robots=100")
+        query[key] = value
+    return query
 
 
 def _port(text: str) -> int:

@@ -48,7 +48,7 @@ class Session:
         except InputError as error:
             return [{"id": number, "error": str(error)}]
         except Exception as error:  # a page should hear of it, and go on
-            return [_unforeseen(number, error)]
+            return [_internal_error(number, error)]
 
     def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
         ask = asked.get("ask")
@@ -163,11 +163,11 @@ def spoken(answers: list[Answer]) -> list[Spoken]:
         return [part if isinstance(part, bytes) else json.dumps(part, allow_nan=False) for part in answers]
     except (TypeError, ValueError) as error:
         number = next((part["id"] for part in answers if isinstance(part, dict)), None)
-        return [json.dumps(_unforeseen(number, error))]
+        return [json.dumps(_internal_error(number, error))]
 
 
-def _unforeseen(number: Any, error: Exception) -> dict[str, Any]:
-    return {"id": number, "error": f"unforeseen: {type(error).__name__}: {str(error)[:200]}"}
+def _internal_error(number: Any, error: Exception) -> dict[str, Any]:
+    return {"id": number, "error": f"internal error: {type(error).__name__}: {str(error)[:200]}"}
 
 
 def _read(said: str | bytes) -> dict[str, Any]:
