@@ -150,9 +150,9 @@ def needs_nothing_from_outside(done):
 @pytest.mark.long
 def test_the_page_speaks_of_intervals_where_some_are_drawn(done):
     for figure in PAPER.figures:
-        assert "95 %" not in figure.said(done.datasets)  # of 2 trials there is none
+        assert "95 %" not in figure.caption(done.datasets)  # of 2 trials there is none
         six = {name: data.isel(trial=[0, 1] * 3) for name, data in done.datasets.items()}
-        assert "95 % interval" in figure.said(six)
+        assert "95 % interval" in figure.caption(six)
     figures = done.page.read_text(encoding="utf-8").partition('id="figures"')[2].partition("</section>")[0]
     assert "95 %" not in figures
 
@@ -267,7 +267,7 @@ def test_ctrl_c_keeps_finished_studies_and_what_was_done_of_the_next_and_their_t
     assert line == f"simulate: {sum(spent):.1f} s with earlier calls, wall-clock time"
     text = done.page.read_text(encoding="utf-8")
     assert f"simulate {sum(spent):.1f} s" in text
-    assert "of all runs on their datasets together" in text
+    assert "the total of all runs on their datasets" in text
     assert not (tmp_path / "data" / "topologies.partial.nc").exists()
 
 

@@ -227,9 +227,9 @@ def test_studies_count_with_all_their_trials_whatever_others_have():
 
 def test_settings_are_named_by_what_contenders_do_not_share():
     one, other = ("bots", {"brain": "a", "every": 10.0}), ("bots", {"brain": "a", "every": 200.0})
-    assert rival_measures.named(one, other) == "every = 10"
-    assert rival_measures.named(("bots", {}), other) == "bots"
-    assert rival_measures.told({"fill_ratio": 0.5, "topology": "full", "liars": 1}) == "f = 0.5, full, 1 liar"
+    assert rival_measures.label_of(one, other) == "every = 10"
+    assert rival_measures.label_of(("bots", {}), other) == "bots"
+    assert rival_measures.world_label({"fill_ratio": 0.5, "topology": "full", "liars": 1}) == "f = 0.5, full, 1 liar"
 
 
 # The page

@@ -1,4 +1,4 @@
-"""What the terminal shows of a comparison: a table of worlds, of pairs if asked for, what it means, and the verdict."""
+"""The tables of `compare`: of worlds, of pairs or of groups of worlds, with a legend and the verdict."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -28,9 +28,9 @@ from swarmcensus.statistics.intervals import FEWEST
 
 
 def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
-    """Print a comparison: as many worlds as have `limit` rows together, at least one (0: all).
+    """Print the worlds of a comparison: as many as fit into `limit` rows, at least one (0: all), then the verdict.
 
-    `again` is the command that shows it. In a terminal that is too narrow, each measure has a table of its own.
+    `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
     worlds = _fitting(found, limit)
@@ -39,15 +39,16 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
     names = list(found.field.worlds[0])
     left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
     for name in names:
-        said = ("-" if is_idle(one[name]) else grouped(one[name]) for one in (found.field.worlds[w] for w in world))
-        left[name] = [text if new else "" for text, new in zip(said, first, strict=True)]
+        values = [found.field.worlds[w][name] for w in world]
+        texts = ["-" if is_idle(value) else grouped(value) for value in values]
+        left[name] = [text if new else "" for text, new in zip(texts, first, strict=True)]
     left["contender"] = [found.contenders[c] for c in contender]
     if not names:
         del left["world"]
     cells = columns(found, worlds)
     pages = [_rows(left, cells)]
     if pages[0].__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
-        pages = [_rows(left, {name: one}) for name, one in cells.items()]
+        pages = [_rows(left, {name: column}) for name, column in cells.items()]
     out.print(title)
     for page in pages:
         out.print(page)
@@ -62,19 +63,19 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
         out.print(_pairs(found, worlds))
         for line in PAIRS:
             out.print(line, style="dim")
-    tell(found)
+    _print_verdict(found)
     if not with_pairs:
-        count = sum(int((~np.isnan(one.corrected)).sum()) for one in found.contests)
+        count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in found.contests)
         out.print(
-            f"all {count:,} differences, their effects and p-values: {again} --pairs, or --csv FILE"
+            f"to show all {count:,} differences with effects and p-values: {again} --pairs, or --csv FILE"
             if count > 1
-            else f"the difference, its effect and p-value: {again} --pairs, or --csv FILE",
+            else f"to show the difference with its effect and p-value: {again} --pairs, or --csv FILE",
             soft_wrap=True,
         )
 
 
-def tell(found: Comparison) -> None:
-    """The verdict and what is to be known of it."""
+def _print_verdict(found: Comparison) -> None:
+    """Print the verdict and its cautions."""
     out = console()
     out.print()
     for sentence in found.verdict:
@@ -84,15 +85,15 @@ def tell(found: Comparison) -> None:
 
 
 PAIRS = (
-    "one - other: the median of the trials' differences (of shares and what is sent: the mean); [95 %]: by bootstrap "
-    "over trials, each by itself",
-    "effect: matched rank-biserial correlation, from -1 to 1, above 0 where the first is better",
-    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method for all tests of this comparison",
+    "one - other: median over trials of the difference (mean for shares and for messages and bytes); [95 %]: bootstrap "
+    "over trials, for each pair separately",
+    "effect: matched rank-biserial correlation, from -1 to 1, above 0 if the first is better",
+    "p: paired signed-rank test, exact up to 64 trials; corrected: by Holm's method over all tests of this comparison",
 )
 
 
 def _fitting(found: Comparison, limit: int) -> int:
-    """How many worlds have at most so many rows."""
+    """How many worlds fit into `limit` rows (0: all); at least one."""
     rows = np.cumsum((found.settings >= 0).sum(axis=1))
     return len(rows) if not limit else max(1, int(np.searchsorted(rows, limit, side="right")))
 
@@ -123,16 +124,17 @@ def _pairs(found: Comparison, worlds: int) -> Table:
 
 
 def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
-    """What columns and marks mean, and what all worlds have in common."""
+    """The meaning of columns and marks, and the coordinates that all worlds share."""
     trials = found.contests[0].trials[found.settings >= 0]
     few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
-        "; [95 %]: by bootstrap over trials; always: in every trial"
+        "; [95 %]: bootstrap over trials; always: in every trial"
     )  # fmt: skip
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
-    said = [
-        f"{head(one)}: {one.meaning}" + f" ({one.unit})" * (one.unit not in ("1", "rounds", "observations"))
-        for one in found.measures
+    meanings = [
+        f"{head(measure)}: {measure.meaning}"
+        + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
+        for measure in found.measures
     ]
     tests = tests_of(found)
     same = [
@@ -142,21 +144,21 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     costs = [name for name in COSTS.values() if name in cells]
     means = "means over robots and trials" if len(costs) > ("memory" in costs) else ""
     return [
-        "; ".join(said),
-        f"values: the median over {many} of each one's median robot (of shares and what is sent: means){few}",
-        *([f"{', '.join(costs)}: what a robot costs{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
+        "; ".join(meanings),
+        f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
+        *([f"{', '.join(costs)}: cost of a robot{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
         f"{marks_of(found)}; {counted(tests, 'test')}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]
 
 
-Column = tuple[str, bool, list[str]]  # its head, whether it has numbers, and its cells
+Column = tuple[str, bool, list[str]]  # head, whether it holds numbers, cells
 
 
 def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], limit: int) -> None:
-    """Print a row for each combination of values and contender, `limit` at the most (0: all), then the verdict.
+    """Print one row per combination of values and contender, at most `limit` (0: all), then the verdict.
 
-    `again` is the command that shows it. In a terminal that is too narrow, each measure has a table of its own.
+    `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
     everything = found.by(*axes)
@@ -170,35 +172,35 @@ def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], 
     out.print(title)
     for page in pages:
         out.print(_table(page))
-    out.print(f"in how many worlds: {marks_of(found)}", style="dim")
+    out.print(f"number of worlds: {marks_of(found)}", style="dim")
     if found.against is not None:
-        mark = found.contenders[found.against]
+        reference = found.contenders[found.against]
         out.print(
-            f"ratio: its value by that of {mark}, the median over worlds, and the worst "
-            "(of shares: difference in points)",
+            f"ratio: its value divided by that of {reference}, median over worlds, and the worst "
+            "(for shares: difference in percentage points)",
             style="dim",
         )
     if len(rows) < len(everything):
         out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
-    tell(found)
+    _print_verdict(found)
 
 
 def _once(rows: Any, axes: Sequence[str]) -> list[str]:
-    """What is said of an axis, in the first row of all that share it, and what stands left of it."""
+    """The values of the last of these axes, shown only in the first of several rows that agree in all of them."""
     keys = rows[list(axes)].map(grouped).agg(" ".join, axis=1)
     return list(rows[axes[-1]].map(grouped).where(keys != keys.shift(), ""))
 
 
 def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
-    one = found.measures[k]
+    measure = found.measures[k]
     ways = RANKED if found.against is None else AGAINST
-    heads = [f"{one.label} " * (way == ways[0]) + MARKS.get(way, way) for way in ways]
+    heads = [f"{measure.label} " * (way == ways[0]) + MARKS.get(way, way) for way in ways]
     out: list[Column] = [
-        (head, True, rows[f"{one.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
+        (head, True, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
     if found.against is not None:
-        for name in (gap_of(one.share), "worst"):
-            out.append((name, True, [_gap(value, one.share) for value in rows[f"{one.name}_{name}"]]))
+        for name in (gap_of(measure.share), "worst"):
+            out.append((name, True, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
     return out
 
 

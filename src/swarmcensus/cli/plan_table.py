@@ -1,4 +1,4 @@
-"""A plan on a terminal: what was asked, a row a brain, world and size, and what the columns mean."""
+"""The table of `plan`: the mission, one row per brain, world and size, and what the columns mean."""
 
 import math
 
@@ -17,7 +17,7 @@ OF_THEORY = [("theory: all", True), ("mixed", True), ("alone", True)]
 
 
 def show(found: Plan) -> None:
-    """Print it; on a narrow terminal without the columns of theory."""
+    """Print a plan; on a narrow terminal without the columns of theory."""
     out, mission = terminal.console(), found.mission
     out.print(f"{mission.name}: {HEADS[found.question]}; {_world(found)}")
     out.print(f"wanted: {100 * mission.wanted.confidence:g} % of robots {mission.goal}")
@@ -26,36 +26,36 @@ def show(found: Plan) -> None:
     cells = [_cells(found, row) for row in found.rows]
     rows = terminal.table(heads, cells)
     narrow = rows.__rich_measure__(out, out.options.update(max_width=terminal.UNFOLDED)).maximum > out.width
-    if narrow:  # theory's columns are left to --out
+    if narrow:  # the columns of theory are in the file of --out
         rows = terminal.table(heads[:-3], [row[:-3] for row in cells])
     out.print(rows)
     out.print(_meaning(found, theory=not narrow), style="dim")
 
 
 def _world(found: Plan) -> str:
-    """What the mission says of the world, in a line."""
+    """The world of the mission, in one line."""
     mission, known = found.mission, found.mission.known
     low, high = known.fill_ratio
-    told = [", ".join(_places(mission)), f"accuracy {found.rows[0].accuracy}"]
+    parts = [", ".join(_places(mission)), f"accuracy {found.rows[0].accuracy}"]
     if len(known.accuracy) > 1:
-        told[-1] += f", the worst of {', '.join(map(str, known.accuracy))}"
-    told.append(f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}")
+        parts[-1] += f", the worst of {', '.join(map(str, known.accuracy))}"
+    parts.append(f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}")
     if known.link_success < 1.0:
-        told.append(f"link success {known.link_success:g}")
+        parts.append(f"link success {known.link_success:g}")
     if known.failing:
-        told.append(f"{100 * known.failing:g} % of robots fail")
+        parts.append(f"{100 * known.failing:g} % of robots fail")
     if known.lying:
-        told.append(f"{100 * known.lying:g} % lie ({', '.join(lie.told for lie in mission.lies)})")
+        parts.append(f"{100 * known.lying:g} % lie ({', '.join(lie.told for lie in mission.lies)})")
     moving = [world for world in mission.worlds if world.moves]
     if not moving:
-        return ", ".join(told)
+        return ", ".join(parts)
     truth = "the floor's own share of black" if moving[0].on_floor else "the nominal f"
     where = " where robots move" if len(moving) < len(mission.worlds) and moving[0].on_floor else ""
-    return f"{', '.join(told)}; the truth is {truth}{where}"
+    return f"{', '.join(parts)}; the truth is {truth}{where}"
 
 
 def _places(mission: Mission) -> list[str]:
-    """The networks, and how large the area is."""
+    """The networks, and the size of the area."""
     if [topology.moves for topology in mission.free.topology] == [True]:
         names = [""]
     else:
@@ -86,7 +86,7 @@ def _cells(found: Plan, row: Row) -> list[str]:
     networks, densities, sides, lies = _several(found.mission)
     share = ""
     if row.share:
-        value, low, high = (100.0 * one for one in row.share)
+        value, low, high = (100.0 * number for number in row.share)
         share = f"{value:.1f} [{low:.1f}, {high:.1f}]"
     robots, minutes = f"{row.robots:,}", _digits(row.minutes)
     if row.robots_low is not None:
@@ -117,37 +117,38 @@ def _answer(found: Plan, row: Row) -> str:
         return {"reached": "", "not reached": "not reached", "not simulated": "theory alone"}[row.answer]
     answer = "enough" if row.answer == "reached" else "not enough"
     if row.share.low < found.mission.wanted.confidence <= row.share.high:
-        answer += ", as far as trials tell"
+        answer += ", but not certain"
     return answer
 
 
 def _digits(value: float) -> str:
-    """In three digits, or all before the point."""
+    """A number in three digits, or more if there are more before the point."""
     if value >= 100.0 or not math.isfinite(value):
         return f"{value:,.0f}"
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
 
 
 def _meaning(found: Plan, theory: bool) -> str:
+    """What the columns and answers mean."""
     mission, trials = found.mission, max(row.trials for row in found.rows)
     fewer = min((row.trials for row in found.rows if row.trials), default=trials)
-    who = "share of robots that are honest and work" if mission.known.lying else "share of robots"
+    who = "share of honest, working robots that are right" if mission.known.lying else "share of robots that are right"
     lines = [
-        f"right: {who} at that time, at the worst f of the range; "
+        f"right: {who} at that time, for the worst f of the range; "
         f"[ ]: 95 % intervals over {counted(trials, 'trial')}, seed {mission.seed}"
     ]
     if fewer < trials:
-        lines.append(f"not reached: so surely that {counted(fewer, 'trial')} told")
+        lines.append(f"not reached: where this was clear after {counted(fewer, 'trial')}, no more were run")
     if theory:
         known = mission.known
         left_out = ["nobody lied"] * (known.lying > 0) + ["no message were lost"] * (known.link_success < 1)
         unreal = f", as if {' and '.join(left_out)}" if left_out else ""
         lines.append(
-            f"theory, in minutes{unreal}: all = every robot has every reading at once; "
-            "mixed = robots mix sums with those they hear; alone = a robot hears nobody"
+            f"theory, in minutes{unreal}: all = every robot knows all readings at once; "
+            "mixed = robots mix sums with their neighbours; alone = robots hear nobody"
         )
     if mission.free.density:
-        lines.append("side: of the square that follows from the density and the robots")
+        lines.append("side: of the square that results from the density and the number of robots")
     if any(not row.trials for row in found.rows):
-        lines.append("theory alone: to simulate it would take hours")
+        lines.append("theory alone: a simulation would take hours")
     return "\n".join(lines)

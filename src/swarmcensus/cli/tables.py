@@ -1,4 +1,4 @@
-"""What the terminal shows: results, traces and brains as short tables."""
+"""The tables that commands print of results and traces."""
 
 import json
 import shlex
@@ -25,17 +25,19 @@ from swarmcensus.vocabulary.quantities import QUANTITIES
 from swarmcensus.worlds.networks import MOVING
 
 COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quantity.column}
-SURE = {name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT}  # where brains have intervals
+SURE = {
+    name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT
+}  # only with brains that state intervals
 TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
 DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
-MOST_CHECKPOINTS = 8  # that are named
-FOLDED = 12  # characters for what a setting is, where it is folded into one column
+MOST_CHECKPOINTS = 8  # named in the legend
+FOLDED = 12  # least width of the column that all coordinates of a setting share
 MOST_DECIMALS = 6
-DIGITS = {"K": 1}  # of an interval's width
+DIGITS = {"K": 1}  # significant digits of an interval's width; 2 for other columns
 
 
 def head(data: xr.Dataset, path: Path) -> str:
-    """What a results file is of, and how many of its trials are done."""
+    """The title line of a results file: its study, its settings and how many trials are done."""
     made = f"seed {data.attrs['seed']}, swarmcensus {data.attrs['swarmcensus_version']}"
     trials = f"{int(done(data).sum()):,} of {counted(data.attrs['trials_total'], 'trial')} done"
     failed = len(failed_trials(data))
@@ -53,10 +55,10 @@ def settings(
     title: str = "",
     again: str = "",
 ) -> None:
-    """A row a setting, `limit` of them at the most (0: all): medians over robots and trials, intervals over trials.
+    """Print one row per setting, at most `limit` (0: all): medians over robots and trials, intervals over trials.
 
-    `again` is the command that showed them. In a terminal that is too narrow, intervals stand below their values, and
-    what a setting is in one column; in one that is narrower still, each setting has some lines.
+    `again` is the shell line of the command. On a narrow terminal intervals stand below their values, then the
+    coordinates of a setting share one column, and at last each setting has several lines.
     """
     columns = coordinates(data)
     varied = [k for k, values in columns.items() if (values != values[0]).any()]
@@ -89,13 +91,13 @@ def settings(
         )
 
 
-NOTHING = "-"  # what a setting is where a coordinate says nothing
+NOTHING = "-"  # shown where a coordinate has no value
 
 
 def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
-    """What the settings are, as text, but for what another coordinate tells, and for links that lose nothing."""
-    whats = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
-    columns = {name: np.array([grouped(value) for value in values]) for name, values in whats.items()}
+    """The coordinates of settings as text, without those that another one implies and links that lose nothing."""
+    values_of = {str(k): c.values for k, c in data.coords.items() if c.dims == ("setting",) and k != "setting"}
+    columns = {name: np.array([grouped(value) for value in values]) for name, values in values_of.items()}
     if (columns["assumed_accuracy"] == columns["accuracy"]).all():
         del columns["assumed_accuracy"]
     if (data["link_success"] == 1.0).all():
@@ -105,20 +107,20 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
     for name in parameters_in(data):
         columns[name] = _parameter(data[name].values)
-        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # of some of the brains, and never another
+        if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # the same for all brains that have it
             del columns[name]
     return columns
 
 
 def _parameter(values: np.ndarray) -> np.ndarray:
-    """A parameter's values as text; "-" where the brain has none of its name."""
+    """A parameter's values as text; "-" for brains without it."""
     if values.dtype.kind == "f":
         return np.array(["-" if np.isnan(value) else f"{value:g}" for value in values.tolist()])
     return np.array([value or "-" for value in values.tolist()])
 
 
 def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, list[str]]:
-    """The columns of a summary's numbers, intervals beside their values or below them."""
+    """The columns of numbers of a summary, with intervals beside or below their values."""
     trials, watched = data.sizes["trial"], {name: name for name in metrics_in(data)}
     sure = {name: column for name, column in SURE.items() if column in frame}
     numbers = dict(_values(frame, name, column, below) for name, column in {**SHORT, **sure, **watched}.items())
@@ -141,11 +143,11 @@ def _rows(coordinates: Mapping[str, Sequence[str]], numbers: dict[str, list[str]
     return table(heads, zip(*coordinates.values(), *numbers.values(), strict=True))
 
 
-def _blocks(frame: Any, what: Sequence[str], numbers: dict[str, list[str]]) -> Text:
-    """Some lines a setting, where not even the numbers have room beside each other."""
+def _blocks(frame: Any, labels: Sequence[str], numbers: dict[str, list[str]]) -> Text:
+    """Several lines per setting, for terminals too narrow for the numbers side by side."""
     lines = []
     for k, setting in enumerate(frame["setting"]):
-        lines.append(f"setting {setting}{': ' * bool(what[k])}{what[k]}")
+        lines.append(f"setting {setting}{': ' * bool(labels[k])}{labels[k]}")
         lines += [f"  {name.splitlines()[0]} {' '.join(cells[k].splitlines())}" for name, cells in numbers.items()]
     return Text("\n".join(lines))
 
@@ -155,8 +157,8 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
-    usual = max(places(widths.median(), digits), int(times > 1.0))  # a column's decimals, where they tell enough
-    if name not in TIMES:  # a metric's numbers may be whole, never come, or be nothing but rounding
+    usual = max(places(widths.median(), digits), int(times > 1.0))  # decimals, unless a narrow interval needs more
+    if name not in TIMES:  # values of a metric may be whole, infinite, or equal up to rounding
         finite = ends[0][np.isfinite(ends[0])]
         usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
     texts = []
@@ -177,9 +179,9 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
 
 
 def _legend(data: xr.Dataset, frame: Any) -> list[str]:
-    looked = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
+    checkpoints = {round_ for round_ in frame["checkpoint"] if round_ >= 0}
     unit = "tick" if (data["topology"].values == MOVING).all() else "round"
-    when = f"after {unit} {looked.pop():,}" if len(looked) == 1 else "at the last checkpoint"
+    when = f"after {unit} {checkpoints.pop():,}" if len(checkpoints) == 1 else "at the last checkpoint"
     known = frame["convergence_round_low"].notna().any()
     floor = ", f: the black share of the trial's own floor" if data.attrs["truth"] == "floor" else ""
     return [
@@ -193,16 +195,16 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
             else []
         ),
         *(["exit: trials whose first consensus is on the right option"] if "consensus_right" in frame else []),
-        *(["done: robots that were done by the end"] if "done" in frame else []),
+        *(["done: robots that had finished by the end"] if "done" in frame else []),
         *disturbances(data),
-        *(["robots that are not honest are not counted"] if "honest" in data else []),
+        *(["robots that are not honest are left out"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
         *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
-        *(_anew(data, key) for key in asked_anew(data)),
+        *(_remeasured(data, key) for key in asked_anew(data)),
         *(
             [
-                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than one shown here, "
-                "for a rule looks again and again"
+                f"+-: half the interval of the rule {data['half_width'].attrs['rule']}: wider than those above, "
+                "because the rule is checked repeatedly"
             ]
             if "half_width" in data
             else []
@@ -211,38 +213,38 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
 
 
 def _named(data: xr.Dataset) -> list[str]:
-    """The brains that know their robots' names."""
+    """The brains that use the names of their robots."""
     return list(dict.fromkeys(data["brain"].values[data["anonymous"].values == 0].tolist()))
 
 
-def _anew(data: xr.Dataset, key: str) -> str:
-    """What was asked anew of kept estimates, and what it is then."""
+def _remeasured(data: xr.Dataset, key: str) -> str:
+    """What --bins or --delta recomputed from kept estimates."""
     if key == "bins":
-        return f"bins {data.attrs['bins']}, asked anew: right is among these bins"
+        return f"bins {data.attrs['bins']}, recomputed: right counts these bins"
     known = data["checkpoint"].values.tolist()
-    some = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
-    more = [] if len(some) == len(known) else ["...", str(known[-1])]
+    first = [str(k) for k in (known if len(known) <= MOST_CHECKPOINTS else known[: MOST_CHECKPOINTS - 1])]
+    more = [] if len(first) == len(known) else ["...", str(known[-1])]
     return (
-        f"delta {data.attrs['delta']:g}, asked anew: K is the first of the checkpoints {', '.join(some + more)} from "
-        "which on the estimates at them are within delta"
+        f"delta {data.attrs['delta']:g}, recomputed: K is the first of the checkpoints {', '.join(first + more)} from "
+        "which on all estimates stay within delta"
     )
 
 
 def failures(data: xr.Dataset) -> int:
-    """What failed, a line a setting; the exit code: 2 if anything did."""
+    """Print failed trials on stderr, a line per setting. Returns the exit code: 2 if any failed."""
     by_setting: dict[int, list[dict[str, Any]]] = {}
-    for one in failed_trials(data):
-        by_setting.setdefault(one["setting"], []).append(one)
-    for number, several in list(by_setting.items())[:MOST_ROWS]:
-        trials = ", ".join(str(one["trial"]) for one in several[:8]) + (", ..." if len(several) > 8 else "")
-        print(f"setting {number}, trial {trials}: {several[0]['why']}", file=sys.stderr)
+    for failure in failed_trials(data):
+        by_setting.setdefault(failure["setting"], []).append(failure)
+    for number, failed in list(by_setting.items())[:MOST_ROWS]:
+        trials = ", ".join(str(failure["trial"]) for failure in failed[:8]) + (", ..." if len(failed) > 8 else "")
+        print(f"setting {number}, trial {trials}: {failed[0]['why']}", file=sys.stderr)
     if len(by_setting) > MOST_ROWS:
         print(f"and trials of {counted(len(by_setting) - MOST_ROWS, 'more setting')}", file=sys.stderr)
     return 2 if by_setting else 0
 
 
 def rounds(trace: xr.Dataset, json: bool = False) -> None:
-    """The swarm's estimates at a few rounds of a trace, as a table or as JSON."""
+    """Print the swarm's estimates at a few rounds of a trace, as a table or as JSON."""
     honest = honest_in(trace)
     estimates = trace["estimate"].values[:, honest]
     last = len(estimates) - 1
@@ -260,18 +262,18 @@ def rounds(trace: xr.Dataset, json: bool = False) -> None:
 
 
 def disturbances(data: xr.Dataset) -> list[str]:
-    """A line for each fault of its studies, and one for the adversaries of its settings; none where all was well."""
+    """A line for each kind of fault in the studies, and one for the adversaries in the settings."""
     texts = json.loads(data.attrs["merged"]) if "merged" in data.attrs else [data.attrs["study"]]
-    faults = [_told(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
+    faults = [_fault_text(fault) for text in texts for fault in tomllib.loads(text).get("faults", [])]
     liars = sorted({name for name in data["adversary"].values.tolist() if name}) if "adversary" in data.coords else []
     return [*dict.fromkeys(faults), *([f"adversaries among the robots: {', '.join(liars)}"] if liars else [])]
 
 
-def _told(fault: dict[str, Any]) -> str:
-    """Such as "faults: 3 robots stop sensing and talking, from 50 on"."""
-    some, stop, at = fault["robots"], fault["stop"], fault["at"]
-    who = f"{100 * some:g} % of robots stop" if isinstance(some, float) else f"{counted(some, 'robot')} stop"
-    who = "1 robot stops" if some == 1 and isinstance(some, int) else who
+def _fault_text(fault: dict[str, Any]) -> str:
+    """One fault as text, such as "faults: 3 robots stop sensing and talking, from 50 on"."""
+    robots, stop, at = fault["robots"], fault["stop"], fault["at"]
+    who = f"{100 * robots:g} % of robots stop" if isinstance(robots, float) else f"{counted(robots, 'robot')} stop"
+    who = "1 robot stops" if robots == 1 and isinstance(robots, int) else who
     what = stop if isinstance(stop, str) else " and ".join(stop)
     until = f" until {fault['until']}" if "until" in fault else " on"
     return f"faults: {who} {what}, from {at}{until}"

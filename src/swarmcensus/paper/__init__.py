@@ -1,4 +1,4 @@
-"""The paper's evaluation: its studies run, its figures drawn, its claims measured and explained, a page of it all.
+"""The paper's evaluation: its studies are run, figures drawn, claims checked and explained, on one page.
 
 In: the paper's study files.
 Out: datasets, figures, claims.json, index.html.

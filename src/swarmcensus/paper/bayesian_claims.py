@@ -1,4 +1,4 @@
-"""What was published about Bayesian robots that decide; the rules of claims are those of `claims`."""
+"""Published results on Bayesian robots that decide, by the same rules as in `claims`."""
 
 from functools import partial
 

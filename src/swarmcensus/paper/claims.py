@@ -1,8 +1,8 @@
-"""The paper's claims, each as a check on measured data: here those of Secs. III-D and IV-B.
+"""The paper's claims as checks on measured data: those of Secs. III-D and IV-B.
 
 Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect Sensors". "Alike" means that a
-ratio, with its whole interval, lies in 0.8 to 1.25: the customary margin of equivalence studies. What Sec. IV-C
-says of robots that move is in `moving_claims`.
+ratio lies within 0.8 to 1.25 with its whole interval, the usual margin of equivalence studies. The claims of
+Sec. IV-C on robots that move are in `moving_claims`.
 """
 
 from collections.abc import Iterable, Mapping
@@ -30,15 +30,15 @@ TOPOLOGY, FREQUENCY, CONSENSUS = (
 
 
 def check(datasets: Mapping[str, xr.Dataset], claims: Iterable[Claim] | None = None) -> list[Outcome]:
-    """Check all claims, or some, on datasets by the name of their study.
+    """Check claims, by default all, on datasets by the name of their study.
 
-    A claim about settings that are missing, or whose trials were not all run, comes back as "not measured". Its studies
-    count with the trials that all of them have.
+    A claim is "not measured" if settings are missing or some of their trials were not run. Of its studies, only the
+    trials that all of them have count.
     """
-    asked = CLAIMS if claims is None else tuple(claims)
-    sizes = [common_trials(datasets, claim.studies) for claim in asked]
+    claims = CLAIMS if claims is None else tuple(claims)
+    sizes = [common_trials(datasets, claim.studies) for claim in claims]
     evidence = {trials: Evidence(datasets, trials=trials) for trials in set(sizes)}
-    return [outcome(claim, evidence[trials]) for claim, trials in zip(asked, sizes, strict=True)]
+    return [outcome(claim, evidence[trials]) for claim, trials in zip(claims, sizes, strict=True)]
 
 
 CLAIMS: tuple[Claim, ...] = (

@@ -1,4 +1,4 @@
-"""What was published and is run again: the paper's own evaluation, and what the rivals' papers say of each other."""
+"""The evaluations that `reproduce` runs: the paper's own, and published results on rivals."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from swarmcensus.paper.figures import FIGURES, PaperFigure
 
 @dataclass(frozen=True)
 class Evaluation:
-    """Figures and claims, and what the page says of them; `name` is that of the folder of studies too."""
+    """Figures, claims and the texts of their page. `name` is also the folder of the studies."""
 
     name: str
     title: str
@@ -19,20 +19,20 @@ class Evaluation:
     source: str
     about: str
     symbols: str
-    spoken_of: str  # which settings claims speak of
+    settings: str  # the settings that claims are about
     figures: tuple[PaperFigure, ...]
     claims: tuple[Claim, ...]
-    section: str  # what stands before a claim's section
+    section: str  # printed before the section of a claim
     quoted: bool  # whether sentences are quoted word for word
 
     @property
     def parts(self) -> tuple[str, ...]:
-        """What can be asked for by itself."""
+        """The names that --only takes."""
         return (*(figure.name for figure in self.figures), "claims")
 
 
 def evaluation(name: str) -> Evaluation:
-    """The evaluation of a name. Raises InputError."""
+    """The evaluation with this name. Raises InputError."""
     if name not in EVALUATIONS:
         known = ", ".join(EVALUATIONS)
         raise InputError(f"there is no {name!r} to reproduce: {did_you_mean(name, EVALUATIONS)}known are {known}")
@@ -42,16 +42,16 @@ def evaluation(name: str) -> Evaluation:
 PAPER = Evaluation(
     name="paper",
     title="The paper, run again",
-    lead="What a paper says about swarms of robots with lying sensors, simulated afresh, drawn, and checked sentence "
+    lead="The results of a paper on swarms of robots with lying sensors, simulated again, drawn, and checked sentence "
     "by sentence.",
     source="Chin, Khaluf and Pinciroli, “Minimalistic Collective Perception with Imperfect Sensors”",
     about="its evaluation on fixed communication networks (Sec. IV-B) and with robots that move (Sec. IV-C)",
-    symbols="N robots estimate f, the share of the floor that is black; b and w are how often their sensors are right "
-    "about black and about white. On a fixed network they live C communication rounds, with R observations in each; "
-    "robots that move observe and talk once a tick, ten times a second, and their density is D = N π r² / L² in a "
-    "square of side L, with radios that reach r. An estimate has converged at K (round or tick) when it stays within "
-    "0.01 of what it was there; its error is |x(K) - f|.",
-    spoken_of="100 robots on a fixed network, or 25 that move, unless it says otherwise",
+    symbols="N robots estimate f, the share of the floor that is black; b and w are the probabilities that a sensor "
+    "reads black and white rightly. On a fixed network there are C communication rounds with R observations each. Robots "
+    "that move observe and communicate once a tick, ten times a second, and their density is D = N π r² / L² in a "
+    "square of side L, with radio range r. An estimate has converged at K (round or tick) if from then on it stays "
+    "within 0.01 of its value there; its error is |x(K) - f|.",
+    settings="100 robots on a fixed network, or 25 that move, unless it says otherwise",
     figures=FIGURES,
     claims=claims.CLAIMS,
     section="Sec. ",
@@ -60,16 +60,16 @@ PAPER = Evaluation(
 RIVALS = Evaluation(
     name="rivals",
     title="The rivals, run again",
-    lead="What papers say about other algorithms for collective perception, simulated afresh and checked.",
+    lead="Published results on other algorithms for collective perception, simulated again and checked.",
     source="Published results on rivals of the minimalistic brain",
-    about="orderings and effects as abstracts and reviews tell them, here in our words, on small studies of our own",
-    symbols="f is the share of the floor that is black; b and w are how often sensors are right about black and about "
-    "white. A robot that decides is for black or for white; a trial ends in a consensus when all honest robots have "
-    "decided for the same.",
-    spoken_of="those of the studies named rivals, whose files say how many robots live how long",
+    about="orderings and effects stated in abstracts and reviews, in our words, checked on small studies of our own",
+    symbols="f is the share of the floor that is black; b and w are the probabilities that a sensor reads black and "
+    "white rightly. A robot that decides chooses black or white; a trial reaches a consensus when all honest robots "
+    "have made the same choice.",
+    settings="those of the studies in the folder rivals, whose files give numbers of robots and rounds",
     figures=(),
     claims=rival_claims.CLAIMS,
     section="",
     quoted=False,
 )
-EVALUATIONS = {one.name: one for one in (PAPER, RIVALS)}
+EVALUATIONS = {each.name: each for each in (PAPER, RIVALS)}

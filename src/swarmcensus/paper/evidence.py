@@ -1,4 +1,4 @@
-"""What a claim is judged by: medians and shares of settings, resampled by trial, and the verdict rule."""
+"""How claims are judged: statistics of settings, bootstrapped over trials, and the rule of verdicts."""
 
 import contextlib
 import math
@@ -22,12 +22,12 @@ BELOW_ZERO, BELOW_ONE, ABOVE_ONE, ALIKE = (-math.inf, 0.0), (-math.inf, 1.0), (1
 
 
 class Missing(LookupError):
-    """The datasets at hand do not hold, or not in full, what a claim needs."""
+    """The datasets lack settings or trials that a claim needs."""
 
 
 @dataclass(frozen=True)
 class Detail:
-    """One setting's share in a claim: the measured value, its 95 % interval (None: exact), and what it says."""
+    """A claim in one setting: the measured value, its 95 % interval (None: exact) and the verdict."""
 
     setting: str
     value: float
@@ -37,10 +37,10 @@ class Detail:
 
 @dataclass(frozen=True)
 class Claim:
-    """A sentence of the paper and how it is checked; `sentence` is quoted word for word, formulas as plain text.
+    """A sentence of the paper and how it is checked. `sentence` is quoted word for word, with formulas as plain text.
 
-    `right` is the range in which the statistic bears the sentence out, as `threshold` says in words; `measure`
-    gives a detail a setting and raises Missing where data lack; `studies` are those that it needs.
+    `right` is the range in which the statistic confirms the sentence, and `threshold` says so in words. `measure`
+    yields one detail per setting and raises Missing if data are missing. `studies` are the studies that it needs.
     """
 
     id: str
@@ -52,13 +52,13 @@ class Claim:
     right: Range
     measure: Callable[["Evidence", Range], Iterable[Detail]]
     studies: tuple[str, ...] = ()
-    note: Callable[["Evidence"], str] = lambda _: ""  # what else there is to say of the data
-    explanation: Callable[["Evidence", Sequence[Detail]], str] = lambda *_: ""  # what lies behind it where it fails
+    note: Callable[["Evidence"], str] = lambda _: ""  # a further remark on the data
+    explanation: Callable[["Evidence", Sequence[Detail]], str] = lambda *_: ""  # why the claim fails
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """A claim as measured: its verdict, the details, and the one that is the furthest from bearing it out."""
+    """A claim as measured: its verdict, the details, and the worst of them, which supports it least."""
 
     claim: Claim
     verdict: str
@@ -78,32 +78,35 @@ class Outcome:
 
 
 class Evidence:
-    """Datasets by the name of their study, and one bootstrap of their trials for all that is asked of them."""
+    """Datasets by the name of their study, with one bootstrap of their trials for all statistics."""
 
     def __init__(
         self, datasets: Mapping[str, xr.Dataset], resamples: int = intervals.RESAMPLES, trials: int | None = None
     ) -> None:
-        """Take the trials that all datasets have, or the first so many: those of one number meet the same readings."""
+        """Use the first `trials` trials, by default as many as all datasets have.
+
+        Trials of the same number have the same readings in all settings.
+        """
         self.datasets = datasets
         self.trials = common_trials(datasets, datasets) if trials is None else trials
         self.counts = intervals.resample(max(self.trials, 1), resamples)
         self._medians: dict[object, Floats] = {}
 
     def setting(self, study: str, **where: object) -> xr.Dataset:
-        """The one setting with these coordinates, of the trials that count. Raises Missing where it is not there."""
-        data, place = self._found(study, where)
+        """The one setting with these coordinates, with the trials in use. Raises Missing if there is none."""
+        data, place = self._find(study, where)
         return data.isel(setting=place, trial=slice(self.trials))
 
     def column(self, study: str, variable: str, **where: object) -> Floats:
         """A variable of one setting as it is recorded, (trial,), (trial, robot) or (trial, checkpoint)."""
-        data, place = self._found(study, where)
+        data, place = self._find(study, where)
         if variable not in data:
             raise Missing(f"{study}: {variable}")
         column = data[variable].variable.isel(setting=place, trial=slice(self.trials))
         values = np.asarray(column.transpose("trial", ...).values, float)
         return values[:, : int(robots_in(data).values[place])] if "robot" in column.dims else values
 
-    def _found(self, study: str, where: Mapping[str, object]) -> tuple[xr.Dataset, int]:
+    def _find(self, study: str, where: Mapping[str, object]) -> tuple[xr.Dataset, int]:
         data = self.datasets.get(study)
         if data is None or not all(name in data for name in where):
             raise Missing(f"{study}: {where}")
@@ -114,32 +117,32 @@ class Evidence:
         return data, int(found[0])
 
     def values(self, study: str, variable: str, **where: object) -> Floats:
-        """The same of what is never negative. Raises Missing where it is not there or a trial of it is not."""
+        """`column` of a variable that is never negative. Raises Missing if it or one of its trials is missing."""
         values = self.column(study, variable, **where)
-        if not (values >= 0).all():  # -1 and NaN stand for trials that were never run
+        if not (values >= 0).all():  # -1 and NaN mark trials that were not run
             raise Missing(f"{study}: trials with {where}")
         return values
 
     def median(self, study: str, variable: str, **where: object) -> Floats:
-        """The median over robots and trials of one setting: the sample's, then every resample's. Raises Missing."""
+        """The median over robots and trials of one setting: of the sample, then of each resample. Raises Missing."""
         key = study, variable, *sorted(where.items())
         if key not in self._medians:
             self._medians[key] = intervals.medians(self.values(study, variable, **where), self.counts)
         return self._medians[key]
 
     def mean(self, by_trial: Floats) -> Floats:
-        """The mean over trials of (trial,): the sample's, then every resample's."""
+        """The mean over trials of (trial,): of the sample, then of each resample."""
         return intervals.means(by_trial, self.counts)
 
     def share(self, hits: NDArray[Any], tries: NDArray[Any]) -> Floats:
-        """All hits over all tries, both (trial,): the sample's, then every resample's; NaN where nothing was tried."""
-        had, all_ = self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float)
-        found = np.full(all_.shape, np.nan)
-        np.divide(had, all_, out=found, where=all_ > 0)
-        return found
+        """All hits divided by all tries, both (trial,): of the sample, then of each resample; NaN without tries."""
+        all_hits, all_tries = self.counts @ np.asarray(hits, float), self.counts @ np.asarray(tries, float)
+        shares = np.full(all_tries.shape, np.nan)
+        np.divide(all_hits, all_tries, out=shares, where=all_tries > 0)
+        return shares
 
     def judge(self, setting: str, statistic: Floats, right: Range) -> Detail:
-        """Say yes where the interval lies in `right`, no where it lies wholly outside on one side."""
+        """The verdict is yes if the interval lies within `right`, and no if it lies outside on one side."""
         value, low, high = intervals.interval(statistic)
         verdict = OPEN
         if self.trials >= intervals.FEWEST:
@@ -151,29 +154,29 @@ class Evidence:
 
 
 def common_trials(datasets: Mapping[str, xr.Dataset], studies: Iterable[str]) -> int:
-    """How many trials all of these studies have that are there."""
+    """The number of trials that all of these studies have, of those with a dataset."""
     return min((datasets[name].sizes["trial"] for name in studies if name in datasets), default=0)
 
 
 def outcome(claim: Claim, evidence: Evidence) -> Outcome:
-    """Check one claim: it holds where all settings say yes, and does not where at least one says no."""
+    """Check one claim: it holds if all settings say yes, and does not hold if at least one says no."""
     try:
         details = tuple(claim.measure(evidence, claim.right))
         note = claim.note(evidence)
     except Missing:
         return Outcome(claim, UNMEASURED)
-    said = {d.verdict for d in details}
+    verdicts = {d.verdict for d in details}
     explanation = ""
     with contextlib.suppress(Missing):  # a reason may need more data than the verdict does
-        explanation = claim.explanation(evidence, details) if NO in said else ""
+        explanation = claim.explanation(evidence, details) if NO in verdicts else ""
     undecided = f"{UNDECIDED} by {counted(evidence.trials, 'trial')}"
-    verdict = FAILS if NO in said else undecided if OPEN in said else HOLDS
+    verdict = FAILS if NO in verdicts else undecided if OPEN in verdicts else HOLDS
 
-    def room(detail: Detail) -> float:
+    def margin(detail: Detail) -> float:
         low, high = detail.interval or (detail.value, detail.value)
-        room = min(low - claim.right[0], claim.right[1] - high)
-        return -math.inf if math.isnan(room) else room
+        least = min(low - claim.right[0], claim.right[1] - high)
+        return -math.inf if math.isnan(least) else least
 
     order = (NO, OPEN, YES)
-    worst = min(details, key=lambda d: (order.index(d.verdict), room(d)))
+    worst = min(details, key=lambda d: (order.index(d.verdict), margin(d)))
     return Outcome(claim, verdict, details, note, worst, explanation)

@@ -1,4 +1,4 @@
-"""What lies behind a claim that does not hold: computed numbers, and reasons where the data bear them out."""
+"""Why claims do not hold: computed numbers, with reasons where the data support them."""
 
 from collections.abc import Callable, Sequence
 
@@ -16,25 +16,25 @@ from swarmcensus.worlds.sensors import parse_accuracy
 
 Explanation = Callable[[Evidence, Sequence[Detail]], str]
 ROUND = 10  # observations in a communication round
-LATE = 0.9  # of a run: who settles after that might not have settled
-FEW = 0.25  # of a swarm
+LATE = 0.9  # share of a run after which an estimate may not have settled yet
+FEW = 0.25  # share of a swarm that counts as few robots
 
 
 def mixed(fill: float) -> Explanation:
-    """Why a heterogeneous swarm is not like b = w = 0.75: what Fisher information says that it is worth."""
+    """Why a heterogeneous swarm is not like b = w = 0.75: the accuracy of equal Fisher information."""
 
     def explain(_: Evidence, details: Sequence[Detail]) -> str:
         ahead, behind = _sides(details)
         low, high = parse_accuracy(MIXED).black.numbers
         drawn = low + (high - low) * (np.arange(10_000) + 0.5) / 10_000
-        said = [f"Beyond the margin, the heterogeneous swarm is {_parts(('ahead', ahead), ('behind', behind))}."]
-        said.append(
+        sentences = [f"Beyond the margin, the heterogeneous swarm is {_parts(('ahead', ahead), ('behind', behind))}."]
+        sentences.append(
             f"The mean of {MIXED} is {drawn.mean():.2f}, but robots are weighted by the Fisher information of their "
             f"readings. Its mean over the swarm is that of b = w = {worth(drawn, fill):.2f} at f = {fill}."
         )
         if worth(drawn, fill) > drawn.mean() and ahead and not behind:
-            said.append("Good sensors count for more than poor ones cost.")
-        return " ".join(said)
+            sentences.append("Good sensors count for more than poor ones cost.")
+        return " ".join(sentences)
 
     return explain
 
@@ -50,9 +50,10 @@ def worth(accuracies: Floats, fill: float) -> float:
 
 
 def agreed_bias(accuracy: float, fill: float, looks: int) -> tuple[float, float]:
-    """How far off the mean is, weighted by confidence, of endless local estimates, and the share of them at 0 or 1.
+    """The bias of the mean of local estimates weighted by confidence, and the share of these estimates at 0 or 1.
 
-    Each is of `looks` readings of a sensor with b = w = `accuracy`; exact, over the binomial of their blacks.
+    Each estimate is of `looks` readings by a sensor with b = w = `accuracy`. Exact, by the binomial distribution of
+    black readings.
     """
     brain = brains.load("minimalistic")
     black = np.arange(looks + 1)
@@ -61,23 +62,23 @@ def agreed_bias(accuracy: float, fill: float, looks: int) -> tuple[float, float]
     odds = np.exp(
         factorials[-1] - factorials - factorials[::-1] + black * np.log(p) + (looks - black) * np.log(1.0 - p)
     )
-    me, said = brain.robot(accuracy, accuracy), np.empty((looks + 1, 2))
+    me, messages = brain.robot(accuracy, accuracy), np.empty((looks + 1, 2))
     for n in black:
         me.t = me.n = 0.0
         brain.functions.observe(me, float(n), float(looks))
-        said[n] = brain.functions.broadcast(me)
-    estimates, weights = said[:, 0], odds * said[:, 1]
+        messages[n] = brain.functions.broadcast(me)
+    estimates, weights = messages[:, 0], odds * messages[:, 1]
     return float(weights @ estimates / weights.sum() - fill), float(odds[(estimates == 0) | (estimates == 1)].sum())
 
 
 def blacker_full(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """Why the fully connected take longer at f = 0.95: the bias of a local estimate that is cut off."""
+    """Why a fully connected swarm takes longer at f = 0.95: the bias of clipped local estimates."""
     later = max((d for d in details if d.verdict == NO), key=lambda d: d.value)
     accuracy = later.setting.removeprefix("full, ")
     rounds = [float(measures.at(evidence, K, "full", f, accuracy)[0]) for f in (0.55, 0.95)]
     swarm = accuracy if accuracy == MIXED else f"b = w = {accuracy}"
-    said = [f"Latest, {swarm} settles after a median of {rounds[1]:g} rounds, not {rounds[0]:g}."]
-    said.append(
+    sentences = [f"Latest, {swarm} settles after a median of {rounds[1]:g} rounds, not {rounds[0]:g}."]
+    sentences.append(
         "The local estimate of Eq. 4 is cut off at the ends, and the blacker floor lies close to one of them. So its "
         "errors there lean to one side, and no averaging over robots removes that."
     )
@@ -86,23 +87,23 @@ def blacker_full(evidence: Evidence, details: Sequence[Detail]) -> str:
         (soon, cut), (late, _), (other, _) = (
             agreed_bias(float(accuracy), f, n) for f, n in ((0.95, looks[0]), (0.95, looks[1]), (0.55, looks[0]))
         )
-        said.append(
+        sentences.append(
             "In closed form, the mean that a large swarm agrees on is off by "
             f"{soon:+.3f} at f = 0.95 after {looks[0]:,} observations a robot, of whose local estimates "
             f"{100 * cut:.0f} % are cut off; at f = 0.55 it is off by {other:+.3f} then. "
             f"After {looks[1]:,} it is off by {late:+.3f}."
         )
         if abs(soon) > max(abs(late), abs(other)):
-            said.append("The swarm settles as this fades.")
+            sentences.append("The swarm settles as this fades.")
     if all(d.verdict != NO for d in measures.blacker_first(evidence, BELOW_ONE, SPARSE)):
-        said.append("In a sparse network each robot averages over few, and noise outweighs the bias.")
-    return " ".join(said)
+        sentences.append("In a sparse network each robot averages over few, and noise outweighs the bias.")
+    return " ".join(sentences)
 
 
 def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """Whom density makes sooner and later, and whether the later ones have settled at all."""
+    """Which settings density makes faster and slower, and whether the slower ones have settled at all."""
     sooner, later = ([d for d in details if d.verdict == which] for which in (YES, NO))
-    said = [f"Beyond doubt, robots settle {_parts(('sooner', sooner), ('later', later))}."]
+    sentences = [f"Beyond doubt, robots settle {_parts(('sooner', sooner), ('later', later))}."]
     ticks = float(evidence.datasets["moving"]["checkpoint"].values[-1])
     settled = min(
         float(moving_measures.at(evidence, K, density, f, accuracy)[0])
@@ -110,7 +111,7 @@ def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
         for density in DENSITIES
     )
     if settled > LATE * ticks:
-        said.append(
+        sentences.append(
             "Those that are later have not settled when the run ends: their medians are "
             f"{100 * settled / ticks:.1f} % of it or more, and K is when the last jump came. An estimate jumps when "
             "the robots around it change and the new ones have seen otherwise, which in a crowd happens all the time."
@@ -121,30 +122,30 @@ def denser_first(evidence: Evidence, details: Sequence[Detail]) -> str:
         if evidence.judge("", _error_ratio(evidence, accuracy, f), BELOW_ONE).verdict == YES
     ]
     those = counted(len(later), "setting")
-    said.append(f"The error of their estimates falls beyond doubt in {len(closer)} of these {those}.")
-    return " ".join(said)
+    sentences.append(f"The error of their estimates falls beyond doubt in {len(closer)} of these {those}.")
+    return " ".join(sentences)
 
 
 def denser_alike(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """Which errors density changes, by how much, and what that is in absolute terms."""
+    """Which errors density changes, by which factor, and by how much in absolute terms."""
     fall, rise = _sides(details)
-    said = [f"Beyond the margin, median errors {_parts(('fall', fall), ('rise', rise))}."]
+    sentences = [f"Beyond the margin, median errors {_parts(('fall', fall), ('rise', rise))}."]
     if fall and not rise:
-        said.append("In a crowd each robot averages over more neighbours.")
+        sentences.append("In a crowd each robot averages over more neighbours.")
     both = {
         d.setting: [float(moving_measures.at(evidence, ERROR, density, f, a)[0]) for density in DENSITIES]
         for d, (a, f) in zip(details, map(_swarm, details), strict=True)
     }
     most = max(both, key=lambda name: abs(both[name][1] - both[name][0]))
-    said.append(
+    sentences.append(
         f"In absolute terms, the largest change of all is from {both[most][0]:.4f} to {both[most][1]:.4f} ({most})."
     )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
 def mixed_consensus(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """How many robots are wrong in how many trials, and whether their swarms had been unanimous before."""
-    said, largest = [], 0.0
+    """How many robots are wrong in how many trials, and whether these swarms had been unanimous before."""
+    sentences, largest = [], 0.0
     for d in details:
         if d.verdict != NO:
             continue
@@ -156,17 +157,17 @@ def mixed_consensus(evidence: Evidence, details: Sequence[Detail]) -> str:
         wrong = sorted(((final[split] < low) | (final[split] >= high)).sum(axis=1).tolist())
         before = int((right[split, :-1] == 1).any(axis=1).sum())
         largest = max(largest, *(1.0 - right[split, -1]))
-        said.append(
+        sentences.append(
             f"At f = {f}, not unanimous in the end: {len(split)} of {len(right)} swarms, "
             f"with {_span(wrong)} of {final.shape[1]} robots wrong. "
             f"Unanimous at an earlier checkpoint had been {before} of them."
         )
     if largest <= FEW:
-        said.append(
+        sentences.append(
             "Few robots make the difference: one whose sensor is poor goes by what those around it believe, and for "
             "a while these may be few, or poor themselves."
         )
-    return " ".join(said)
+    return " ".join(sentences)
 
 
 def _error_ratio(evidence: Evidence, accuracy: str, fill: float) -> Floats:
@@ -180,13 +181,13 @@ def _swarm(detail: Detail) -> tuple[str, float]:
 
 
 def _sides(details: Sequence[Detail]) -> tuple[list[Detail], list[Detail]]:
-    """Settings on the wrong side whose ratio is below 1, and above."""
+    """Settings on the wrong side of the threshold: those with a ratio below 1, and those above."""
     wrong = [d for d in details if d.verdict == NO]
     return [d for d in wrong if d.value < 1], [d for d in wrong if d.value >= 1]
 
 
 def _parts(*parts: tuple[str, Sequence[Detail]]) -> str:
-    """What happens in how many settings, by how much and in which: "later in 1 setting, by 0.6 % (...)"."""
+    """What happens in which settings, and by how much, such as "later in 1 setting, by 0.6 % (...)"."""
     return " and ".join(f"{what} {_where(found)}" for what, found in parts)
 
 

@@ -1,4 +1,4 @@
-"""The paper's Figs. 2 to 5: which settings of which study each panel shows, and what to look at in it."""
+"""The paper's Figs. 2 to 5: the settings that each panel shows, and the text below each figure."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class View:
 
 @dataclass(frozen=True)
 class PaperFigure:
-    """A figure of the paper: its panels, what to look at in it, and the claims that speak of it."""
+    """A figure of the paper: its panels, the text below it, and the claims about it."""
 
     name: str
     title: str
@@ -44,8 +44,8 @@ class PaperFigure:
     claims: tuple[str, ...]
     scale: Scale = "log"  # of a scatter
 
-    def said(self, datasets: Mapping[str, xr.Dataset]) -> str:
-        """The text, without a word of intervals where trials are too few for them."""
+    def caption(self, datasets: Mapping[str, xr.Dataset]) -> str:
+        """The text, without its mention of intervals if there are too few trials for them."""
         parts = [view.panel(datasets)[1] for view in self.views if view.study in datasets]
         most = max((int(finished(part).sum(axis=1).max(initial=0)) for part in parts), default=0)
         return self.text if most >= FEWEST else self.text.replace(_CROSSES, "").replace(_LINE, "")

@@ -1,4 +1,4 @@
-"""How each claim about fixed networks is measured: a generator of details, one a setting.
+"""How each claim about fixed networks is measured: a function per claim, which yields one detail per setting.
 
 Unless a name says otherwise, settings are the paper's: 100 robots, R = 10, C = 1,000; K is the convergence round.
 """
@@ -28,35 +28,35 @@ PAPER_TRIALS = 30
 
 
 def at(evidence: Evidence, name: str, topology: str, fill: float, accuracy: str) -> Floats:
-    """The median of a variable over robots and trials in one setting of the study of topologies."""
+    """The median of a variable over robots and trials in one setting of the study "topologies"."""
     return evidence.median("topologies", name, topology=topology, robots=100, accuracy=accuracy, fill_ratio=fill)
 
 
 def tree(evidence: Evidence, study: str, name: str, fill: float, accuracy: str) -> Floats:
-    """The same on the scale-free network in another study."""
+    """The median of a variable over robots and trials on the scale-free network of another study."""
     return evidence.median(study, name, topology="scale-free", accuracy=accuracy, fill_ratio=fill)
 
 
 def alone(evidence: Evidence, name: str, accuracy: str) -> Floats:
-    """The same of the local estimate at f = 0.55, as in the paper's Fig. 2a; it knows of no topology."""
+    """The median of a variable of the local estimate at f = 0.55, as in the paper's Fig. 2a, without a network."""
     return evidence.median("local", name, robots=100, accuracy=accuracy, fill_ratio=0.55)
 
 
 def ratio(above: Floats, below: Floats) -> Floats:
-    """Their quotient; NaN where the divisor is 0: such a setting decides nothing."""
+    """The quotient; NaN where the divisor is 0, so that such a setting decides nothing."""
     quotient = np.full(above.shape, np.nan)
     np.divide(above, below, out=quotient, where=below != 0)
     return quotient
 
 
 def low_errors(evidence: Evidence, right: Range, fill: float) -> Iterator[Detail]:
-    """Median errors on ring and scale-free."""
+    """Median errors on the ring and on the scale-free network."""
     for topology, accuracy in itertools.product(("ring", "scale-free"), ALL):
         yield evidence.judge(f"{topology}, {accuracy}", at(evidence, ERROR, topology, fill, accuracy), right)
 
 
 def full_agrees(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The largest spread of final estimates within a fully connected trial: exact, no interval."""
+    """The largest spread of final estimates within a fully connected trial: exact, without an interval."""
     for robots, (f, accuracy) in itertools.product((10, 100), GRID):
         final = evidence.values(
             "topologies", "final_estimate", topology="full", robots=robots, accuracy=accuracy, fill_ratio=f
@@ -66,21 +66,21 @@ def full_agrees(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def full_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """K of the fully connected over that of the others."""
+    """K of the fully connected network divided by K of each other topology."""
     for topology, (f, accuracy) in itertools.product(SPARSE, GRID):
         faster = ratio(at(evidence, K, "full", f, accuracy), at(evidence, K, topology, f, accuracy))
         yield evidence.judge(f"full / {topology}, {accuracy}, f = {f}", faster, right)
 
 
 def ring_like_line(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Line over ring, in convergence and in error."""
+    """Line divided by ring, for convergence and for error."""
     for (name, what), (f, accuracy) in itertools.product(BOTH, GRID):
         both = ratio(at(evidence, name, "line", f, accuracy), at(evidence, name, "ring", f, accuracy))
         yield evidence.judge(f"{what}, {accuracy}, f = {f}", both, right)
 
 
 def informed_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """K of the informed estimate over that of the local one, both in observations."""
+    """K of the informed estimate divided by K of the local one, both in observations."""
     for topology, accuracy in itertools.product(TOPOLOGIES, ALL):
         together = 10 * at(evidence, K, topology, 0.55, accuracy)
         faster = ratio(together, alone(evidence, "local_convergence_step", accuracy))
@@ -88,7 +88,7 @@ def informed_first(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def helps_poor(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """What communication takes off the median error: mean over the five poorer sensors less the five better."""
+    """The gain in median error by communication: its mean over the five poorer sensors minus that over the better."""
     for topology in TOPOLOGIES:
         gains = np.array([
             alone(evidence, "local_convergence_error", accuracy) - at(evidence, ERROR, topology, 0.55, accuracy)
@@ -98,28 +98,28 @@ def helps_poor(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def rank_correlation(medians: Sequence[Floats]) -> Floats:
-    """Kendall's, of the homogeneous swarms' accuracies with their medians: -1 where each better sensor does better."""
+    """Kendall's rank correlation of accuracies with medians; -1 if each better sensor has a smaller median."""
     first, second = np.triu_indices(len(NUMBERS), 1)
     stacked = np.array(medians)
     return np.asarray(np.sign(stacked[second] - stacked[first]).mean(0))
 
 
 def grows(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The rank correlation of accuracy with the medians."""
+    """The rank correlation of accuracy with median K and with median error."""
     for (name, what), topology, f in itertools.product(BOTH, TOPOLOGIES, FILLS):
         tau = rank_correlation([at(evidence, name, topology, f, accuracy) for accuracy in NUMBERS])
         yield evidence.judge(f"{what}, {topology}, f = {f}", tau, right)
 
 
 def steps_back(evidence: Evidence) -> str:
-    """`slower_steps` on fixed networks."""
+    """A note on the steps of accuracy that slow a swarm on a fixed network; see `slower_steps`."""
     return slower_steps(
         evidence, {f"{t}, f = {f}": partial(at, evidence, K, t, f) for t, f in itertools.product(TOPOLOGIES, FILLS)}
     )
 
 
 def slower_steps(evidence: Evidence, swarms: Mapping[str, Callable[[str], Floats]]) -> str:
-    """Which single steps of accuracy make a swarm slower, with the whole interval of the ratio above 1.
+    """The single steps of accuracy that make a swarm slower, where the whole interval of the ratio is above 1.
 
     `swarms` gives K by accuracy for each kind of swarm.
     """
@@ -134,7 +134,7 @@ def slower_steps(evidence: Evidence, swarms: Mapping[str, Callable[[str], Floats
 
 
 def mixed_like_middle(evidence: Evidence, right: Range, fill: float) -> Iterator[Detail]:
-    """The heterogeneous swarm over the geometric mean of b = w = 0.725 and 0.775, which stands for 0.75."""
+    """The heterogeneous swarm divided by the geometric mean of b = w = 0.725 and 0.775, which stands for 0.75."""
     for (name, what), topology in itertools.product(BOTH, TOPOLOGIES):
         below, above = (at(evidence, name, topology, fill, accuracy) for accuracy in ("0.725", "0.775"))
         both = ratio(at(evidence, name, topology, fill, MIXED), np.sqrt(below * above))
@@ -142,14 +142,14 @@ def mixed_like_middle(evidence: Evidence, right: Range, fill: float) -> Iterator
 
 
 def blacker_first(evidence: Evidence, right: Range, topologies: Sequence[str]) -> Iterator[Detail]:
-    """K at f = 0.95 over that at f = 0.55."""
+    """K at f = 0.95 divided by K at f = 0.55."""
     for topology, accuracy in itertools.product(topologies, ALL):
         faster = ratio(at(evidence, K, topology, 0.95, accuracy), at(evidence, K, topology, 0.55, accuracy))
         yield evidence.judge(f"{topology}, {accuracy}", faster, right)
 
 
 def same_observations(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """R = 1 over R = 10 after as many observations: K in observations, and error."""
+    """R = 1 divided by R = 10 for the same number of observations: K in observations, and error."""
     for (name, what), (f, accuracy) in itertools.product(BOTH, GRID):
         seldom = (10 if name == K else 1) * at(evidence, name, "scale-free", f, accuracy)
         often = tree(evidence, "same-observations", name, f, accuracy)
@@ -157,7 +157,7 @@ def same_observations(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def same_rounds(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """R = 1 over R = 10 in as many rounds: K in rounds."""
+    """R = 1 divided by R = 10 for the same number of rounds: K in rounds."""
     for f, accuracy in GRID:
         often = tree(evidence, "same-rounds", K, f, accuracy)
         slower = ratio(often, at(evidence, K, "scale-free", f, accuracy))
@@ -177,9 +177,10 @@ def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
-    """The share of trials in which all are right at the last checkpoint of `robots`, with Wilson's interval.
+    """The share of trials in which all robots are right at the last checkpoint, with Wilson's interval.
 
-    One wrong robot in one trial says no. All right says yes from as many trials as the paper ran.
+    `robots` is the share of right robots (trial, checkpoint). The verdict is no if one robot in one trial is wrong, and
+    yes if all are right in at least as many trials as the paper ran.
     """
     trials = len(robots)
     share, low, high = intervals.share_interval(int((robots[:, -1] == 1).sum()), trials)
@@ -187,7 +188,7 @@ def unanimous(setting: str, robots: Floats, right: Range) -> Detail:
 
 
 def sooner_right(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Wrong robots on ring and line less those on scale-free, over all checkpoints and accuracies."""
+    """Share of wrong robots on ring and line minus that on scale-free, over all checkpoints and accuracies."""
     for topology, f in itertools.product(("ring", "line"), FILLS):
         more = [
             right_robots(evidence, topology, f, accuracy) - right_robots(evidence, "scale-free", f, accuracy)
@@ -197,7 +198,7 @@ def sooner_right(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def minimal(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """What a robot needs after many observations among many robots, less what it needs early and among few."""
+    """What a robot needs after many observations in a large swarm, minus what it needs at first in a small one."""
     table = minimalism.footprints(brains.load("minimalistic"))
     least = table[minimalism.SWARMS[0], minimalism.AGES[0]]
     for name, few in least.items():

@@ -1,4 +1,4 @@
-"""The paper's claims about robots that move, Sec. IV-C; the rules are those of `claims`."""
+"""The paper's claims about robots that move, Sec. IV-C, by the same rules as in `claims`."""
 
 from functools import partial
 

@@ -1,7 +1,7 @@
-"""How each claim about robots that move is measured: a generator of details, one a setting.
+"""How each claim about robots that move is measured: a function per claim, which yields one detail per setting.
 
-25 robots, 10,000 ticks; K counts ticks. Settings of one density ride on the same walks, trial by trial: the joint
-bootstrap of trials compares them as pairs.
+25 robots, 10,000 ticks; K counts ticks. Settings of the same density share their trajectories in each trial, so that
+the joint bootstrap of trials compares them as pairs.
 """
 
 import itertools
@@ -46,28 +46,28 @@ def right_movers(evidence: Evidence, fill: float, accuracy: str) -> Floats:
 
 
 def denser(evidence: Evidence, right: Range, name: str) -> Iterator[Detail]:
-    """A median at D = 10 over that at D = 1."""
+    """A median at D = 10 divided by that at D = 1."""
     for f, accuracy in GRID:
         change = ratio(at(evidence, name, 10.0, f, accuracy), at(evidence, name, 1.0, f, accuracy))
         yield evidence.judge(f"{accuracy}, f = {f}", change, right)
 
 
 def blacker_better(evidence: Evidence, right: Range, name: str) -> Iterator[Detail]:
-    """A median at f = 0.95 over that at f = 0.55."""
+    """A median at f = 0.95 divided by that at f = 0.55."""
     for density, accuracy in itertools.product(DENSITIES, ALL):
         change = ratio(at(evidence, name, density, 0.95, accuracy), at(evidence, name, density, 0.55, accuracy))
         yield evidence.judge(f"D = {density:g}, {accuracy}", change, right)
 
 
 def grows(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The rank correlation of accuracy with the medians."""
+    """The rank correlation of accuracy with median K and with median error."""
     for (name, what), density, f in itertools.product(BOTH, DENSITIES, FILLS):
         tau = rank_correlation([at(evidence, name, density, f, accuracy) for accuracy in NUMBERS])
         yield evidence.judge(f"{what}, D = {density:g}, f = {f}", tau, right)
 
 
 def steps_back(evidence: Evidence) -> str:
-    """`slower_steps` of robots that move."""
+    """A note on the steps of accuracy that slow a swarm that moves; see `slower_steps`."""
     kinds = itertools.product(DENSITIES, FILLS)
     return slower_steps(evidence, {f"D = {d:g}, f = {f}": partial(at, evidence, K, d, f) for d, f in kinds})
 
@@ -79,13 +79,13 @@ def impaired(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def expense(evidence: Evidence) -> str:
-    """What these robots pay in time: their K over that of the best sensors."""
-    said = []
+    """A note on the cost in time of poor sensors: their K divided by that of the best sensors."""
+    parts = []
     for density, f in itertools.product(DENSITIES, FILLS):
         slower = ratio(at(evidence, K, density, f, IMPAIRED), at(evidence, K, density, f, NUMBERS[-1]))
         _, low, high = intervals.interval(slower)
-        said.append(f"{low:.1f} to {high:.1f} (D = {density:g}, f = {f})")
-    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * intervals.LEVEL:g} %: {', '.join(said)}."
+        parts.append(f"{low:.1f} to {high:.1f} (D = {density:g}, f = {f})")
+    return f"The expense, K over that of b = w = {NUMBERS[-1]}, {100 * intervals.LEVEL:g} %: {', '.join(parts)}."
 
 
 def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
@@ -95,34 +95,34 @@ def consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def mixed_consensus(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """The same of the heterogeneous swarm."""
+    """The share of trials in which all robots of the heterogeneous swarm are right after the last tick."""
     for f in FILLS:
         yield unanimous(f"f = {f}", right_movers(evidence, f, MIXED), right)
 
 
 def mixed_sooner(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Wrong robots in the heterogeneous swarm less those in the worst of the swarms that it is compared with."""
+    """Share of wrong robots in the heterogeneous swarm minus that in the worst swarm that it is compared with."""
     for f in FILLS:
         yield evidence.judge(f"f = {f}", np.min([_less_wrong(evidence, f, a) for a in WORST], axis=0), right)
 
 
 def overtaken(evidence: Evidence) -> str:
-    """Which of them the heterogeneous swarm leaves behind, with the whole interval."""
-    said = []
+    """A note on the swarms that the heterogeneous one beats with the whole interval."""
+    parts = []
     for f in FILLS:
         beaten = [a for a in WORST if evidence.judge("", _less_wrong(evidence, f, a), BELOW_ZERO).verdict == YES]
-        said.append(f"at f = {f}: {', '.join(beaten) or 'none'}")
-    return f"Swarms that it leaves behind beyond doubt: {'; '.join(said)}."
+        parts.append(f"at f = {f}: {', '.join(beaten) or 'none'}")
+    return f"Swarms that it leaves behind beyond doubt: {'; '.join(parts)}."
 
 
 def _less_wrong(evidence: Evidence, fill: float, accuracy: str) -> Floats:
-    """Wrong robots in the heterogeneous swarm less those in another, over all checkpoints."""
+    """Share of wrong robots in the heterogeneous swarm minus that in another, over all checkpoints."""
     gain = right_movers(evidence, fill, MIXED) - right_movers(evidence, fill, accuracy)
     return evidence.mean(-gain.mean(axis=1))
 
 
 def like_tree(evidence: Evidence, right: Range) -> Iterator[Detail]:
-    """Right robots at D = 1 over those on the scale-free network after as many observations, over all checkpoints."""
+    """Share of right robots at D = 1 divided by that on the scale-free network, at the same numbers of observations."""
     for f, accuracy in GRID:
         moving = evidence.mean(right_movers(evidence, f, accuracy).mean(axis=1))
         fixed = evidence.mean(right_robots(evidence, "scale-free", f, accuracy).mean(axis=1))
@@ -130,12 +130,12 @@ def like_tree(evidence: Evidence, right: Range) -> Iterator[Detail]:
 
 
 def settled_like_tree(evidence: Evidence) -> str:
-    """K and error over those of the scale-free network at R = 1, where a round is an observation too: the extremes."""
-    said = []
+    """A note on K and error, divided by those of the scale-free network at R = 1: smallest and largest ratio."""
+    parts = []
     for name, what in BOTH:
         both = [
             float(ratio(at(evidence, name, 1.0, f, a), tree(evidence, "same-observations", name, f, a))[0])
             for f, a in GRID
         ]
-        said.append(f"median {what} is {min(both):.2f} to {max(both):.2f} times")
-    return f"At R = 1, where a round is an observation too: {' and '.join(said)} that of the scale-free network."
+        parts.append(f"median {what} is {min(both):.2f} to {max(both):.2f} times")
+    return f"At R = 1, where a round is an observation too: {' and '.join(parts)} that of the scale-free network."

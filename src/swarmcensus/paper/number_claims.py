@@ -1,4 +1,4 @@
-"""What was published about consensus on a number, and filters; the rules of claims are those of `claims`."""
+"""Published results on consensus on a number and on filters, by the same rules as in `claims`."""
 
 from functools import partial
 

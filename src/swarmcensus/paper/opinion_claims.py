@@ -1,4 +1,4 @@
-"""What was published about rules for opinions; the rules of claims are those of `claims`."""
+"""Published results on rules for opinions, by the same rules as in `claims`."""
 
 from functools import partial
 

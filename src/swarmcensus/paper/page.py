@@ -93,7 +93,7 @@ def _kind_of_detail(detail: Detail) -> str:
 
 
 def _figure(done: Reproduction, figure: PaperFigure, paths: Sequence[Path]) -> dict[str, Any]:
-    text = figure.said(done.datasets)
+    text = figure.caption(done.datasets)
     panels = "; ".join(f"({chr(97 + i)}) {view.caption}" for i, view in enumerate(figure.views))
     return {
         "name": figure.name,

@@ -1,4 +1,4 @@
-"""Claims as they were measured: as JSON for programs, as a table for the terminal."""
+"""Measured claims as JSON, and as a table for the terminal."""
 
 from __future__ import annotations
 
@@ -38,15 +38,15 @@ def kind(outcome: Outcome) -> str:
 
 
 def tally(outcome: Outcome) -> str:
-    """How many settings say what, "30 yes, 3 undecided"."""
-    return ", ".join(f"{outcome.count(said)} {said}" for said in (YES, NO, OPEN) if outcome.count(said))
+    """The number of settings by verdict, such as "30 yes, 3 undecided"."""
+    return ", ".join(f"{outcome.count(verdict)} {verdict}" for verdict in (YES, NO, OPEN) if outcome.count(verdict))
 
 
 def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], source: str) -> str:
-    """claims.json: the claims of a `source`, each with its statistic, threshold, value, interval, verdict and settings.
+    """The text of claims.json: each claim with its statistic, threshold, value, interval, verdict and settings.
 
-    `right` is the range that bears a claim out, null for no bound; `interval` is null where a value is exact.
-    The value and interval of a claim are those of its worst setting. Equal datasets give equal bytes.
+    `source` is what was published. `right` is the range in which a claim holds, null for no bound; `interval` is null
+    if the value is exact. Value and interval of a claim are those of its worst setting. Equal datasets give equal bytes.
     """
     texts = ("id", "title", "sentence", "section", "statistic", "threshold")
     about = {
@@ -90,7 +90,7 @@ def _values(detail: Detail | None) -> dict[str, Any]:
 
 
 def show(claims: Sequence[Outcome], console: Console | None = None) -> None:
-    """Print the claims as a table, 80 columns wide or more: verdict, claim, and its worst setting."""
+    """Print the claims as a table, 80 columns wide or more: verdict, claim and worst setting."""
     from rich.table import Table
     from rich.text import Text
 

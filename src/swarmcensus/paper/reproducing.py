@@ -1,7 +1,7 @@
-"""A published evaluation from one call: its studies run, its figures drawn, its claims checked, a page of it all.
+"""`reproduce`: run the studies of an evaluation, draw its figures, check its claims and write a page.
 
 To add a part of the paper's evaluation, add study files to studies/paper, figures to `figures.FIGURES` and claims to
-`claims.CLAIMS`; what is known of the rivals is in `rival_claims.CLAIMS`, and its studies in studies/rivals/claims.
+`claims.CLAIMS`. The claims on rivals are in `rival_claims.CLAIMS`, and their studies in studies/rivals/claims.
 """
 
 import contextlib
@@ -25,9 +25,9 @@ from swarmcensus.runs.pools import compile_for
 from swarmcensus.runs.running import run, work_of
 from swarmcensus.studies.study import Study
 
-FOLDERS = {"paper": "reproduction"}  # where each goes
-STUDIES = {"rivals": "rivals/claims"}  # where its studies are, if not in a folder of its name
-TAKEN_OVER = 0.05  # seconds: from there on it shows that simulations are not all of this call
+FOLDERS = {"paper": "reproduction"}  # default output folders, where not reproduction-NAME
+STUDIES = {"rivals": "rivals/claims"}  # folders of studies, where they differ from the name
+TAKEN_OVER = 0.05  # seconds simulated by earlier calls that are worth mentioning
 
 
 def reproduce(
@@ -42,15 +42,15 @@ def reproduce(
     reporting: Reporting | None = None,
     say: Callable[[str], None] = print,
 ) -> Reproduction:
-    """Run what was published, and write datasets, figures, claims.json and index.html to the folder `out`.
+    """Run an evaluation, and write datasets, figures, claims.json and index.html to the folder `out`.
 
-    `of` is "paper", or "rivals" for what is known of other algorithms; by default `out` is "reproduction", or
-    "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, as "fig2" or
-    "claims", and runs nothing that they do not need. `reporting(label)` is a context that gives the callback for
-    `run`'s progress, here of all studies together; `say` gets a line a stage.
+    `of` is "paper", or "rivals" for published results on other algorithms; by default `out` is "reproduction" or
+    "reproduction-rivals". `trials` and `seed` replace those of the study files. `only` names parts, such as "fig2" or
+    "claims", and runs only the studies that they need. `reporting(label)` is a context that gives the callback for
+    the progress of all studies together; `say` gets one line per stage.
 
-    Raises InputError for what is not known and, before anything is run, for a folder that cannot be written. Ctrl-C
-    raises Interrupted; what was done is then in `out`, and the same call goes on from there, unless `fresh`.
+    Raises InputError for unknown names and, before anything is run, for a folder that cannot be written. Ctrl-C
+    raises Interrupted; finished work is kept in `out`, and the same call continues from there, unless `fresh`.
     """
     this = evaluation(of)
     parts, out = _parts(this, only), Path(out or FOLDERS.get(of, f"reproduction-{of}"))
@@ -68,7 +68,7 @@ def reproduce(
 
     seconds: dict[str, float] = {}
 
-    def took(name: str, spent: float, more: str = "") -> None:
+    def report_time(name: str, spent: float, more: str = "") -> None:
         seconds[name] = round(spent, 3)
         say(f"{name}: {seconds[name]:.1f} s{more}, {page.CLOCK}")
 
@@ -76,14 +76,14 @@ def reproduce(
     def stage(name: str) -> Iterator[None]:
         begun = time.monotonic()
         yield
-        took(name, time.monotonic() - begun)
+        report_time(name, time.monotonic() - begun)
 
     datasets, compiled, simulated = _simulate(out, studies, jobs, fresh, reporting, say)
     if compiled:
-        took("compile", compiled)
+        report_time("compile", compiled)
     if datasets:
-        every = sum(data.attrs["wall_seconds"] for data in datasets.values())
-        took("simulate", every, " with earlier calls" if every - simulated > TAKEN_OVER else "")
+        total = sum(data.attrs["wall_seconds"] for data in datasets.values())
+        report_time("simulate", total, " with earlier calls" if total - simulated > TAKEN_OVER else "")
     drawn, outcomes = [], []
     if figures:
         with stage("figures"):
@@ -99,12 +99,12 @@ def reproduce(
 
 
 def _parts(this: Evaluation, only: str | Iterable[str] | None) -> list[str]:
-    asked = [only] if isinstance(only, str) else list(only or this.parts)
-    for part in asked:
+    chosen = [only] if isinstance(only, str) else list(only or this.parts)
+    for part in chosen:
         if part not in this.parts:
             hint, known = did_you_mean(part, this.parts), ", ".join(this.parts)
             raise InputError(f"there is no part {part!r} of the {this.name}: {hint}known are {known}")
-    return [part for part in this.parts if part in asked]
+    return [part for part in this.parts if part in chosen]
 
 
 def _command(this: Evaluation, out: Path, trials: int | None, seed: int | None, parts: list[str]) -> str:
@@ -122,7 +122,7 @@ def _simulate(
     reporting: Reporting | None,
     say: Callable[[str], None],
 ) -> tuple[dict[str, xr.Dataset], float, float]:
-    """The results of all studies, and how long this call compiled and simulated."""
+    """The results of all studies, and the seconds that this call compiled and simulated."""
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
     work = {name: work_of(study, settings[name]) for name, study in studies.items()}
@@ -140,7 +140,8 @@ def _simulate(
         def tell(note: str, steps: tuple[int, int]) -> None:
             show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
 
-        if any(fresh or not data_path(out, name).exists() for name in studies):  # of all studies: two compile at a time
+        # for all studies at once, so that two compile at a time
+        if any(fresh or not data_path(out, name).exists() for name in studies):
             compile_for([(study, settings[name]) for name, study in studies.items()], tell)
             compiled = time.monotonic()
         for name, study in studies.items():
@@ -151,8 +152,8 @@ def _simulate(
 def _drawn(
     figures: Sequence[PaperFigure], datasets: Mapping[str, xr.Dataset], stems: Sequence[Path]
 ) -> list[list[Path]]:
-    """Draw all figures, every other one in a copy of this process, and return the files of each."""
-    from swarmcensus.figures.files import save  # matplotlib: half a second, and not every part needs it
+    """Draw all figures, every second one in a copy of this process. Returns the files of each."""
+    from swarmcensus.figures.files import save  # imports matplotlib: half a second, which not every part needs
     from swarmcensus.figures.kinds.decisions import decisions_grid
     from swarmcensus.figures.kinds.scatter import scatter_grid
 
@@ -162,12 +163,12 @@ def _drawn(
         drawn = scatter_grid(panels, scale=figure.scale) if scatter else decisions_grid(panels)
         return save(drawn, stem)
 
-    asked = list(zip(figures, stems, strict=True))
-    others = beside(lambda: [draw(*one) for one in asked[1::2]])
-    done: list[list[Path]] = [[]] * len(asked)
-    done[::2] = [draw(*one) for one in asked[::2]]
-    done[1::2] = others()
-    return done
+    tasks = list(zip(figures, stems, strict=True))
+    others = beside(lambda: [draw(*task) for task in tasks[1::2]])
+    files: list[list[Path]] = [[]] * len(tasks)
+    files[::2] = [draw(*task) for task in tasks[::2]]
+    files[1::2] = others()
+    return files
 
 
 def _write(path: Path, text: str) -> None:

@@ -1,7 +1,7 @@
-"""What was published about rivals, each as a check on measured data; the rules are those of `claims`.
+"""Published results on rivals as checks on measured data, by the same rules as in `claims`.
 
-Sentences are ours, and tell what an abstract says or, where the section says "not checked", what is generally known.
-Abstracts give orderings and effects, rarely numbers: margins and what counts as a consensus are choices of ours.
+The sentences are ours. They state what an abstract says or, where the section says "not checked", what is generally
+known. Abstracts give orderings and effects, rarely numbers, so margins and definitions of consensus are our choices.
 """
 
 from swarmcensus.paper import bayesian_claims, number_claims, opinion_claims

@@ -1,4 +1,4 @@
-"""What lies behind a published result on rivals that is not found here: measured numbers, and no more than these."""
+"""Measured numbers for published results on rivals that are not found here."""
 
 from collections.abc import Sequence
 
@@ -17,12 +17,12 @@ RULES = ("voter", "majority", "direct-comparison")
 
 
 def percent(share: float) -> str:
-    """A share in words."""
+    """A share as text."""
     return f"{100 * share:.0f} %"
 
 
 def quality_helps(evidence: Evidence, _: Sequence[Detail]) -> str:
-    """Where trials of the harder floor end up."""
+    """How trials on the harder floor end."""
     hard = {"fill_ratio": 0.55, "floor": "tiles"}
     right, open_ = (
         [percent(float(of(evidence, "opinions", brain=rule, **hard)[0])) for rule in RULES]
@@ -36,19 +36,19 @@ def quality_helps(evidence: Evidence, _: Sequence[Detail]) -> str:
 
 
 def patterns(evidence: Evidence, _: Sequence[Detail]) -> str:
-    """What pattern and share do to each rule."""
-    said = []
+    """How pattern and fill ratio slow each rule."""
+    parts = []
     for rule in RULES:
         plain, half, hard = (
             float(consensus_time(evidence, "opinions", brain=rule, fill_ratio=f, floor=floor)[0])
             for f, floor in ((0.66, "tiles"), (0.66, "half"), (0.55, "tiles"))
         )
-        said.append(f"{rule} {half / plain:.2f} times and {hard / plain:.2f} times")
-    return f"Black in one piece, and a share of 0.55 in place of 0.66, take so many times as long: {'; '.join(said)}."
+        parts.append(f"{rule} {half / plain:.2f} times and {hard / plain:.2f} times")
+    return f"Black in one piece, and a share of 0.55 in place of 0.66, take so many times as long: {'; '.join(parts)}."
 
 
 def wrong_messages(evidence: Evidence, _: Sequence[Detail]) -> str:
-    """What miscommunication does to direct switching and cross-inhibition."""
+    """The effect of miscommunication on direct switching and cross-inhibition."""
     clean, noisy, crossed, crossed_noisy = (
         percent(float(quorums(evidence, "switching", brain=brain, miscommunication=noise, fill_ratio=f)[0]))
         for brain, f in (("direct-switching", 0.6), ("cross-inhibition", 0.5))
@@ -61,7 +61,7 @@ def wrong_messages(evidence: Evidence, _: Sequence[Detail]) -> str:
 
 
 def neighbouring_bins(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """How far from the truth three-valued opinions end."""
+    """The final errors of three-valued and Boolean opinions."""
     errors = [
         float(final_error(evidence, study, liars=0, fill_ratio=f)[0])
         for study in ("three-valued", "boolean")
@@ -75,7 +75,7 @@ def neighbouring_bins(evidence: Evidence, details: Sequence[Detail]) -> str:
 
 
 def early_robots(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """How long both take to a consensus."""
+    """How long three-valued and Boolean opinions take to a consensus."""
     times = [
         float(consensus_time(evidence, study, liars=0, fill_ratio=f)[0])
         for f in (0.25, 0.55)
@@ -89,7 +89,7 @@ def early_robots(evidence: Evidence, details: Sequence[Detail]) -> str:
 
 
 def little_evidence(evidence: Evidence, details: Sequence[Detail]) -> str:
-    """How often decisions are right by how they are made."""
+    """How often decisions are right, by threshold and prior."""
     usual = {"feedback": 0.0, "prior": 10.0, "threshold": 0.95, "every": 200.0}
     ways = [usual, usual | {"threshold": 0.99}, usual | {"prior": 40.0}]
     shares = [percent(float(right_deciders(evidence, "bayes-bots", fill_ratio=0.55, **way)[0])) for way in ways]
@@ -100,7 +100,7 @@ def little_evidence(evidence: Evidence, details: Sequence[Detail]) -> str:
 
 
 def soon_settled(evidence: Evidence, _: Sequence[Detail]) -> str:
-    """How soon belief sharing settles, and what slower steps gain."""
+    """How soon belief sharing settles, and how much slower steps improve it."""
     worlds = (0.55, 0.6, 0.75)
     ticks, linear = (
         [float(settling_time(evidence, "beliefs", brain=brain, fill_ratio=f, **which)[0]) for f in worlds]

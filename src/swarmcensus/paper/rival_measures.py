@@ -1,7 +1,7 @@
-"""How claims about rivals are measured: a number of each setting, and settings held against each other.
+"""How claims about rivals are measured: a statistic of each setting, and its comparison between settings.
 
-A contender is a study's name and the coordinates that pick its brain there; a world is the coordinates of the floor and
-the network. What never came within a trial counts as its last round, so that times are bounded from below.
+A contender is the name of a study and the coordinates that select its brain; a world is the coordinates of floor and
+network. An event that did not happen within a trial counts as if in the last round, so that times are lower bounds.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,8 +15,8 @@ from swarmcensus.statistics.intervals import Floats, medians
 
 Contender = tuple[str, Mapping[str, Any]]
 World = Mapping[str, Any]
-Number = Callable[..., Floats]  # of a setting: the sample's, then every resample's
-QUORUM = 0.8  # of a swarm: a choice of ours
+Number = Callable[..., Floats]  # statistic of a setting: its value in the sample, then in every resample
+QUORUM = 0.8  # share of a swarm; our choice
 TITLES = {"fill_ratio": "f"}
 
 
@@ -28,7 +28,7 @@ def ratios(
     others: Sequence[Contender],
     worlds: Sequence[World],
 ) -> Iterator[Detail]:
-    """A number of the first contender over that of each other one; NaN where the latter is 0."""
+    """A statistic of the first contender divided by that of each other one; NaN where the latter is 0."""
     for name, above, below in _pairs(evidence, of, first, others, worlds):
         yield evidence.judge(name, ratio(above, below), right)
 
@@ -41,7 +41,7 @@ def differences(
     others: Sequence[Contender],
     worlds: Sequence[World],
 ) -> Iterator[Detail]:
-    """A number of the first contender less that of each other one."""
+    """A statistic of the first contender minus that of each other one."""
     for name, above, below in _pairs(evidence, of, first, others, worlds):
         yield evidence.judge(name, above - below, right)
 
@@ -49,10 +49,11 @@ def differences(
 def numbers(
     evidence: Evidence, right: Range, of: Number, contenders: Sequence[Contender], worlds: Sequence[World]
 ) -> Iterator[Detail]:
-    """A number of each contender by itself."""
+    """A statistic of each contender by itself."""
     for world in worlds:
-        for one in contenders:
-            yield evidence.judge(f"{named(one)}, {told(world)}", _of(evidence, of, one, world), right)
+        for contender in contenders:
+            name = f"{label_of(contender)}, {world_label(world)}"
+            yield evidence.judge(name, _of(evidence, of, contender, world), right)
 
 
 def growths(
@@ -62,45 +63,46 @@ def growths(
     contenders: Sequence[Contender],
     worlds: Sequence[tuple[World, World]],
 ) -> Iterator[Detail]:
-    """What a number comes to in the second of two worlds, over what it is in the first."""
+    """A statistic in the second of two worlds divided by that in the first."""
     for before, after in worlds:
-        for one in contenders:
-            change = ratio(_of(evidence, of, one, after), _of(evidence, of, one, before))
-            yield evidence.judge(f"{named(one)}, {told(after)} / {told(before)}", change, right)
+        for contender in contenders:
+            change = ratio(_of(evidence, of, contender, after), _of(evidence, of, contender, before))
+            name = f"{label_of(contender)}, {world_label(after)} / {world_label(before)}"
+            yield evidence.judge(name, change, right)
 
 
 def spared(
     evidence: Evidence, right: Range, first: Contender, second: Contender, worlds: Sequence[World], liars: int
 ) -> Iterator[Detail]:
-    """How many more right robots so many that malfunction cost the second than the first."""
+    """The loss of right robots by `liars` liars: that of the second contender minus that of the first."""
     for world in worlds:
         lost = [
-            _of(evidence, right_robots, one, {**world, "liars": 0})
-            - _of(evidence, right_robots, one, {**world, "liars": liars})
-            for one in (first, second)
+            _of(evidence, right_robots, contender, {**world, "liars": 0})
+            - _of(evidence, right_robots, contender, {**world, "liars": liars})
+            for contender in (first, second)
         ]
-        yield evidence.judge(told(world), lost[1] - lost[0], right)
+        yield evidence.judge(world_label(world), lost[1] - lost[0], right)
 
 
 def pattern_against_share(
     evidence: Evidence, right: Range, contenders: Sequence[Contender], patterned: World, plain: World, harder: World
 ) -> Iterator[Detail]:
-    """How many times as long a pattern takes, over how many times as long a harder share of black does."""
-    for one in contenders:
-        longer, base, slow = (_of(evidence, consensus_time, one, world) for world in (patterned, plain, harder))
-        yield evidence.judge(named(one), (longer / base) / (slow / base), right)
+    """The slowdown by a pattern of the floor divided by the slowdown by a harder fill ratio."""
+    for contender in contenders:
+        longer, base, slow = (_of(evidence, consensus_time, contender, world) for world in (patterned, plain, harder))
+        yield evidence.judge(label_of(contender), (longer / base) / (slow / base), right)
 
 
 def consensus_time(evidence: Evidence, study: str, **where: object) -> Floats:
     """The median round of a first consensus, right or wrong."""
-    found = evidence.values(study, "consensus_round", **where)
-    return medians(np.minimum(found, _last(evidence, study, where))[:, np.newaxis], evidence.counts)
+    rounds = evidence.values(study, "consensus_round", **where)
+    return medians(np.minimum(rounds, _last(evidence, study, where))[:, np.newaxis], evidence.counts)
 
 
 def decision_time(evidence: Evidence, study: str, **where: object) -> Floats:
     """The mean round of a robot's first decision."""
-    found = evidence.values(study, "decision_round", **where)
-    return evidence.mean(np.minimum(found, _last(evidence, study, where)).mean(axis=1))
+    rounds = evidence.values(study, "decision_round", **where)
+    return evidence.mean(np.minimum(rounds, _last(evidence, study, where)).mean(axis=1))
 
 
 def settling_time(evidence: Evidence, study: str, **where: object) -> Floats:
@@ -109,60 +111,61 @@ def settling_time(evidence: Evidence, study: str, **where: object) -> Floats:
 
 
 def consensus_right(evidence: Evidence, study: str, **where: object) -> Floats:
-    """The share of trials whose first consensus is right, of those in which one of the options is."""
-    found, option = _whole(evidence, study, "consensus", where), evidence.column(study, "right_option", **where)
-    return evidence.share(found == option, ~np.isnan(option))
+    """The share of trials whose first consensus is right, among those that have a right option."""
+    consensus, option = _whole(evidence, study, "consensus", where), evidence.column(study, "right_option", **where)
+    return evidence.share(consensus == option, ~np.isnan(option))
 
 
 def none_agreed(evidence: Evidence, study: str, **where: object) -> Floats:
     """The share of trials without a consensus."""
-    found = _whole(evidence, study, "consensus", where)
-    return evidence.share(found < 0, np.ones(len(found)))
+    consensus = _whole(evidence, study, "consensus", where)
+    return evidence.share(consensus < 0, np.ones(len(consensus)))
 
 
 def right_robots(evidence: Evidence, study: str, **where: object) -> Floats:
-    """The share of robots that are decided for what is right at the end, of all."""
-    found, option = _decisions(evidence, study, where)
-    return evidence.share((found == option).sum(axis=1), np.isfinite(option[:, 0]) * found.shape[1])
+    """The share of all robots that have decided for the right option at the end."""
+    decisions, option = _decisions(evidence, study, where)
+    return evidence.share((decisions == option).sum(axis=1), np.isfinite(option[:, 0]) * decisions.shape[1])
 
 
 def right_deciders(evidence: Evidence, study: str, **where: object) -> Floats:
-    """The same of those that are decided at all."""
-    found, option = _decisions(evidence, study, where)
-    return evidence.share((found == option).sum(axis=1), np.isfinite(option[:, 0]) * (found >= 0).sum(axis=1))
+    """The share of robots that have decided for the right option, among those that have decided at the end."""
+    decisions, option = _decisions(evidence, study, where)
+    return evidence.share((decisions == option).sum(axis=1), np.isfinite(option[:, 0]) * (decisions >= 0).sum(axis=1))
 
 
 def quorums(evidence: Evidence, study: str, **where: object) -> Floats:
     """The share of trials that end with QUORUM of the robots for one colour."""
-    found, _ = _decisions(evidence, study, where)
-    most = np.maximum((found == 0).mean(axis=1), (found == 1).mean(axis=1))
-    return evidence.share(most >= QUORUM, np.ones(len(found)))
+    decisions, _ = _decisions(evidence, study, where)
+    most = np.maximum((decisions == 0).mean(axis=1), (decisions == 1).mean(axis=1))
+    return evidence.share(most >= QUORUM, np.ones(len(decisions)))
 
 
 def final_error(evidence: Evidence, study: str, **where: object) -> Floats:
-    """The mean distance of a final estimate from the fill ratio, of the floor where the study asks for that."""
+    """The mean error of final estimates, from the floor's own fill ratio where the study's `truth` is "floor"."""
     data = evidence.setting(study, **where)
     floors = data.attrs.get("truth") == "floor"
     truth = evidence.values(study, "true_fill_ratio", **where) if floors else np.full(evidence.trials, data.fill_ratio)
-    found = evidence.values(study, "final_estimate", **where)
-    return evidence.mean(np.abs(found - truth[:, np.newaxis]).mean(axis=1))
+    estimates = evidence.values(study, "final_estimate", **where)
+    return evidence.mean(np.abs(estimates - truth[:, np.newaxis]).mean(axis=1))
 
 
-def told(world: World) -> str:
-    """A world in words: "f = 0.55, tiles"."""
-    return ", ".join(_said(name, value) for name, value in world.items())
+def world_label(world: World) -> str:
+    """A world in words, such as "f = 0.55, tiles"."""
+    return ", ".join(_coordinate(name, value) for name, value in world.items())
 
 
-def _said(name: str, value: Any) -> str:
+def _coordinate(name: str, value: Any) -> str:
     if name == "liars":
         return f"{value or 'no'} liar{'s' * (value > 1)}"
     return value if isinstance(value, str) else f"{TITLES.get(name, name)} = {value:g}"
 
 
-def named(one: Contender, beside: Contender = ("", {})) -> str:
-    """A contender in words, by what it has not in common with another: "w-msr", "threshold = 0.99"."""
-    own = {key: value for key, value in one[1].items() if beside[1].get(key) != value}
-    return told(own) if own else one[0]
+def label_of(contender: Contender, other: Contender = ("", {})) -> str:
+    """A contender in words, by the coordinates that differ from another's, such as "w-msr" or "threshold = 0.99"."""
+    study, coordinates = contender
+    own = {key: value for key, value in coordinates.items() if other[1].get(key) != value}
+    return world_label(own) if own else study
 
 
 def _pairs(
@@ -170,12 +173,12 @@ def _pairs(
 ) -> Iterator[tuple[str, Floats, Floats]]:
     for world in worlds:
         for other in others:
-            sides = (_of(evidence, of, one, world) for one in (first, other))
-            yield (f"{named(first, other)} and {named(other, first)}, {told(world)}", *sides)  # type: ignore[misc]
+            values = (_of(evidence, of, contender, world) for contender in (first, other))
+            yield (f"{label_of(first, other)} and {label_of(other, first)}, {world_label(world)}", *values)  # type: ignore[misc]
 
 
-def _of(evidence: Evidence, of: Number, one: Contender, world: World) -> Floats:
-    study, brain = one
+def _of(evidence: Evidence, of: Number, contender: Contender, world: World) -> Floats:
+    study, brain = contender
     return of(evidence, study, **brain, **world)
 
 
@@ -184,13 +187,14 @@ def _last(evidence: Evidence, study: str, where: Mapping[str, object]) -> float:
 
 
 def _whole(evidence: Evidence, study: str, variable: str, where: Mapping[str, object]) -> Floats:
-    found = evidence.column(study, variable, **where)
-    if np.isnan(found).any():  # -1 is no option; NaN a trial that was never run
+    """A variable of one setting. Raises Missing if trials were not run."""
+    values = evidence.column(study, variable, **where)
+    if np.isnan(values).any():  # a trial that was never run; -1 means no option
         raise Missing(f"{study}: trials with {where}")
-    return found
+    return values
 
 
 def _decisions(evidence: Evidence, study: str, where: Mapping[str, object]) -> tuple[Floats, Floats]:
-    """Decisions at the end (trial, robot), and the right one (trial, 1): NaN where none is."""
+    """Decisions at the end (trial, robot), and the right option (trial, 1), NaN if there is none."""
     option = evidence.column(study, "right_option", **where)
     return _whole(evidence, study, "decision", where), option[:, np.newaxis]
