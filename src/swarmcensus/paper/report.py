@@ -46,7 +46,8 @@ def as_json(claims: Sequence[Outcome], datasets: Mapping[str, xr.Dataset], sourc
     """The text of claims.json: each claim with its statistic, threshold, value, interval, verdict and settings.
 
     `source` is what was published. `right` is the range in which a claim holds, null for no bound; `interval` is null
-    if the value is exact. Value and interval of a claim are those of its worst setting. Equal datasets give equal bytes.
+    if the value is exact. Value and interval of a claim are those of its worst setting. Equal datasets give equal
+    bytes.
     """
     texts = ("id", "title", "sentence", "section", "statistic", "threshold")
     about = {
