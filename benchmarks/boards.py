@@ -18,7 +18,7 @@ from swarmcensus.cli.commands import main
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
-PARTS = {"How near estimates are": "error: ", "Who is right about black or white": "right %: ", "What they cost": ""}
+PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
 TABLE = re.compile(r"(?:^\|.*\n)+", re.MULTILINE)
 
 

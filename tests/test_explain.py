@@ -188,7 +188,7 @@ def test_it_is_printed(results, tmp_path, monkeypatch, capsys):
         assert rows[said][0] == f"{line.median_error[-1]:.4f}"
         assert rows[said][-1] == f"{100 * line.right[-2]:.1f}"
     assert re.search(rf"^efficiency: {found.efficiency[0]:.3g} \[", out, re.MULTILINE)
-    assert "of it sensors" in out
+    assert "made of sensors" in out
     assert f"What limits it most is {found.limit}" in out
 
 

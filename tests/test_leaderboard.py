@@ -190,7 +190,7 @@ def test_what_is_done_is_not_run_again_but_for_a_brain_that_changed(small, capsy
     (small / "mine.py").write_text(OPINION)
     said.clear()
     leaderboard(["mine.py"], "out", say=said.append)
-    assert any("another edition" in line for line in said)
+    assert any("another version" in line for line in said)
     changed = {path.name for path, when in times.items() if path.stat().st_mtime_ns != when}
     assert changed == {"mine.nc"}
     text = (small / "out" / "leaderboard.md").read_text()
@@ -214,7 +214,7 @@ def test_why_results_are_run_again_is_the_truth(small):
     (small / "mine.py").write_text(OPINION)
     said.clear()
     leaderboard(["mine.py"], "out", trials=1, say=said.append)
-    assert "out/data/mine.nc: these results are of sub/mine.py, another brain than mine.py, and are run again" in said
+    assert "out/data/mine.nc: these results are of sub/mine.py, another brain than mine.py: running again" in said
     with pytest.raises(InputError, match="seed"):
         leaderboard(["mine.py"], "out", trials=1, seed=77)
     assert sc.load("out/data/mine.nc").attrs["seed"] == 4
@@ -279,11 +279,11 @@ def test_the_shell_prints_the_board_and_the_page_stands_with_its_picture(small, 
 @pytest.mark.long
 def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
     text = printed_as_kept(small, capsys, "mine.py", "votes.py")
-    table = text[text.index("## How near") : text.index("## Who is right")]
+    table = text[text.index("## Errors of estimates") : text.index("## Who is right")]
     assert "votes.py" not in table
     for name in ("minimalistic", "legacy", "mine.py"):
         assert name in table
-    sides = text[text.index("## Who is right") : text.index("## What they cost")]
+    sides = text[text.index("## Right decisions") : text.index("## Costs")]
     assert sides.count("votes.py") == 1
 
 
@@ -291,8 +291,8 @@ def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
     ("arguments", "said"),
     [
         (["nobody.py"], "nobody.py"),
-        (["shipped.py"], "call the file otherwise"),
-        (["mine.py", "a/mine.py"], "both would be called mine"),
+        (["shipped.py"], "rename the file"),
+        (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
         (["legacy"], "on the board anyway"),
     ],

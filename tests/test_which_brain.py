@@ -14,7 +14,7 @@ from swarmcensus.studies.toml_text import to_toml
 DOCS = Path(__file__).parents[1] / "docs"
 PAGE = (DOCS / "which-brain.md").read_text(encoding="utf-8")
 BOARD = (DOCS / "leaderboard.md").read_text(encoding="utf-8")
-PARTS = {"How near estimates are": "error: ", "Who is right about black or white": "right %: ", "What they cost": ""}
+PARTS = {"Errors of estimates": "error: ", "Right decisions on black or white": "right %: ", "Costs": ""}
 BOUNDS = {"oracle"}
 
 

@@ -2,7 +2,6 @@
 
 import argparse
 import filecmp
-import importlib.metadata
 import importlib.util
 import itertools
 import os
@@ -257,6 +256,8 @@ def health() -> Health:
 
 
 def _version(name: str) -> str:
+    import importlib.metadata  # slow, and other commands import this module too
+
     try:
         return importlib.metadata.version(name)
     except importlib.metadata.PackageNotFoundError:

@@ -1,4 +1,4 @@
-"""Where a brain loses: in which kinds of worlds it is how far behind, and against whom."""
+"""Where a brain loses: how far it is behind in which kinds of worlds, and to whom."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -9,12 +9,12 @@ from swarmcensus.comparing.pair_tests import ALPHA, Asked, contests
 from swarmcensus.leaderboard.scores import COLUMNS, Floats, Score, Scores, World
 from swarmcensus.statistics.corrections import holm
 
-FEW = 5  # worlds and rivals that are named
+FEW = 5  # number of worlds and rivals in the lists
 
 
 @dataclass(frozen=True)
 class Behind:
-    """One kind of world: the brain's value, its place among how many, and the best other one's name and value."""
+    """One kind of world: the brain's value, its place among `of`, and name and value of the best other brain."""
 
     column: str
     value: float
@@ -26,7 +26,7 @@ class Behind:
 
 @dataclass(frozen=True)
 class Rival:
-    """One that is better over all worlds: in what shares of trials it is better, and worse; the corrected p-value."""
+    """A brain that is better over all worlds: the shares of trials in which it is better and worse, corrected p."""
 
     name: str
     better: float
@@ -36,7 +36,7 @@ class Rival:
 
 @dataclass(frozen=True)
 class Losses:
-    """What there is to say of one brain: by kinds of worlds, the worst of them first; by single worlds; by rivals."""
+    """The losses of one brain: by kind of world, the worst first; by single worlds; by rivals."""
 
     name: str
     low: bool  # whether its values are errors, not shares
@@ -48,60 +48,61 @@ class Losses:
 
 
 def losses_of(name: str, scores: Scores) -> Losses:
-    """Where the contender of this name loses, by errors, or by sides where its estimate is an opinion."""
-    mine, names = scores.contenders.index(name), scores.contenders
-    others = [k for k in range(len(names)) if k != mine and names[k] not in scores.bounds]
-    score = scores.side if np.isnan(scores.error.ranks[mine]) else scores.error
+    """Where this contender loses, by errors, or by right decisions if its estimate is an opinion."""
+    own, names = scores.contenders.index(name), scores.contenders
+    others = [k for k in range(len(names)) if k != own and names[k] not in scores.bounds]
+    score = scores.side if np.isnan(scores.error.ranks[own]) else scores.error
     low = score.low
     columns = [
         behind
         for k, column in enumerate(COLUMNS)
-        if (behind := _behind(column.name, score.values[:, k], mine, others, names, low))
+        if (behind := _behind(column.name, score.values[:, k], own, others, names, low))
     ]
     worlds = [
-        (told(world), behind)
+        (world_label(world), behind)
         for k, world in enumerate(scores.worlds)
-        if (behind := _behind("", score.by_world[k], mine, others, names, low))
+        if (behind := _behind("", score.by_world[k], own, others, names, low))
     ]
     gap = _gap(low)
-    worlds.sort(key=lambda one: -gap(one[1]))
-    order = [k for k in score.order if k == mine or k in others]
+    worlds.sort(key=lambda pair: -gap(pair[1]))
+    order = [k for k in score.order if k == own or k in others]
     return Losses(
-        name, low, order.index(mine) + 1, len(order), sorted(columns, key=lambda one: -gap(one)), worlds[:FEW],
-        _rivals(mine, others, score, names),
+        name, low, order.index(own) + 1, len(order), sorted(columns, key=lambda behind: -gap(behind)), worlds[:FEW],
+        _rivals(own, others, score, names),
     )  # fmt: skip
 
 
 def _gap(low: bool) -> Any:
-    return lambda one: (one.value - one.best_value) * (1 if low else -1)
+    """How far a value is behind the best other one, as a function of a `Behind`."""
+    return lambda behind: (behind.value - behind.best_value) * (1 if low else -1)
 
 
-def _behind(column: str, values: Floats, mine: int, others: list[int], names: list[str], low: bool) -> Behind | None:
+def _behind(column: str, values: Floats, own: int, others: list[int], names: list[str], low: bool) -> Behind | None:
     keys = values if low else -values
     known = [k for k in others if not np.isnan(keys[k])]
-    if np.isnan(keys[mine]) or not known:
+    if np.isnan(keys[own]) or not known:
         return None
     best = min(known, key=lambda k: float(keys[k]))
-    place = 1 + sum(bool(keys[k] < keys[mine]) for k in known)
-    return Behind(column, float(values[mine]), place, len(known) + 1, names[best], float(values[best]))
+    place = 1 + sum(bool(keys[k] < keys[own]) for k in known)
+    return Behind(column, float(values[own]), place, len(known) + 1, names[best], float(values[best]))
 
 
-def _rivals(mine: int, others: list[int], score: Score, names: list[str]) -> list[Rival]:
-    """Those that are ahead of it over all worlds, trial by trial; corrected for being many by Holm's method."""
-    known = [mine, *(k for k in others if not np.isnan(score.ranks[k]))]
+def _rivals(own: int, others: list[int], score: Score, names: list[str]) -> list[Rival]:
+    """Contenders that are ahead of it over all worlds, trial by trial; p-values are corrected by Holm's method."""
+    known = [own, *(k for k in others if not np.isnan(score.ranks[k]))]
     asked = Asked(score.numbers[:, known], "median" if score.low else "mean", score.low, not score.low)
     (contest,) = contests([asked], with_intervals=False, against=0)
-    pairs = range(len(known) - 1)  # its own are the first ones
+    pairs = range(len(known) - 1)  # the first duels are those of this contender
     corrected = holm(contest.duels.p[: len(known) - 1])
     rivals = [
         Rival(names[known[k + 1]], *contest.shares(k)[::-1], float(corrected[k]))
         for k in pairs
         if contest.ahead[k] < 0 and corrected[k] <= ALPHA
     ]
-    return sorted(rivals, key=lambda one: one.worse - one.better)
+    return sorted(rivals, key=lambda rival: rival.worse - rival.better)
 
 
-def told(world: World) -> str:
+def world_label(world: World) -> str:
     """A world in a few words."""
     change = world.get("fill_ratio_change", "")
     liars, late, lost = world.get("liars", 0), world.get("message_delay", 0), float(world["link_success"]) < 1.0

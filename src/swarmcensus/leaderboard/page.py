@@ -1,4 +1,4 @@
-"""The page that the leaderboard leaves: Markdown, so that it can stand in a repository."""
+"""The page of the leaderboard, in Markdown, so that a repository can show it."""
 
 from collections.abc import Sequence
 
@@ -14,30 +14,30 @@ TITLE = "# Leaderboard"
 
 
 def page(scores: Scores, losses: Sequence[Losses], command: str, seed: int, trials: int, figure: str) -> str:
-    """The whole page; `figure` is the picture's file, beside it."""
-    marked = {one.name for one in losses}
+    """The whole page; `figure` is the name of the picture's file, which lies beside it."""
+    marked = {loss.name for loss in losses}
     worlds, many = len(scores.worlds), counted(trials, "trial")
     parts = [
         TITLE,
         f"{len(scores.contenders):,} contenders in the same {worlds:,} worlds, {many} each, by `{command}` "
-        f"(seed {seed}, swarmcensus {__version__}). All meet the same tiles, readings, neighbours, losses and liars, "
-        "trial by trial. "
-        "*Rank* is the average over all worlds and trials, 1 the best; below a kind of world stands the mean over its "
-        "worlds. The best of a column is **bold**, the bound `oracle` aside: it hears all honest robots and knows all "
-        "sensors, as no robot could, and has no place. `alone` talks to nobody and is ranked: one could use it.",
+        f"(seed {seed}, swarmcensus {__version__}). All have the same tiles, readings, neighbours, losses and liars, "
+        "trial by trial. *Rank* is the average over all worlds and trials, 1 is best; the column of a kind of world "
+        "has the mean over its worlds. The best of a column is **bold**. `oracle` is a bound and has no place: it "
+        "hears all honest robots and knows all sensors, which no robot can. `alone` communicates with nobody and is "
+        "ranked, because a robot can run it.",
         _kinds(),
-        *(_losses(one) for one in losses),
-        "## How near estimates are",
-        "The distance of a robot's last estimate from *f*, the median over robots and trials. Brains whose estimate is "
-        "an opinion, black or white, are not in this table.",
+        *(_losses(loss) for loss in losses),
+        "## Errors of estimates",
+        "The distance of a robot's last estimate from *f*, median over robots and trials. Brains whose estimate is "
+        "an opinion, black or white, are left out.",
         _table(scores, scores.error, marked),
-        f"![Errors of all contenders by kind of world: dark is far from the truth]({figure})",
-        "## Who is right about black or white",
-        "The share of robots, in percent, whose last estimate is on the right side of one half. One that sits on it is "
-        "wrong.",
+        f"![Errors of all contenders by kind of world: dark means a large error]({figure})",
+        "## Right decisions on black or white",
+        "The percentage of robots whose last estimate is on the right side of one half. An estimate of exactly one "
+        "half is wrong.",
         _table(scores, scores.side, marked),
-        "## What they cost",
-        "Bytes that a robot remembers and says, numbers having four, and messages a robot and round.",
+        "## Costs",
+        "Bytes of memory and of a message, with four bytes per number, and messages per robot and round.",
         _costs(scores),
     ]
     return "\n\n".join(parts) + "\n"
@@ -90,30 +90,31 @@ def _costs(scores: Scores) -> str:
     return _markdown(rows, left=1)
 
 
-def _losses(one: Losses) -> str:
-    low = one.low
+def _losses(brain: Losses) -> str:
+    low = brain.low
     lines = [
-        f"## Where {one.name} loses",
-        f"{one.name} is number {one.place} of {one.of}. It is first in {sum(b.place == 1 for b in one.columns)} of "
-        f"{len(one.columns)} kinds of worlds. By kinds of worlds, the largest loss first:",
+        f"## Where {brain.name} loses",
+        f"{brain.name} is number {brain.place} of {brain.of}. It is first in "
+        f"{sum(b.place == 1 for b in brain.columns)} of {len(brain.columns)} kinds of worlds. "
+        "Kinds of worlds, the largest loss first:",
     ]
     rows = [["kind of world", "place", "its own", "best other's", "best other"]]
     rows += [
-        [b.column, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for b in one.columns
+        [b.column, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for b in brain.columns
     ]
     lines.append(_markdown(rows, left=1))
-    lines.append("Single worlds in which it is furthest behind:")
+    lines.append("Single worlds with the largest losses:")
     rows = [["world", "place", "its own", "best other's", "best other"]]
-    rows += [[t, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for t, b in one.worlds]
+    rows += [[t, f"{b.place} of {b.of}", cell(b.value, low), cell(b.best_value, low), b.best] for t, b in brain.worlds]
     lines.append(_markdown(rows, left=1))
     ahead = "; ".join(
         f"{rival.name} (better in {rival.better:.0%}, worse in {rival.worse:.0%} of trials, p {p_value(rival.p)})"
-        for rival in one.rivals[:FEW]
+        for rival in brain.rivals[:FEW]
     )
-    more = f"; and {len(one.rivals) - FEW} more" if len(one.rivals) > FEW else ""
+    more = f"; and {len(brain.rivals) - FEW} more" if len(brain.rivals) > FEW else ""
     lines.append(
-        "Ahead of it over all worlds, held against it trial by trial (Wilcoxon's signed ranks, corrected by Holm's "
-        f"method): {ahead or 'nobody that could be told apart'}{more}."
+        "Significantly better over all worlds, compared trial by trial (Wilcoxon signed-rank test, corrected by Holm's "
+        f"method): {ahead or 'none'}{more}."
     )
     return "\n\n".join(lines)
 

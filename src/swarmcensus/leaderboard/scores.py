@@ -1,4 +1,4 @@
-"""The scores: each contender in each kind of world, by its errors and by whether it is right about black or white."""
+"""The scores of each contender in each kind of world: by errors, and by right decisions on black or white."""
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ ERROR, SIDE = "final_error", "right_side"
 
 @dataclass(frozen=True)
 class Column:
-    """A kind of world: its name, what it means, and which worlds are of it."""
+    """A kind of world: its name, its meaning, and which worlds belong to it."""
 
     name: str
     meaning: str
@@ -29,7 +29,7 @@ class Column:
 
 
 def _plain(world: World) -> bool:
-    """Whether nothing makes it harder: no liars, no lost or late messages, independent tiles that stay as they are."""
+    """Whether nothing makes it harder: no liars, no lost or late messages, and a fixed floor of independent tiles."""
     return _honest(world) and not _lossy(world) and not _late(world) and not _clustered(world) and not _changing(world)
 
 
@@ -59,8 +59,8 @@ def _moves(world: World) -> bool:
 
 def _lying(share: float) -> Callable[[World], bool]:
     def holds(world: World) -> bool:
-        same = _lossy(world), _late(world), _clustered(world), _changing(world)
-        return not any(same) and abs(world.get("liars", 0) / world["robots"] - share) < 0.01
+        other = _lossy(world), _late(world), _clustered(world), _changing(world)
+        return not any(other) and abs(world.get("liars", 0) / world["robots"] - share) < 0.01
 
     return holds
 
@@ -68,12 +68,12 @@ def _lying(share: float) -> Callable[[World], bool]:
 COLUMNS = (
     Column("networks", "fixed networks, honest robots, nothing lost", lambda w: _plain(w) and not _moves(w)),
     Column("moving", "robots that move, honest, nothing lost", lambda w: _plain(w) and _moves(w)),
-    Column("poor sensors", "of both, b = w = 0.55", lambda w: _plain(w) and w["accuracy"] == "0.55"),
-    Column("mixed sensors", "of both, b = w from U(0.525, 0.975)", lambda w: _plain(w) and w["accuracy"][0] == "U"),
-    Column("f near 1/2", "of both, f = 0.47", lambda w: _plain(w) and w["fill_ratio"] == 0.47),
+    Column("poor sensors", "both, b = w = 0.55", lambda w: _plain(w) and w["accuracy"] == "0.55"),
+    Column("mixed sensors", "both, b = w from U(0.525, 0.975)", lambda w: _plain(w) and w["accuracy"][0] == "U"),
+    Column("f near 1/2", "both, f = 0.47", lambda w: _plain(w) and w["fill_ratio"] == 0.47),
     Column("lost messages", "half of all messages are lost", lambda w: _honest(w) and _lossy(w)),
     Column("clusters", "black lies in clusters", lambda w: _honest(w) and _clustered(w)),
-    Column("change", "the floor changes half-way", lambda w: _honest(w) and _changing(w)),
+    Column("change", "the floor changes halfway", lambda w: _honest(w) and _changing(w)),
     Column("10 % liars", "2 of 20 robots say that all is black", _lying(0.1)),
     Column("30 % liars", "6 of 20 robots say that all is black", _lying(0.3)),
 )
@@ -81,9 +81,11 @@ COLUMNS = (
 
 @dataclass(frozen=True)
 class Score:
-    """One measure: `values` (contender, column), means over worlds of the median over trials; `ranks` (contender,),
-    averages over all worlds and trials, 1 the best; `by_world` (world, contender); `numbers` (world, contender, trial),
-    of which `low` ones are the better."""
+    """One measure of all contenders; `low` says that low numbers are good.
+
+    `values` (contender, column) are means over worlds of medians over trials, `ranks` (contender,) averages over all
+    worlds and trials, 1 is best; `by_world` is (world, contender) and `numbers` (world, contender, trial).
+    """
 
     name: str
     low: bool
@@ -94,21 +96,21 @@ class Score:
 
     @property
     def order(self) -> list[int]:
-        """Contenders, the best first; those that it says nothing of are left out."""
+        """Contenders, the best first; those without a rank are left out."""
         known = np.flatnonzero(~np.isnan(self.ranks))
         return [int(k) for k in known[np.argsort(self.ranks[known], kind="stable")]]
 
 
 @dataclass(frozen=True)
 class Scores:
-    """The whole board: contenders, the worlds that they met, and their scores."""
+    """The whole board: contenders, worlds and scores."""
 
     field: Field
     worlds: Sequence[World]
     error: Score
     side: Score
     costs: dict[str, Floats]  # (contender,)
-    bounds: frozenset[str]  # contenders that are no rivals: nobody could do what they do
+    bounds: frozenset[str]  # contenders that are bounds: no robot can reach them
 
     @property
     def contenders(self) -> list[str]:
@@ -117,18 +119,18 @@ class Scores:
 
 
 def scores_of(data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = ()) -> Scores:
-    """Score results; the estimates of brains named in `opinions` have no error, and `oracles` are bounds."""
+    """Score results. The estimates of brains in `opinions` have no error; those in `oracles` are bounds."""
     field, _ = field_of(data, data)
-    columns = {str(name): one.values.tolist() for name, one in data.coords.items() if one.dims == ("setting",)}
+    columns = {str(name): values.values.tolist() for name, values in data.coords.items() if values.dims == ("setting",)}
     firsts = [next(place for place in row if place != NONE) for row in field.place]
     worlds = [{name: values[k] for name, values in columns.items()} for k in firsts]
-    of = [str(data["brain"].values[column[column != NONE][0]]) for column in field.place.T]
+    brains = [str(data["brain"].values[column[column != NONE][0]]) for column in field.place.T]
     errors = field.spread(measures.numbers(data, ERROR))
-    errors[:, [brain in opinions for brain in of]] = np.nan
+    errors[:, [brain in opinions for brain in brains]] = np.nan
     sides = field.spread(measures.numbers(data, SIDE))
     costs = {name: np.nanmean(field.spread(measures.numbers(data, name)), axis=(0, 2)) for name in ("messages_sent",)}
     costs |= {name: np.nanmean(field.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
-    bounds = frozenset(name for name, brain in zip(field.contenders, of, strict=True) if brain in oracles)
+    bounds = frozenset(name for name, brain in zip(field.contenders, brains, strict=True) if brain in oracles)
     return Scores(field, worlds, _score(ERROR, errors, worlds, True), _score(SIDE, sides, worlds, False), costs, bounds)
 
 
@@ -139,6 +141,6 @@ def _score(name: str, numbers: Floats, worlds: Sequence[World], low: bool) -> Sc
     (contest,) = contests([Asked(numbers[:, known], statistic, low, not low)], with_intervals=False)
     ranks = np.full(len(known), np.nan)
     ranks[known] = contest.average_ranks
-    picked = [np.array([column.holds(world) for world in worlds]) for column in COLUMNS]
-    columns = [by_world[some].mean(axis=0) if some.any() else np.full(len(known), np.nan) for some in picked]
+    masks = [np.array([column.holds(world) for world in worlds]) for column in COLUMNS]
+    columns = [by_world[mask].mean(axis=0) if mask.any() else np.full(len(known), np.nan) for mask in masks]
     return Score(name, low, numbers, np.stack(columns, axis=1), ranks, by_world)

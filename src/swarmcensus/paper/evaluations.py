@@ -48,8 +48,8 @@ PAPER = Evaluation(
     about="its evaluation on fixed communication networks (Sec. IV-B) and with robots that move (Sec. IV-C)",
     symbols="N robots estimate f, the share of the floor that is black; b and w are the probabilities that a sensor "
     "reads black and white rightly. On a fixed network there are C communication rounds with R observations each. "
-    "Robots that move observe and communicate once a tick, ten times a second, and their density is D = N π r² / L² in a "
-    "square of side L, with radio range r. An estimate has converged at K (round or tick) if from then on it stays "
+    "Robots that move observe and communicate once a tick, ten times a second, and their density is D = N π r² / L² "
+    "in a square of side L, with radio range r. An estimate has converged at K (round or tick) if it then stays "
     "within 0.01 of its value there; its error is |x(K) - f|.",
     settings="100 robots on a fixed network, or 25 that move, unless it says otherwise",
     figures=FIGURES,
