@@ -15,7 +15,7 @@ from rich.table import Table
 
 import swarmcensus as sc
 from swarmcensus.planning.mission import mission_of
-from swarmcensus.planning.trying import Case, curves, study_of
+from swarmcensus.planning.simulating import Case, curves, study_of
 
 AGAIN = 2000  # trials
 OTHER = 1_000_003  # from a mission's seed to that of the trials which run it again

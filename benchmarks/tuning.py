@@ -16,10 +16,10 @@ from rich.console import Console
 from rich.table import Table
 
 import swarmcensus as sc
-from swarmcensus.tuning import rounds, trying
+from swarmcensus.tuning import generations
 from swarmcensus.tuning.logs import Log
 from swarmcensus.tuning.plans import budget_of, plan_of
-from swarmcensus.tuning.trying import Training
+from swarmcensus.tuning.training import COMPANIONS, Training
 
 BEST = (0.6, 0.4)
 REPEATS = 5
@@ -78,22 +78,22 @@ def study_of(folder, seed, robots=5, rounds=1):
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
     with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
-        return rounds.search_on(plan, rounds.search_of(plan), log, training, lambda _: None)
+        return generations.search_on(plan, generations.search_of(plan), log, training, lambda _: None)
 
 
 def worth(console, folder, studies):
     """How far from the best values searches end."""
-    seed_for = rounds.seed_for
+    seed_for = generations.seed_for
     out = Table("training trials", "winner", "median distance", "90 %", title="how far from the best values")
     for fresh in (True, False):
         if not fresh:
-            rounds.seed_for = lambda seed, purpose, number=0: seed_for(seed, purpose)
+            generations.seed_for = lambda seed, purpose, number=0: seed_for(seed, purpose)
         ended = [search(study_of(folder, seed)) for seed in range(studies)]
         winners = {
             "the middle of the last": [one.values for one in ended],
             "the luckiest": [min(one.evaluations, key=lambda e: e.loss).values for one in ended],
         }
-        rounds.seed_for = seed_for
+        generations.seed_for = seed_for
         for winner, values in winners.items():
             far = np.hypot(*(np.array(values) - BEST).T)
             kind = "fresh in each generation" if fresh else "the same in all"
@@ -108,11 +108,11 @@ def flat(console, folder, studies):
         title=f"consensus_right of {studies} winners, from explore = 500, listen = 900: 0 %",
     )  # fmt: skip
     study = sc.Study.parse(VOTERS, context={"base": folder})
-    kept = dict(trying.COMPANIONS)
+    kept = dict(COMPANIONS)
     for budget in (60, 200):
         for companion in (True, False):
-            trying.COMPANIONS.clear()
-            trying.COMPANIONS.update(kept if companion else {})
+            COMPANIONS.clear()
+            COMPANIONS.update(kept if companion else {})
             right = []
             for seed in range(studies):
                 asked = ["explore=1:1000", "listen=1:1000"]
@@ -121,12 +121,12 @@ def flat(console, folder, studies):
                     Log(None, {}, asked, plan.losses) as log,
                     Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
                 ):
-                    ended = rounds.search_on(plan, rounds.search_of(plan), log, training, lambda _: None)
+                    ended = generations.search_on(plan, generations.search_of(plan), log, training, lambda _: None)
                 data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.brain_of(ended.values)}), jobs=1)
                 right.append(float(data["consensus_right"].mean()))
             ties = "decided_right" if companion else "not broken"
             out.add_row(f"{budget}", ties, f"{np.mean(right):.0%}", f"{np.sum(np.array(right) == 0)}")
-    trying.COMPANIONS.update(kept)
+    COMPANIONS.update(kept)
     console.print(out)
 
 

@@ -16,7 +16,7 @@ import swarmcensus as sc
 from swarmcensus import brains, theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.explaining.exact import exact, prior_pull
+from swarmcensus.explaining.exact_errors import exact, prior_pull
 
 ROOT = Path(__file__).parents[1]
 TEN = {"rounds": 30, "observations_per_round": 10}
@@ -166,7 +166,7 @@ def test_where_theory_is_not_exact_it_says_why(brain, tables, why):
 def test_a_brain_of_the_same_name_is_not_taken_for_ours(monkeypatch):
     data = run("commons")
     other = SimpleNamespace(sha256="another")
-    monkeypatch.setattr("swarmcensus.explaining.exact.brains.load", lambda name: other)
+    monkeypatch.setattr("swarmcensus.explaining.exact_errors.brains.load", lambda name: other)
     assert sc.explain(data).settings[0].why == "commons is not the one that ships"
 
 

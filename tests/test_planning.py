@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
+from swarmcensus.planning.goals import Goal
 from swarmcensus.planning.mission import mission_of
 from swarmcensus.planning.planning import question_of
 from swarmcensus.planning.search import Search
-from swarmcensus.planning.sizes import smallest
-from swarmcensus.planning.times import reached
-from swarmcensus.planning.trying import Case, Curve, curves, study_of
-from swarmcensus.planning.wishes import Goal
+from swarmcensus.planning.shortest_time import reached
+from swarmcensus.planning.simulating import Case, Curve, curves, study_of
+from swarmcensus.planning.smallest_swarm import smallest
 
 QUIET = {"progress": lambda _: None}
 RING = {

@@ -7,7 +7,7 @@ import pytest
 
 from swarmcensus import theory
 from swarmcensus.planning.mission import mission_of
-from swarmcensus.planning.starts import (
+from swarmcensus.planning.predictions import (
     limit_of,
     meeting_factors,
     meeting_rate,

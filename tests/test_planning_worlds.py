@@ -8,12 +8,12 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.figures.plan_lines import draw_plan
+from swarmcensus.planning.areas import capacity, fewest
+from swarmcensus.planning.goals import check_liars
 from swarmcensus.planning.mission import mission_of
+from swarmcensus.planning.predictions import between, hardest, readings_needed, start_of, worst
 from swarmcensus.planning.search import Search, confirmed
-from swarmcensus.planning.sites import capacity, fewest
-from swarmcensus.planning.starts import between, hardest, readings_needed, start_of, worst
-from swarmcensus.planning.trying import Case, curves, study_of
-from swarmcensus.planning.wishes import check_liars
+from swarmcensus.planning.simulating import Case, curves, study_of
 from swarmcensus.worlds import arena
 
 QUIET = {"progress": lambda _: None}

@@ -16,12 +16,12 @@ from swarmcensus.basics.seeds import seed_for
 from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.simulation import trials as simulated
-from swarmcensus.tuning import trying
+from swarmcensus.tuning import training
 from swarmcensus.tuning.evidence import without_idle
+from swarmcensus.tuning.optimiser import Search
 from swarmcensus.tuning.plans import budget_of, plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
-from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.trying import COMPANIONS, loss, scales_of
+from swarmcensus.tuning.training import COMPANIONS, loss, scales_of
 from tests.long import in_two_sizes
 from tests.tunable import SOURCE, study_of
 
@@ -192,7 +192,7 @@ def test_seeds_of_training_are_never_the_study_s_and_all_differ():
 def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatch):
     """Every trial that is simulated tells its seed: those of the search are the log's, the others the study's."""
     used = {"search": set(), "evaluation": set()}
-    run_batch, through = simulated.run_batch, trying.Training.run
+    run_batch, through = simulated.run_batch, training.Training.run
     now = ["evaluation"]
 
     def spy(setting, seed, *others):
@@ -210,7 +210,7 @@ def test_the_search_runs_on_other_seeds_than_the_evaluation(tmp_path, monkeypatc
     sc.tune(study, ["a=0:1"], budget=13, trials=2, jobs=1)  # compiled, with a seed of its own
     monkeypatch.setattr("swarmcensus.runs.tasks.run_batch", spy)
     monkeypatch.setattr("swarmcensus.runs.pools.compile_for", lambda *_: None)
-    monkeypatch.setattr(trying.Training, "run", searching)
+    monkeypatch.setattr(training.Training, "run", searching)
     sc.tune(study, ["a=0:1"], budget=37, trials=2, jobs=1)
     used["evaluation"].discard(0)  # of what is only compiled
     assert used["search"] == {seed_for(5, "training", generation) for generation in range(4)}
@@ -400,13 +400,13 @@ def test_a_search_that_was_cut_off_anywhere_goes_on_to_the_same_end(args, tmp_pa
         again = sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml")
         assert again.values == whole.values
         assert rows(tmp_path / "cut.csv") == rows(tmp_path / "whole.csv")
-    through = trying.Training.run
+    through = training.Training.run
 
     def run(self, brains, seed, *others):
         assert seed == seed_for(args[0].seed, "influence"), "was tried again"
         return through(self, brains, seed, *others)
 
-    monkeypatch.setattr(trying.Training, "run", run)
+    monkeypatch.setattr(training.Training, "run", run)
     assert sc.tune(*args, budget=61, trials=2, out=tmp_path / "cut.toml").values == whole.values
     assert sc.tune(*args, budget=37, trials=2, out=tmp_path / "cut.toml").values != whole.values  # less of the same
 

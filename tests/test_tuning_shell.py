@@ -224,7 +224,7 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     assert kept == lines_of("whole.csv")[: len(kept)]
 
 
-@pytest.mark.parametrize("where", ["tuning.search_of", "trying.Training.compile"])
+@pytest.mark.parametrize("where", ["tuning.search_of", "training.Training.compile"])
 def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, here, capsys, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt

@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 
 import swarmcensus as sc
-from swarmcensus.tuning import rounds, tuning
+from swarmcensus.tuning import generations, tuning
 from tests.long import in_two_sizes
 from tests.tunable import study_of
 
@@ -35,12 +35,12 @@ def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
 
     9 or more of 40 would be called better with a chance of 0.02 % where 5 % are.
     """
-    seed_for, search_on = rounds.seed_for, tuning.search_on
+    seed_for, search_on = generations.seed_for, tuning.search_on
 
     def luckiest(*given):
         ended = search_on(*given)
         return replace(ended, values=min(ended.evaluations[1:], key=lambda one: one.loss).values)
 
-    monkeypatch.setattr(rounds, "seed_for", lambda s, what, *n: s if what == "training" else seed_for(s, what, *n))
+    monkeypatch.setattr(generations, "seed_for", lambda s, what, *n: s if what == "training" else seed_for(s, what, *n))
     monkeypatch.setattr(tuning, "search_on", luckiest)
     assert called_better(tmp_path, 40) >= 9

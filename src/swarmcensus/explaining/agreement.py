@@ -8,7 +8,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.explaining import one_setting
-from swarmcensus.explaining.exact import Floats, exact
+from swarmcensus.explaining.exact_errors import Floats, exact
 from swarmcensus.explaining.expectations import MIXED, SWARM, Origin, expect
 from swarmcensus.explaining.one_setting import (
     NONE,

@@ -12,8 +12,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, Brain, adversary, load
-from swarmcensus.planning.sites import check_sites
-from swarmcensus.planning.wishes import Goal, check_liars, check_wishes
+from swarmcensus.planning.areas import check_sites
+from swarmcensus.planning.goals import Goal, check_liars, check_wishes
 from swarmcensus.studies.fields import (
     LARGEST,
     Accuracies,

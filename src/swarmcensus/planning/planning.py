@@ -8,13 +8,13 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
+from swarmcensus.planning.areas import NoNetwork
 from swarmcensus.planning.mission import Mission, load_mission, mission_of, text_of
 from swarmcensus.planning.plans import Plan, Question, Row
+from swarmcensus.planning.predictions import hardest
 from swarmcensus.planning.search import BEGUN, Beyond, Search
-from swarmcensus.planning.sites import NoNetwork
-from swarmcensus.planning.sizes import enough, smallest
-from swarmcensus.planning.starts import hardest
-from swarmcensus.planning.times import shortest
+from swarmcensus.planning.shortest_time import shortest
+from swarmcensus.planning.smallest_swarm import enough, smallest
 from swarmcensus.runs.collect import Progress
 from swarmcensus.runs.pools import threads
 

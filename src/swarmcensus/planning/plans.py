@@ -10,8 +10,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import check_writable, whole
 from swarmcensus.basics.options import in_shell, option
 from swarmcensus.planning.mission import Mission
-from swarmcensus.planning.starts import Start
-from swarmcensus.planning.trying import Curve, Share
+from swarmcensus.planning.predictions import Start
+from swarmcensus.planning.simulating import Curve, Share
 from swarmcensus.studies.toml_text import to_toml_value
 
 MOST_LINES = 8  # of a figure

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field, replace
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.brains import Brain
+from swarmcensus.planning.areas import capacity, check_network, fewest
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
-from swarmcensus.planning.sites import capacity, check_network, fewest
-from swarmcensus.planning.starts import (
+from swarmcensus.planning.predictions import (
     MOST_READINGS,
     REFERENCE,
     Start,
@@ -20,7 +20,7 @@ from swarmcensus.planning.starts import (
     start_of,
     worst,
 )
-from swarmcensus.planning.trying import Case, Curve, Show, affordable, curves, study_of
+from swarmcensus.planning.simulating import Case, Curve, Show, affordable, curves, study_of
 from swarmcensus.runs.collect import Progress
 
 MOST_ROBOTS = 1000  # that are looked for where the mission says no number

@@ -17,7 +17,7 @@ from swarmcensus.results.summaries import is_idle
 from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.settings import Setting
 from swarmcensus.tuning.plans import Plan
-from swarmcensus.tuning.trying import Floats, Training
+from swarmcensus.tuning.training import Floats, Training
 
 BETTER, WORSE, LEVEL, NONE = "better", "worse", "not told apart", "not compared"
 

@@ -15,9 +15,9 @@ from swarmcensus.brains import Brain, Value
 from swarmcensus.results.measures import Measure
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
+from swarmcensus.tuning.optimiser import library
 from swarmcensus.tuning.ranges import Range, ranges_of, start_of, with_values
-from swarmcensus.tuning.searching import library
-from swarmcensus.tuning.trying import measures_of
+from swarmcensus.tuning.training import measures_of
 
 MOST_TRIALS = 100_000
 

@@ -10,9 +10,9 @@ from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.studies.toml_text import to_toml_value
 from swarmcensus.tuning.evidence import BETTER, NONE, Evidence
+from swarmcensus.tuning.generations import Ended
+from swarmcensus.tuning.optimiser import library
 from swarmcensus.tuning.plans import Plan
-from swarmcensus.tuning.rounds import Ended
-from swarmcensus.tuning.searching import library
 
 
 def notes_of(plan: Plan, idle: Sequence[str]) -> list[str]:

@@ -15,11 +15,11 @@ from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of
 from swarmcensus.tuning.evidence import Evidence, evidence_of, without_idle
+from swarmcensus.tuning.generations import Ended, search_of, search_on
 from swarmcensus.tuning.logs import Evaluation, Log
 from swarmcensus.tuning.plans import Plan, budget_of, plan_of
 from swarmcensus.tuning.reports import course_of, notes_of, report, why_unchanged
-from swarmcensus.tuning.rounds import Ended, search_of, search_on
-from swarmcensus.tuning.trying import Training
+from swarmcensus.tuning.training import Training
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS
 from swarmcensus.planning.plans import Answer, Row, of_case, row_of
 from swarmcensus.planning.search import Search, TooLong, confirmed
-from swarmcensus.planning.trying import LEVEL, Share
+from swarmcensus.planning.simulating import LEVEL, Share
 
 RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # by which sizes are tried that are surely too few, or enough
 STEP = 1.5  # from a size to the next, until one is enough and one is not

@@ -9,9 +9,9 @@ import numpy as np
 
 from swarmcensus.planning.mission import FEWEST_TRIALS, Mission
 from swarmcensus.planning.plans import Row, of_case, row_of
+from swarmcensus.planning.predictions import Start
 from swarmcensus.planning.search import Search, TooLong, confirmed
-from swarmcensus.planning.starts import Start
-from swarmcensus.planning.trying import Case, Curve, Floats, Share, times_until
+from swarmcensus.planning.simulating import Case, Curve, Floats, Share, times_until
 from swarmcensus.studies.fields import LARGEST
 from swarmcensus.worlds.patterns import Floor
 

@@ -14,9 +14,9 @@ from swarmcensus.basics.options import option
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.runs.collect import Progress
 from swarmcensus.tuning.logs import Evaluation, Log, hint
+from swarmcensus.tuning.optimiser import Search
 from swarmcensus.tuning.plans import Plan
-from swarmcensus.tuning.searching import Search
-from swarmcensus.tuning.trying import Training, loss, scales_of
+from swarmcensus.tuning.training import Training, loss, scales_of
 
 LOG = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
