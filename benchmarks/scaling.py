@@ -15,9 +15,9 @@ from rich.table import Table
 
 from swarmcensus import Study, run
 from swarmcensus.basics.files import shipped_study
-from swarmcensus.runs.clusters import EACH, LONGEST, RATE, SHORTEST, Workers, workers
+from swarmcensus.runs.clusters import BUNDLES_PER_SECOND, BUNDLES_PER_WORKER, LONGEST, SHORTEST, Workers, workers
 from swarmcensus.runs.pools import Threads
-from swarmcensus.runs.tasks import bundled, plan
+from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 
 SCALED = """
 trials = 1500
@@ -71,7 +71,7 @@ def overheads(pool):
     waiting = set()
     for _ in range(EMPTY):
         waiting.add(pool.submit(()))
-        if len(waiting) >= pool.width:
+        if len(waiting) >= pool.queue_length:
             waiting = wait(waiting, return_when=FIRST_COMPLETED).not_done
     wait(waiting)
     many = (time.perf_counter() - begun) / EMPTY
@@ -88,7 +88,7 @@ def costs_here():
         study = Study.load(path)
         settings, few = study.settings(), np.ones((len(study.settings()), 2), np.bool_)
         local = study.measure.local
-        predicted = sum(task.cost for task in plan(settings, few, few if local else None, 0.1))
+        predicted = sum(task.cost for task in plan_tasks(settings, few, few if local else None, 0.1))
         seconds_of(study.with_(trials=1), jobs=1)  # compiles
         correction = seconds_of(study.with_(trials=2), jobs=1) / predicted
         wanted = np.ones((len(settings), TIMES * study.trials), np.bool_)
@@ -98,12 +98,12 @@ def costs_here():
 
 def bundles_of(tasks, count):
     """What each bundle costs, cut as for so many workers."""
-    work = sum(task.cost for _, settings, wanted, local in tasks for task in plan(settings, wanted, local, 1.0))
-    long = min(max(work / (EACH * count), SHORTEST), max(LONGEST, count / RATE))
+    work = sum(task.cost for _, settings, wanted, local in tasks for task in plan_tasks(settings, wanted, local, 1.0))
+    long = min(max(work / (BUNDLES_PER_WORKER * count), SHORTEST), max(LONGEST, count / BUNDLES_PER_SECOND))
     return [
         correction * sum(task.cost for task in bundle)
         for correction, settings, wanted, local in tasks
-        for bundle in bundled(plan(settings, wanted, local, long), long)
+        for bundle in bundle_tasks(plan_tasks(settings, wanted, local, long), long)
     ]
 
 

@@ -349,7 +349,7 @@ def ends(group):
 def test_jobs_of_a_batch_system_give_the_bits_of_threads(slurm, monkeypatch, threads):
     """The first job ends in the middle, as at its walltime; another is submitted in its place."""
     end = Once(lambda: os.killpg(slurm()[0], signal.SIGKILL))
-    monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
+    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
     monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
     data = run(study(LONG), cluster="slurm.toml", progress=end)
     assert end.done
@@ -387,7 +387,7 @@ def test_a_batch_system_that_refuses_some_jobs_is_asked_again(here, slurm, monke
     refusing(here, f"! mkdir {here}/taken 2> /dev/null")
     text = (here / "slurm.toml").read_text()
     (here / "slurm.toml").write_text(text.replace("jobs      = 1\ncores     = 2", "jobs = 2\ncores = 1"))
-    monkeypatch.setattr(clusters, "ASK_SECONDS", 0.2)
+    monkeypatch.setattr(clusters, "COUNT_SECONDS", 0.2)
     monkeypatch.setattr(queues, "GRACE_SECONDS", 0.5)
 
     with pytest.warns(UserWarning, match=r"1 of 2 jobs were refused, .*: sbatch: error: no more"):
@@ -537,12 +537,12 @@ def test_workers_with_other_versions_are_refused(here, scheduler, monkeypatch):
 
 def test_a_study_is_read_as_it_was_sent(here):
     sent = study(MOVING)
-    got, settings = clusters.read(clusters.payload_of(sent))
+    got, settings = clusters.read_payload(clusters.payload_of(sent))
     assert [s.fingerprint(got.seed) for s in settings] == [s.fingerprint(sent.seed) for s in sent.settings()]
     payload = clusters.payload_of(sent)
     payload["versions"]["numpy"] = "0.1"
     with pytest.raises(InputError, match=r"numpy .* there, 0\.1 here"):
-        clusters.read(payload)
+        clusters.read_payload(payload)
 
 
 def test_bundles_grow_with_the_work_and_with_the_crowd(here):
@@ -554,15 +554,15 @@ def test_bundles_grow_with_the_work_and_with_the_crowd(here):
         def get_executor(self, pure): ...
 
     few, many = (clusters.Workers(Client(n), study(FIXED), 1) for n in (2, 2000))
-    assert few.width == 2 * clusters.AT_HAND
-    assert few.bundle_seconds(4.0) == 4.0 / (2 * clusters.EACH)  # so that the last ones end together
+    assert few.queue_length == 2 * clusters.WAITING_PER_WORKER
+    assert few.bundle_seconds(4.0) == 4.0 / (2 * clusters.BUNDLES_PER_WORKER)  # so that the last ones end together
     assert few.bundle_seconds(0.001) == clusters.SHORTEST
     assert few.bundle_seconds(1e6) == clusters.LONGEST
-    assert many.bundle_seconds(1e6) == 2000 / clusters.RATE  # the scheduler keeps up
+    assert many.bundle_seconds(1e6) == 2000 / clusters.BUNDLES_PER_SECOND  # the scheduler keeps up
     late = clusters.Workers(Client(0), study(FIXED), 8)
-    assert late.width == clusters.AT_HAND
+    assert late.queue_length == clusters.WAITING_PER_WORKER
     assert late.note == "waiting for workers"
-    assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.EACH)
+    assert late.bundle_seconds(16.0) == 16.0 / (8 * clusters.BUNDLES_PER_WORKER)
 
 
 @pytest.mark.long

@@ -10,7 +10,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
 from swarmcensus.runs import forecasts, progress
-from swarmcensus.runs.tasks import Task, plan
+from swarmcensus.runs.tasks import Task, plan_tasks
 from swarmcensus.simulation.trials import seconds, walk_seconds
 
 ONE = {"topology": "ring", "fill_ratio": 0.55}
@@ -35,11 +35,11 @@ def said(made, jobs, caplog):
     """What is told of a study before it begins, as lines and as warnings."""
     settings = made.settings()
     every = np.ones((len(settings), made.trials), np.bool_)
-    tasks = plan(settings, every, every if made.measure.local else None, 0.1)
+    tasks = plan_tasks(settings, every, every if made.measure.local else None, 0.1)
     caplog.clear()
     with caplog.at_level(logging.INFO), warnings.catch_warnings(record=True) as warned:
         warnings.simplefilter("always")
-        forecasts.tell_length(made, settings, tasks, jobs)
+        forecasts.announce_length(made, settings, tasks, jobs)
     return caplog.messages, [str(one.message) for one in warned]
 
 
@@ -67,8 +67,8 @@ def test_a_study_of_2_to_the_31_rounds_says_so(world, tried, caplog):
     lines, warned = said(made, 2, caplog)
     assert not warned
     assert lines == [
-        f"long: this takes about {forecasts.told(due)} in 2 threads if nothing else keeps the machine busy. "
-        f"A trial alone takes up to {forecasts.told(due)}: nothing of it is kept before its end"
+        f"long: this takes about {forecasts.duration_text(due)} in 2 threads if nothing else keeps the machine busy. "
+        f"A trial alone takes up to {forecasts.duration_text(due)}: nothing of it is kept before its end"
     ]
 
 
@@ -78,7 +78,9 @@ def test_what_takes_days_is_a_warning_and_threads_share_it(tried, caplog):
     for jobs, cores in ((1, 1), (2, 2), (8, 2)):  # this machine has two cores
         lines, (warned,) = said(made, jobs, caplog)
         assert not lines
-        assert warned.startswith(f"long: {HEARD}{forecasts.told(3.0 * 3000 * seconds(setting) / cores)} in {jobs} thr")
+        assert warned.startswith(
+            f"long: {HEARD}{forecasts.duration_text(3.0 * 3000 * seconds(setting) / cores)} in {jobs} thr"
+        )
         assert "alone" not in warned  # each is soon kept
     assert len(tried) == 6  # two parts of one trial each time
     assert 1 == tried[0][0] < tried[1][0] < 200_000
@@ -88,9 +90,9 @@ def test_each_brain_has_a_pace_of_its_own_and_each_kind_of_work(tried, caplog):
     made = study(rounds=100_000_000, swarm={"brain": ["minimalistic", "commons"]}, measure={"local": True})
     settings = made.settings()
     every = np.ones((2, 1), np.bool_)
-    due = 3.0 * sum(task.cost for task in plan(settings, every, every, 0.1))
+    due = 3.0 * sum(task.cost for task in plan_tasks(settings, every, every, 0.1))
     (line,), _ = said(made, 1, caplog)
-    assert line.startswith(f"long: {HEARD}{forecasts.told(due)} in 1 thread if")
+    assert line.startswith(f"long: {HEARD}{forecasts.duration_text(due)} in 1 thread if")
     assert len(tried) == 8
 
 
@@ -104,7 +106,7 @@ def test_on_a_cluster_the_prediction_is_told(tried, caplog):
     made = study(trials=3)
     (setting,) = made.settings()
     (line,), _ = said(made, None, caplog)
-    assert f"{HEARD}{forecasts.told(3 * seconds(setting))} of one core." in line
+    assert f"{HEARD}{forecasts.duration_text(3 * seconds(setting))} of one core." in line
     assert not tried
 
 
@@ -119,14 +121,14 @@ def test_a_round_that_takes_long_itself_is_not_tried(tried, caplog):
     [(300.0, "5 minutes"), (5400.0, "1.5 hours"), (9 * 86_400.0, "9 days"), (4e14, "13,000,000 years")],
 )  # fmt: skip
 def test_long_times(seconds, text):
-    assert forecasts.told(seconds) == text
+    assert forecasts.duration_text(seconds) == text
 
 
 def test_many_short_trials_are_tried_whole_and_together(tried, caplog):
     made = study(rounds=2, trials=50_000_000, swarm={"robots": 1})
     (setting,) = made.settings()
     task = Task("batch", (0,), 0, 2000, 2000 * seconds(setting))
-    pace = forecasts._pace(made, [setting], task)
+    pace = forecasts._slowdown(made, [setting], task)
     assert tried == [(2, 2000)]
     assert pace == pytest.approx(3.0 + 1.0 / task.cost)
 
@@ -137,7 +139,7 @@ def test_the_pace_is_that_of_the_brain():
     made = study(rounds=400_000, swarm={"brain": ["minimalistic", "recurrent"]})
     tasks = [Task("batch", (0,), 0, 1, seconds(one)) for one in made.settings()]
     quick, slow = (
-        min(forecasts._pace(made, [one], task) for _ in range(3))
+        min(forecasts._slowdown(made, [one], task) for _ in range(3))
         for one, task in zip(made.settings(), tasks, strict=True)
     )
     assert slow > 2.0 * quick > 0.0

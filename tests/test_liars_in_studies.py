@@ -207,7 +207,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
     study = sc.Study.load("s.toml")
     sent = pickle.dumps(clusters.payload_of(study))
     monkeypatch.chdir(tmp_path)  # where no such file lies
-    there, settings = clusters.read(pickle.loads(sent))
+    there, settings = clusters.read_payload(pickle.loads(sent))
     assert [s.fingerprint(5) for s in settings] == [s.fingerprint(5) for s in study.settings()]
     assert {a.name: a.source for a in there.adversaries} == {a.name: a.source for a in study.adversaries}
 

@@ -9,7 +9,7 @@ import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import compiler
-from swarmcensus.runs.resuming import hold
+from swarmcensus.runs.resuming import hold_output
 
 TABLES = {
     "name": "parts",
@@ -228,7 +228,7 @@ def test_an_output_is_not_thrown_away(tmp_path, monkeypatch, capsys):
     assert "it is in the way" in capsys.readouterr().err
     assert (tmp_path / "m.nc").read_bytes() == before
     assert (tmp_path / "n.nc").read_text() == "my notes"
-    with hold(tmp_path / "m.nc", study(), [], [], False, print):
+    with hold_output(tmp_path / "m.nc", study(), [], [], False, print):
         assert main(["merge", "c.nc", "--out", "m.nc"]) == 2
     assert "another run" in capsys.readouterr().err
     assert main(["merge", "a.nc", "--out", "m.nc", "--fresh"]) == 0

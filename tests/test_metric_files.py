@@ -16,7 +16,7 @@ from swarmcensus.basics.errors import uncoloured
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
-from swarmcensus.runs.clusters import payload_of, read
+from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import trials, watches
 
 LIBRARY = metrics.DOOR.shipped
@@ -301,7 +301,7 @@ def test_a_cluster_gets_metrics_as_text(tmp_path):
     text = STUDY.format(metrics='["mine.py", "swarm-right"]')
     sent = sc.Study.parse(text, context={"base": tmp_path})
     assert sent.measure.metrics[0].functions.UNIT == "1"  # it has been run here
-    there, _ = read(payload_of(sent))
+    there, _ = read_payload(payload_of(sent))
     assert there.measure.metrics == sent.measure.metrics
 
 

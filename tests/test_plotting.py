@@ -140,10 +140,10 @@ def test_compiling_is_told_once_and_only_where_it_happens(caplog):
     def inside(x):
         return 2 * x
 
-    with progress.compiling("mine.py"):
+    with progress.log_compilation("mine.py"):
         assert twice(1) == 2
     assert caplog.messages == ["compiling what replay needs for mine.py, once on this machine"]
-    with progress.compiling("mine.py"):
+    with progress.log_compilation("mine.py"):
         assert twice(1) == 2
     assert twice(1.0) == 2.0
     assert len(caplog.messages) == 1

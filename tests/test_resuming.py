@@ -24,7 +24,7 @@ from swarmcensus.results import store as results
 from swarmcensus.results.partial import opened
 from swarmcensus.results.values import EVERY, LOCAL, MARKS, Values, shapes
 from swarmcensus.runs import tasks
-from swarmcensus.runs.resuming import hold
+from swarmcensus.runs.resuming import hold_output
 from swarmcensus.runs.running import run
 from swarmcensus.runs.status import status
 from tests.long import in_two_sizes
@@ -575,7 +575,7 @@ def test_links_to_one_output_lock_each_other(here):
     Path("a.nc").symlink_to("real/b.nc")
     assert shards.folder_of(Path("a.nc")) == here / "real/b.nc.parts"
     with (
-        hold(Path("a.nc"), study(), [], [], False, print),
+        hold_output(Path("a.nc"), study(), [], [], False, print),
         pytest.raises(InputError, match="another run"),
     ):
         run(study(), out="real/b.nc")

@@ -5,7 +5,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.basics.errors import Interrupted
-from swarmcensus.runs.tasks import plan
+from swarmcensus.runs.tasks import plan_tasks
 
 LONG = {
     "trials": 40,
@@ -23,7 +23,7 @@ def test_some_trials_of_every_setting_come_before_more_of_any(seconds, local):
         tables = LONG | {"world": {"topology": ["ring", "full"], "fill_ratio": 0.55}, "schedule": {"rounds": 1000}}
     settings = sc.Study(**tables).settings()
     wanted = np.ones((len(settings), 40), np.bool_)
-    tasks = plan(settings, wanted, wanted if local else None, seconds)
+    tasks = plan_tasks(settings, wanted, wanted if local else None, seconds)
     seen = np.zeros((2, *wanted.shape), np.int64)
     for task in tasks:
         of_kind = seen[int(task.kind == "local")]
@@ -38,7 +38,7 @@ def test_trials_done_already_are_left_out():
     settings = sc.Study(**LONG).settings()
     wanted = np.random.default_rng(1).random((len(settings), 40)) < 0.3
     seen = np.zeros(wanted.shape, np.int64)
-    for task in plan(settings, wanted, None, 0.1):
+    for task in plan_tasks(settings, wanted, None, 0.1):
         seen[list(task.settings), task.first : task.first + task.trials] += 1
     assert np.array_equal(seen, wanted)
 
@@ -47,7 +47,7 @@ def test_short_settings_are_not_cut_in_two():
     """To set out costs as much as such a setting takes."""
     tables = LONG | {"schedule": {"rounds": 10, "ticks": 10}, "swarm": {"robots": 5, "accuracy": [0.6, 0.8]}}
     settings = [s for s in sc.Study(**tables).settings() if s.body is None]
-    assert len(plan(settings, np.ones((len(settings), 40), np.bool_), None, 0.1)) == len(settings)
+    assert len(plan_tasks(settings, np.ones((len(settings), 40), np.bool_), None, 0.1)) == len(settings)
 
 
 def test_a_run_that_is_cut_off_has_a_picture_of_the_whole_study():

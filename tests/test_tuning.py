@@ -263,7 +263,7 @@ def test_a_parameter_that_does_nothing_is_left_as_it_is(tmp_path):
     assert str(found).endswith("there is nothing to compare: tunable.py idle=1 noise=0.1")
     assert said in found.text.replace("\n#  ", "")
     assert "3 generations were drawn from the whole of the ranges" in found.course
-    assert found.verdict == found.told["verdict"] == "not compared"
+    assert found.verdict == found.as_dict["verdict"] == "not compared"
     assert not (tmp_path / "t.nc").exists()
     assert all(what not in found.text for what in ("evaluated in", "p-values", "t.nc", "no evidence", "read on"))
     assert found.text.endswith("# every evaluation: t.csv\n")

@@ -32,7 +32,7 @@ def waited(show, kinds=60):
 
 
 def test_where_there_is_no_terminal_many_brains_are_one_line(capsys):
-    with progress.reporting("board") as show:
+    with progress.bar_or_lines("board") as show:
         waited(show)
     assert capsys.readouterr().err.splitlines() == [
         "board: compiling for 60 kinds of swarms, once on this machine", "board: 0 of 1 trial, starting"
@@ -54,7 +54,7 @@ def test_a_known_brain_waits_for_the_engine(world, monkeypatch):
 
 
 def test_one_brain_is_named_there(capsys):
-    with progress.reporting("board") as show:
+    with progress.bar_or_lines("board") as show:
         waited(show, 1)
     assert capsys.readouterr().err.startswith("board: compiling number 0, once on this machine\n")
 
@@ -65,7 +65,7 @@ def test_on_a_terminal_it_is_a_bar_with_a_count_that_no_thread_draws(monkeypatch
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setenv("TERM", "xterm")
     before = threading.active_count()
-    with progress.reporting("board") as show:
+    with progress.bar_or_lines("board") as show:
         assert threading.active_count() == before  # a process with threads cannot be copied, and would compile alone
         waited(show)
     seen = terminal.getvalue()

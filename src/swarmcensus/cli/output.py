@@ -70,7 +70,7 @@ def reporting(label: str) -> "Iterator[Callable[[Progress], None]]":
     if not LOG.isEnabledFor(logging.INFO):
         yield lambda _: None
         return
-    from swarmcensus.runs.progress import reporting as shown
+    from swarmcensus.runs.progress import bar_or_lines as shown
 
     with shown(label) as show:
         yield show

@@ -162,11 +162,11 @@ def _showing_progress(given: dict[str, Any], data: Any) -> Iterator[None]:
     from rich.console import Console
     from rich.progress import Progress
 
-    from swarmcensus.runs.progress import compiling
+    from swarmcensus.runs.progress import log_compilation
 
     with contextlib.ExitStack() as stack:
         if "setting" in given:
-            stack.enter_context(compiling(brain_of(data, given["setting"])))
+            stack.enter_context(log_compilation(brain_of(data, given["setting"])))
         if "progress" in given:
             console = Console(stderr=True)
             bar = stack.enter_context(

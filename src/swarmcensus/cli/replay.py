@@ -31,7 +31,7 @@ def replay(options: argparse.Namespace) -> int:
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings, replaying
     from swarmcensus.results.partial import opened
-    from swarmcensus.runs.progress import compiling
+    from swarmcensus.runs.progress import log_compilation
 
     if options.plot:
         figure_files(options.plot, ("png",), options.results)
@@ -42,7 +42,7 @@ def replay(options: argparse.Namespace) -> int:
         check_writable(path, options.results)
     data = opened(options.results)
     readings = edges = None
-    with compiling(brain_of(data, options.setting)):
+    with log_compilation(brain_of(data, options.setting)):
         trace = replaying.replay(data, options.setting, options.trial, options.brain)
         if options.recording:
             readings, edges = replaying.recording(data, options.setting, options.trial, options.brain)
@@ -92,7 +92,7 @@ def infer(options: argparse.Namespace) -> int:
     from swarmcensus.cli.tables import rounds
     from swarmcensus.figures import plot
     from swarmcensus.results import recordings
-    from swarmcensus.runs.progress import compiling
+    from swarmcensus.runs.progress import log_compilation
     from swarmcensus.simulation import inferring
 
     out = options.out or Path(f"{options.observations.stem}-trace.csv")
@@ -109,7 +109,7 @@ def infer(options: argparse.Namespace) -> int:
     links = recordings.read_links(options.links) if options.links else None
     try:
         accuracy = recordings.read_accuracy(options.accuracy)
-        with compiling(Path(options.brain).name, "recorded data"):
+        with log_compilation(Path(options.brain).name, "recorded data"):
             trace = inferring.infer(readings, links, accuracy, options.every, options.brain)
     except InputError as error:  # name the file or option that the message is about
         source = next((str(source) for key, source in sources.items() if str(error).startswith(key)), None)

@@ -143,7 +143,7 @@ def status(options: argparse.Namespace) -> int:
 
     progress = status_of(options.results)
     if options.json:
-        answer("status", progress.told)
+        answer("status", progress.as_dict)
     else:
         print("\n".join(progress.lines))
     return 0

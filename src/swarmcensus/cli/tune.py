@@ -82,7 +82,7 @@ def tune(options: argparse.Namespace) -> int:
             say(f"kept finished evaluations in {files['.csv']}: the same command continues")
         raise
     if options.json:
-        answer("tuning", tuning.told)
+        answer("tuning", tuning.as_dict)
     else:
         print(tuning)
     wrote(f"{out}: {counted(len(tuning.evaluations), 'evaluation')}, {time.monotonic() - begun:.1f} s")

@@ -22,7 +22,7 @@ from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.page import Reproduction
 from swarmcensus.runs.collect import Progress, Reporting
 from swarmcensus.runs.pools import compile_for
-from swarmcensus.runs.running import run, work_of
+from swarmcensus.runs.running import predicted_seconds, run
 from swarmcensus.studies.study import Study
 
 FOLDERS = {"paper": "reproduction"}  # default output folders, where not reproduction-NAME
@@ -125,7 +125,7 @@ def _simulate(
     """The results of all studies, and the seconds that this call compiled and simulated."""
     settings = {name: study.settings() for name, study in studies.items()}
     trials = {name: study.trials * len(settings[name]) for name, study in studies.items()}
-    work = {name: work_of(study, settings[name]) for name, study in studies.items()}
+    work = {name: predicted_seconds(study, settings[name]) for name, study in studies.items()}
     datasets: dict[str, xr.Dataset] = {}
     begun = compiled = time.monotonic()
     with reporting("reproduce") if reporting else contextlib.nullcontext() as progress:

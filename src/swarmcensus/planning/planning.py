@@ -16,7 +16,7 @@ from swarmcensus.planning.search import BEGUN, Beyond, Search
 from swarmcensus.planning.shortest_time import shortest
 from swarmcensus.planning.smallest_swarm import enough, smallest
 from swarmcensus.runs.collect import Progress
-from swarmcensus.runs.pools import threads
+from swarmcensus.runs.pools import thread_count
 
 SIZES = 5  # of a range of robots that a trade-off looks at
 
@@ -44,7 +44,7 @@ def plan(
     checked = mission_of(tables, where, base)
     asked, rows, so_far = question_of(checked), [], BEGUN
     for world in hardest(checked).worlds:
-        search = Search(world, threads(jobs), progress or (lambda _: None), so_far)
+        search = Search(world, thread_count(jobs), progress or (lambda _: None), so_far)
         try:
             rows += _rows(search, asked)
         except Beyond as beyond:

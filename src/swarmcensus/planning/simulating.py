@@ -15,7 +15,7 @@ from swarmcensus.engine.constants import NEVER, SENSING
 from swarmcensus.planning.mission import Mission
 from swarmcensus.results.summaries import failed_trials
 from swarmcensus.runs.collect import Progress
-from swarmcensus.runs.running import run, work_of
+from swarmcensus.runs.running import predicted_seconds, run
 from swarmcensus.simulation.trials import NOT_FINITE
 from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
@@ -157,4 +157,4 @@ def times_until(first: float, last: int, robots: int) -> list[int]:
 
 def affordable(study: Study, most: float) -> int:
     """How many trials of a study cost so many predicted seconds of one core."""
-    return int(most / work_of(study, study.settings()) * study.trials)
+    return int(most / predicted_seconds(study, study.settings()) * study.trials)

@@ -1,6 +1,6 @@
-"""Work: a study cut into tasks, handed to threads or a cluster, resumed, stopped, watched, and verified.
+"""Runs studies: cuts them into tasks, hands these to threads or a cluster, resumes, reports progress and verifies.
 
 In: a Study and where its results go.
-Out: a dataset whose finished work is never lost.
+Out: a dataset; finished work is never lost.
 Must not know: figures, claims, the command line.
 """

@@ -1,7 +1,7 @@
-"""Where one machine is too small: bundles run by the workers of a Dask cluster, to the same bits.
+"""Bundles run by the workers of a Dask cluster, with the same results to the last bit.
 
-What travels is a study as text, with the sources of its brains; a worker reads it as a results file is read. The
-scheduler holds it, so that workers may come late, go and come back.
+Workers receive a study as text, with the sources of its brains, and read it as they would read a results file. The
+scheduler keeps it, so that workers may start late, stop and return.
 """
 
 import contextlib
@@ -28,70 +28,70 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.basics.version import __version__
 from swarmcensus.brains import adversary
-from swarmcensus.runs.queues import NO_PAGE, Jobs, ended_politely, read_queue
+from swarmcensus.runs.queues import NO_PAGE, Jobs, interrupted_by_signals, read_queue
 from swarmcensus.runs.tasks import Bundle, Outcome, metrics_of, run_bundle
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
 NEEDS = "clusters need Dask: pip install 'swarmcensus[cluster]'"
-EACH = 4  # bundles a worker at the least, so that the last ones end together
-SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle, and more for a crowd of workers:
-RATE = 200.0  # bundles a second at the most, for Dask takes a few milliseconds to hand one out
-AT_HAND = 3  # bundles a worker has waiting
+BUNDLES_PER_WORKER = 4  # at least, so that all workers finish at about the same time
+SHORTEST, LONGEST = 0.2, 1.0  # predicted seconds of a bundle; longer if there are very many workers
+BUNDLES_PER_SECOND = 200.0  # at most: Dask takes a few milliseconds to hand one out
+WAITING_PER_WORKER = 3  # bundles submitted per worker
 CONNECT = "10s"  # for a scheduler to answer
-ASK_SECONDS = 2.0  # between questions for how many workers there are
-SAME_BITS = ("numpy", "numba", "networkx")  # what numbers depend on, beside swarmcensus and Python
-LOST = "the cluster is gone: what was finished is kept, and the same command goes on with it"
+COUNT_SECONDS = 2.0  # between two counts of the workers
+SAME_BITS = ("numpy", "numba", "networkx")  # packages that results depend on, besides swarmcensus and Python
+LOST = "the cluster is gone: finished work is kept, and the same command continues from there"
 
 
 class Workers:
-    """The workers of a cluster, as a pool that bundles are handed to."""
+    """The workers of a cluster, as a pool that runs bundles."""
 
     def __init__(self, client: Any, study: Study, expected: int, renew: Callable[[], str] = str) -> None:
-        """Leave the study with the scheduler.
+        """Send the study to the scheduler.
 
-        `expected` workers are counted on until they are there; `renew` is called now and then to replace lost ones, and
-        says why there are none, where it knows.
+        `expected` is the number of workers until they have started. `renew` is called regularly to replace lost
+        workers, and returns why there are none, if it knows.
         """
         self.client, self._expected, self._renew = client, expected, renew
-        self._why = ""
-        self._asked = time.monotonic()
-        self._there: int = sum(client.nthreads().values())
+        self._reason = ""
+        self._last_count = time.monotonic()
+        self._worker_count: int = sum(client.nthreads().values())
         self._key = f"swarmcensus-{uuid.uuid4().hex}"
         client.set_metadata(self._key, zlib.compress(pickle.dumps(payload_of(study)), 1))
         self._executor = client.get_executor(pure=False)
 
     @property
-    def width(self) -> int:
-        """How many bundles should be at hand. Raises InputError where no scheduler answers any more."""
-        if time.monotonic() - self._asked > ASK_SECONDS:
+    def queue_length(self) -> int:
+        """How many bundles should be submitted at a time. Raises InputError if the scheduler no longer answers."""
+        if time.monotonic() - self._last_count > COUNT_SECONDS:
             try:
-                self._there = sum(self.client.nthreads().values())
-                self._why = self._renew()
+                self._worker_count = sum(self.client.nthreads().values())
+                self._reason = self._renew()
             except (OSError, TimeoutError) as error:
                 raise InputError(LOST) from error
-            self._asked = time.monotonic()
-        return AT_HAND * max(1, self._there)
+            self._last_count = time.monotonic()
+        return WAITING_PER_WORKER * max(1, self._worker_count)
 
     @property
     def note(self) -> str:
-        """What to tell a person who waits."""
-        return "" if self._there else ": ".join(filter(None, ("waiting for workers", self._why)))
+        """What to tell a person who waits, or an empty text."""
+        return "" if self._worker_count else ": ".join(filter(None, ("waiting for workers", self._reason)))
 
     def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should be, of so many seconds of work."""
-        count = max(self._expected, self._there)
-        return min(max(work / (EACH * count), SHORTEST), max(LONGEST, count / RATE))
+        """How long a bundle should take, if `work` seconds of work remain."""
+        count = max(self._expected, self._worker_count)
+        return min(max(work / (BUNDLES_PER_WORKER * count), SHORTEST), max(LONGEST, count / BUNDLES_PER_SECOND))
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Have a bundle run by a worker."""
+        """Start a bundle on a worker."""
         return self._executor.submit(run_remotely, self._key, bundle)  # type: ignore[no-any-return]
 
     def halt(self) -> None:
-        """Nothing to tell: bundles are short, and are cancelled by whoever waits for them."""
+        """Do nothing: bundles are short, and the caller cancels those that wait."""
 
-    def explain(self, error: BaseException) -> str | None:
-        """Why a bundle was lost though its study goes on; None where it cannot, InputError where the cluster is."""
+    def why_lost(self, error: BaseException) -> str | None:
+        """Why a bundle was lost, or None if the study cannot go on. Raises InputError if the cluster is lost."""
         from distributed import KilledWorker
 
         if isinstance(error, KilledWorker):
@@ -101,30 +101,30 @@ class Workers:
         return None
 
     def forget(self) -> None:
-        """Have the scheduler forget the study, if it is there still."""
+        """Delete the study from the scheduler, if that is still there."""
         if self.client.status == "running":
             with contextlib.suppress(OSError, TimeoutError, CancelledError):
                 self.client.set_metadata(self._key, None)
 
 
 def versions() -> dict[str, str]:
-    """Of all that the bits depend on."""
+    """The versions of all packages that results depend on."""
     known = {name: metadata.version(name) for name in SAME_BITS}
     return {"swarmcensus": __version__, "Python": platform.python_version(), **known}
 
 
 def payload_of(study: Study) -> dict[str, Any]:
-    """All that a worker must know of a study: plain text and numbers."""
+    """A study as plain text and numbers, for a worker."""
     context = study.context
     sources = {name: (brain.source, str(brain.path)) for name, brain in context["brains"].items()}
-    lying = {name: (one.source, str(one.path)) for name, one in context["adversaries"].items()}
-    watched = {name: (metric.source, str(metric.path)) for name, metric in context["metrics"].items()}
-    return {"versions": versions(), "text": study.text, **context, "brains": sources, "adversaries": lying,
-            "metrics": watched}  # fmt: skip
+    adversaries = {name: (adversary.source, str(adversary.path)) for name, adversary in context["adversaries"].items()}
+    metric_files = {name: (metric.source, str(metric.path)) for name, metric in context["metrics"].items()}
+    return {"versions": versions(), "text": study.text, **context, "brains": sources, "adversaries": adversaries,
+            "metrics": metric_files}  # fmt: skip
 
 
 def run_remotely(key: str, bundle: Bundle) -> Outcome:
-    """Run a bundle in a worker's process. Raises InputError where the worker has other versions."""
+    """Run a bundle in a worker's process. Raises InputError if the worker has other versions."""
     study, settings = _study(key)
     return run_bundle(settings, study.seed, bundle, metrics_of(study), np.zeros(1, np.uint8))
 
@@ -135,32 +135,36 @@ def _study(key: str) -> tuple[Study, list[Setting]]:
     from distributed.utils import sync
 
     worker = get_worker()  # type: ignore[no-untyped-call]
-    return read(pickle.loads(zlib.decompress(sync(worker.loop, worker.scheduler.get_metadata, keys=[key]))))  # type: ignore[no-untyped-call]
+    return read_payload(pickle.loads(zlib.decompress(sync(worker.loop, worker.scheduler.get_metadata, keys=[key]))))  # type: ignore[no-untyped-call]
 
 
-def read(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
-    """A study as it was sent, and its settings. Raises InputError where it was sent by other versions."""
-    differ = [f"{name} {mine} there, {payload['versions'].get(name)} here"
-              for name, mine in versions().items() if mine != payload["versions"].get(name)]  # fmt: skip
+def read_payload(payload: dict[str, Any]) -> tuple[Study, list[Setting]]:
+    """A study from its payload, and its settings. Raises InputError if the sender has other versions."""
+    differ = [f"{name} {version} there, {payload['versions'].get(name)} here"
+              for name, version in versions().items() if version != payload["versions"].get(name)]  # fmt: skip
     if differ:
         raise InputError(f"a worker would not give the same bits: {'; '.join(differ)}")
     known = {name: brains.parse(source, name, Path(path)) for name, (source, path) in payload["brains"].items()}
-    lying = {name: adversary.parse(source, name, Path(path)) for name, (source, path) in payload["adversaries"].items()}
-    watched = {name: metrics.parse(source, name, Path(path)) for name, (source, path) in payload["metrics"].items()}
+    adversaries = {
+        name: adversary.parse(source, name, Path(path)) for name, (source, path) in payload["adversaries"].items()
+    }
+    metric_files = {
+        name: metrics.parse(source, name, Path(path)) for name, (source, path) in payload["metrics"].items()
+    }
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # whoever sent it was warned
-        context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "adversaries": lying,
-                   "metrics": watched}  # fmt: skip
+        warnings.simplefilter("ignore", UserWarning)  # the sender was warned already
+        context = {"edges": payload["edges"], "images": payload["images"], "brains": known, "adversaries": adversaries,
+                   "metrics": metric_files}  # fmt: skip
         study = Study.parse(payload["text"], where="the study as sent", context=context)
     return study, study.settings()
 
 
 @contextlib.contextmanager
 def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[Workers]:
-    """The workers of a scheduler's address, of "local:4", or of a TOML file. Raises InputError."""
+    """Workers from a scheduler's address, "local:4", or a TOML file. Raises InputError."""
     expected, queue = 1, None
     if where.startswith("local:"):
-        expected = _count(where)
+        expected = _process_count(where)
     elif "://" not in where:
         queue = read_queue(Path(where))
         expected = queue.jobs * queue.cores
@@ -168,9 +172,9 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
         import distributed
     except ImportError:
         raise InputError(NEEDS) from None
-    renew: Callable[[], str] = str  # nothing to do, and nothing to say
+    renew: Callable[[], str] = str  # does nothing and returns an empty text
     with contextlib.ExitStack() as stack:
-        stack.enter_context(_quiet())
+        stack.enter_context(_silent_dask())
         if where.startswith("local:"):
             show(f"starting {expected} worker processes")
             scratch = stack.enter_context(tempfile.TemporaryDirectory(ignore_cleanup_errors=True))
@@ -186,7 +190,7 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
             cluster = where
         else:
             show(f"submitting {counted(queue.jobs, 'job')} of {counted(queue.cores, 'worker')} to {queue.system}")
-            stack.enter_context(ended_politely())
+            stack.enter_context(interrupted_by_signals())
             try:
                 cluster = stack.enter_context(queue.start())
                 renew = Jobs(cluster, queue).renew
@@ -211,8 +215,8 @@ def workers(where: str, study: Study, show: Callable[[str], None]) -> Iterator[W
 
 
 @contextlib.contextmanager
-def _quiet() -> Iterator[None]:
-    """Keep what Dask logs off the terminal: what a person should know is told by a note or an error."""
+def _silent_dask() -> Iterator[None]:
+    """Keep Dask's log messages off the terminal: notes and errors say what a person should know."""
     loggers = [logging.getLogger(name) for name in ("distributed", "distributed.client", "tornado.application")]
     levels = [logger.level for logger in loggers]
     for logger in loggers:
@@ -224,7 +228,7 @@ def _quiet() -> Iterator[None]:
             logger.setLevel(level)
 
 
-def _count(where: str) -> int:
+def _process_count(where: str) -> int:
     text = where.removeprefix("local:")
     if not text.isdigit() or int(text) < 1:
         raise InputError(f"{option('cluster', where)}: should be local: and a number of processes, as local:4")

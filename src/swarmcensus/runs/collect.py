@@ -1,4 +1,4 @@
-"""Bundles go out to a pool and come back: what a run has so far grows by them, until all are done or Ctrl-C comes."""
+"""Hands bundles to a pool and collects their results, until all are done or Ctrl-C is pressed."""
 
 import logging
 from collections.abc import Callable, Iterator
@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.results.values import Values
 from swarmcensus.runs.pools import Pool
-from swarmcensus.runs.resuming import Holding
+from swarmcensus.runs.resuming import HeldOutput
 from swarmcensus.runs.tasks import Bundle, Failure, Outcome
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -28,24 +28,24 @@ class Progress:
     total: int
     work_done: float
     work_total: float
-    note: str = ""  # what is going on where it is not trials
-    stage: str = ""  # which part of several this is
-    steps: tuple[int, int] = (0, 0)  # of what the note says: how many are done, of how many
+    note: str = ""  # what happens while no trials run, such as compiling
+    stage: str = ""  # which of several parts this is
+    steps: tuple[int, int] = (0, 0)  # steps of the note: how many are done, of how many
 
 
-Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # a bar of a label
+Reporting = Callable[[str], AbstractContextManager[Callable[[Progress], None]]]  # makes a bar from a label
 
 
 @dataclass
 class State:
-    """What a run has so far."""
+    """A run's results and counts so far."""
 
     study: Study
     settings: list[Setting]
     values: Values
     report: Callable[[Progress], None]
-    holding: Holding | None
-    widths: NDArray[np.float64]  # half the interval that a rule looks at, of each setting
+    output: HeldOutput | None
+    widths: NDArray[np.float64]  # half-width of the interval that a rule bounds, by setting
     share: slice  # which trials are to be run
     failures: list[Failure] = field(default_factory=list)
     done: int = 0
@@ -54,28 +54,28 @@ class State:
     work_total: float = 0.0
 
     def show(self, note: str = "", steps: tuple[int, int] = (0, 0)) -> None:
-        """Report how far the run is."""
+        """Report the run's progress."""
         self.report(Progress(self.done, self.total, self.work_done, self.work_total, note, steps=steps))
 
 
-def work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
-    """Run bundles to their end; whether Ctrl-C came before."""
+def run_bundles(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
+    """Run bundles to their end. Returns whether Ctrl-C was pressed before."""
     waiting: dict[Future[Outcome], Bundle] = {}
     try:
         while True:
-            while len(waiting) < pool.width and (bundle := next(rest, None)) is not None:
+            while len(waiting) < pool.queue_length and (bundle := next(rest, None)) is not None:
                 waiting[pool.submit(bundle)] = bundle
             if not waiting:
                 break
             state.show(pool.note)
-            _take_in(state, pool, waiting)
+            _collect_finished(state, pool, waiting)
     except KeyboardInterrupt:
         pool.halt()
         for future in waiting:
             future.cancel()
         for future, bundle in waiting.items():
             if not future.cancelled():
-                _keep(state, pool, future, bundle)
+                _store_outcome(state, pool, future, bundle)
         return True
     finally:
         for future in waiting:
@@ -84,18 +84,18 @@ def work(state: State, rest: Iterator[Bundle], pool: Pool) -> bool:
     return False
 
 
-def _take_in(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
-    """Wait a moment, and keep what is finished; nothing of it stays in memory once this returns."""
+def _collect_finished(state: State, pool: Pool, waiting: dict[Future[Outcome], Bundle]) -> None:
+    """Wait a moment, store finished bundles, and release their memory."""
     for future in wait(waiting, timeout=WAIT_SECONDS, return_when=FIRST_COMPLETED).done:
-        _keep(state, pool, future, waiting[future])
-        del waiting[future]  # now: what Ctrl-C breaks is kept anew
+        _store_outcome(state, pool, future, waiting[future])
+        del waiting[future]  # only now: if Ctrl-C interrupts storing it, it is stored again
 
 
-def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
+def _store_outcome(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> None:
     try:
         outcome = future.result()
     except Exception as error:
-        why = pool.explain(error)
+        why = pool.why_lost(error)
         if why is None:
             raise
         outcome = [
@@ -104,23 +104,23 @@ def _keep(state: State, pool: Pool, future: Future[Outcome], bundle: Bundle) -> 
             for number in task.settings
             for k in range(task.trials)
         ]
-    pieces = [one for one in outcome if not isinstance(one, Failure)]
-    failures = [one for one in outcome if isinstance(one, Failure)]
+    pieces = [entry for entry in outcome if not isinstance(entry, Failure)]
+    failures = [entry for entry in outcome if isinstance(entry, Failure)]
     for piece in pieces:
         state.values.put(piece.setting, piece.first, piece.columns)
         state.done += 0 if piece.local else piece.shape[0]
     state.failures += failures
     if LOG.isEnabledFor(logging.DEBUG):
         for number in dict.fromkeys(piece.setting for piece in pieces):
-            _tell_of(state, number)
+            _log_if_complete(state, number)
     cost = sum(task.cost for task in bundle)
     state.work_done += cost
-    if state.holding:
-        state.holding.parts.add(pieces, cost)
+    if state.output:
+        state.output.parts.add(pieces, cost)
 
 
-def _tell_of(state: State, number: int) -> None:
-    """Log that a setting has all trials that are asked for so far."""
+def _log_if_complete(state: State, number: int) -> None:
+    """Log that a setting has all trials wanted so far, if it has."""
     wanted = len(range(state.values.trials)[state.share])
     done = int(state.values.finished()[number, state.share].sum())
     if done == wanted:

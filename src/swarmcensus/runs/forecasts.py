@@ -1,4 +1,4 @@
-"""How long a run takes, told before it begins where that is long: by how fast each of its brains is here."""
+"""Announces how long a long run will take, after measuring how fast each of its brains is on this machine."""
 
 import logging
 import os
@@ -16,82 +16,91 @@ from swarmcensus.simulation.trials import run_batch
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-LONG = 300.0  # seconds of a run that are worth a line
-VERY_LONG = 86_400.0  # of one that is worth a warning: perhaps nobody meant it
-SLOWEST = 30.0  # times the prediction: no shipped brain takes longer than that
-TRIED = 0.05  # predicted seconds of a trial by which a brain's speed is measured
-MOST_TRIED = 1.0  # where so little as two rounds take longer, the prediction is believed
+LONG = 300.0  # seconds: a run that takes longer is announced
+VERY_LONG = 86_400.0  # seconds: longer runs are warned of, as they may be a mistake
+SLOWEST = 30.0  # no shipped brain takes more than so many times the prediction
+PROBE_SECONDS = 0.05  # predicted seconds of the trials by which a brain's speed is measured
+MOST_PROBE_SECONDS = 1.0  # if a probe would take longer, the prediction is used unmeasured
 UNITS = ((365.25 * 86_400.0, "years"), (86_400.0, "days"), (3600.0, "hours"), (60.0, "minutes"))
 
 LOG = logging.getLogger(__name__)
 
 
-def tell_length(study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None) -> None:
-    """Say how long these tasks take in so many threads, or of one core where `jobs` is None, if it is long."""
+def announce_length(study: Study, settings: Sequence[Setting], tasks: Sequence[Task], jobs: int | None) -> None:
+    """Announce how long these tasks take in `jobs` threads, or on one core if None; say nothing of short runs."""
     if not tasks:
         return
-    cores, paces = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
-    if jobs and _wall(tasks, paces, cores) * SLOWEST >= LONG:
-        paces = _paces(study, settings, tasks)
-    whole, trial = _wall(tasks, paces, cores), max(_trial(task) * pace for task, pace in zip(tasks, paces, strict=True))
+    cores, slowdowns = min(jobs or 1, os.cpu_count() or 1), [1.0] * len(tasks)
+    if jobs and _wall_seconds(tasks, slowdowns, cores) * SLOWEST >= LONG:
+        slowdowns = _slowdowns(study, settings, tasks)
+    whole, trial = (
+        _wall_seconds(tasks, slowdowns, cores),
+        max(_trial_seconds(task) * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True)),
+    )
     if whole < LONG:
         return
     where = f"in {jobs} thread{'s' * (jobs > 1)} if nothing else keeps the machine busy" if jobs else "of one core"
-    line = f"{study.name}: this takes {'at least' if study.until else 'about'} {told(whole)} {where}"
+    line = f"{study.name}: this takes {'at least' if study.until else 'about'} {duration_text(whole)} {where}"
     if trial >= LONG:
-        line += f". A trial alone takes up to {told(trial)}: nothing of it is kept before its end"
+        line += f". A trial alone takes up to {duration_text(trial)}: nothing of it is kept before its end"
     if whole < VERY_LONG:
         LOG.info("%s", line)
     else:
         warnings.warn(line, stacklevel=4)
 
 
-def told(seconds: float) -> str:
-    """A long time in two digits, as "7.2 hours"."""
-    unit, name = next((one for one in UNITS if seconds >= one[0]), UNITS[-1])
+def duration_text(seconds: float) -> str:
+    """A long time in two digits, such as "7.2 hours"."""
+    unit, name = next((entry for entry in UNITS if seconds >= entry[0]), UNITS[-1])
     return f"{float(f'{seconds / unit:.2g}'):,.12g} {name}"
 
 
-def _wall(tasks: Sequence[Task], paces: Sequence[float], cores: int) -> float:
-    """The seconds that so many cores take: a task is one core's."""
-    each = [task.cost * pace for task, pace in zip(tasks, paces, strict=True)]
+def _wall_seconds(tasks: Sequence[Task], slowdowns: Sequence[float], cores: int) -> float:
+    """The seconds that tasks take on `cores` cores; each task runs on one."""
+    each = [task.cost * slowdown for task, slowdown in zip(tasks, slowdowns, strict=True)]
     return max(sum(each) / cores, max(each))
 
 
-def _trial(task: Task) -> float:
+def _trial_seconds(task: Task) -> float:
     return task.cost / task.trials
 
 
-def _paces(study: Study, settings: Sequence[Setting], tasks: Sequence[Task]) -> list[float]:
-    """How many times as long as predicted each task takes: that of its brains' longest trial, of which some is run."""
+def _slowdowns(study: Study, settings: Sequence[Setting], tasks: Sequence[Task]) -> list[float]:
+    """The ratio of measured to predicted time of each task, measured on a part of its brains' longest trial."""
     longest: dict[object, Task] = {}
     keys = [(task.kind, settings[task.settings[0]].crew) for task in tasks]
     for key, task in zip(keys, tasks, strict=True):
-        if key not in longest or _trial(task) > _trial(longest[key]):
+        if key not in longest or _trial_seconds(task) > _trial_seconds(longest[key]):
             longest[key] = task
-    found = {key: _pace(study, [settings[n] for n in task.settings], task) for key, task in longest.items()}
-    return [found[key] for key in keys]
+    slowdowns = {key: _slowdown(study, [settings[n] for n in task.settings], task) for key, task in longest.items()}
+    return [slowdowns[key] for key in keys]
 
 
-def _pace(study: Study, settings: Sequence[Setting], task: Task) -> float:
-    """By two parts of a trial, what goes before its first round and what each takes; of short ones, by some whole."""
-    cost, rounds = _trial(task), settings[0].rounds
-    least = min(rounds, 1 + max(setting.message_delay for setting in settings))
-    some = min(rounds, max(least + 1, int(rounds * TRIED / cost)))
-    if cost * some / rounds > MOST_TRIED:
+def _slowdown(study: Study, settings: Sequence[Setting], task: Task) -> float:
+    """The ratio of measured to predicted time of a task's trials.
+
+    Long trials are run in two parts of different length, which gives the time before the first round and the time per
+    round; of short trials some are run whole.
+    """
+    cost, rounds = _trial_seconds(task), settings[0].rounds
+    short = min(rounds, 1 + max(setting.message_delay for setting in settings))
+    longer = min(rounds, max(short + 1, int(rounds * PROBE_SECONDS / cost)))
+    if cost * longer / rounds > MOST_PROBE_SECONDS:
         return 1.0
     try:
-        if some == rounds:
-            trials = min(task.trials, max(1, int(TRIED / cost)))
-            return _lived(study, settings, task.kind, rounds, trials) / (trials * cost)
-        short, longer = (_lived(study, settings, task.kind, part, 1) for part in (least, some))
-        return (short + max(longer - short, 0.0) * (rounds - least) / (some - least)) / cost
+        if longer == rounds:
+            trials = min(task.trials, max(1, int(PROBE_SECONDS / cost)))
+            return _measured_seconds(study, settings, task.kind, rounds, trials) / (trials * cost)
+        short_seconds, long_seconds = (
+            _measured_seconds(study, settings, task.kind, part, 1) for part in (short, longer)
+        )
+        return (short_seconds + max(long_seconds - short_seconds, 0.0) * (rounds - short) / (longer - short)) / cost
     except InputError:  # the run itself says what is wrong
         return 1.0
 
 
-def _lived(study: Study, settings: Sequence[Setting], kind: str, rounds: int, trials: int) -> float:
-    """The processor's seconds of some trials: others may keep the machine busy now, and not later."""
+def _measured_seconds(study: Study, settings: Sequence[Setting], kind: str, rounds: int, trials: int) -> float:
+    """The processor time of some trials in seconds; the time on the clock may include other programs."""
     parts, stop = [replace(setting, rounds=rounds) for setting in settings], np.zeros(1, np.uint8)
     begun = time.thread_time()
     if kind == "ride":

@@ -1,4 +1,4 @@
-"""Where bundles of trials are run: threads of this process here, the workers of a cluster in `clusters.py`."""
+"""Where bundles of trials are run: the protocol of pools, and threads of this process (`clusters.py` has workers)."""
 
 import logging
 import os
@@ -20,113 +20,114 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import Topology
 
-BUNDLE_SECONDS = 0.1  # long against the cost of handing it out, short against a person's patience
-MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and none beyond the cores helps
+BUNDLE_SECONDS = 0.1  # long compared with the cost of handing out a bundle, short for a person who waits
+MOST_JOBS = 256  # threads, or the machine's cores if it has more: each takes memory, and more than cores do not help
 
 LOG = logging.getLogger(__name__)
 
 
 class Pool(Protocol):
-    """Where bundles are run: threads here, or the workers of a cluster."""
+    """Where bundles are run: threads of this process, or the workers of a cluster."""
 
     @property
-    def width(self) -> int:
-        """How many bundles it should have at hand."""
+    def queue_length(self) -> int:
+        """How many bundles should be submitted at a time."""
 
     @property
     def note(self) -> str:
-        """What to tell a person who waits, or nothing."""
+        """What to tell a person who waits, or an empty text."""
 
     def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should be, of so many seconds of work."""
+        """How long a bundle should take, if `work` seconds of work remain."""
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Have a bundle run."""
+        """Start running a bundle."""
 
     def halt(self) -> None:
-        """Have what runs end soon, with what it has."""
+        """Make running bundles end soon, with what they have finished."""
 
-    def explain(self, error: BaseException) -> str | None:
-        """Why a bundle was lost though the study goes on; None where it cannot."""
+    def why_lost(self, error: BaseException) -> str | None:
+        """Why a bundle was lost, if the study can go on without it; None if it cannot."""
 
 
 class Threads:
-    """Threads of this process: the engine holds no lock while it computes."""
+    """Threads of this process: the engine releases Python's lock while it computes."""
 
     note = ""
 
     def __init__(self, executor: ThreadPoolExecutor, jobs: int, study: Study, settings: list[Setting]) -> None:
-        """Take the executor's threads, of which so many will have something to do at once."""
-        self.executor, self.width, self.busy = executor, 4 * jobs, jobs
+        """Use the executor's threads, of which `jobs` will be busy at once."""
+        self.executor, self.queue_length, self.jobs = executor, 4 * jobs, jobs
         self.stop = np.zeros(1, np.uint8)
         self.common = settings, study.seed
         self.metrics = metrics_of(study)
 
     def submit(self, bundle: Bundle) -> Future[Outcome]:
-        """Have a bundle run by the next thread that is free."""
-        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.busy)
+        """Start a bundle on the next free thread."""
+        return self.executor.submit(run_bundle, *self.common, bundle, self.metrics, self.stop, self.jobs)
 
     def halt(self) -> None:
         """Tell the engine to stop within a round."""
         self.stop[0] = 1
 
     def bundle_seconds(self, work: float) -> float:
-        """How long a bundle should be."""
+        """How long a bundle should take, in seconds."""
         return BUNDLE_SECONDS
 
-    def explain(self, error: BaseException) -> str | None:
-        """Nothing is lost here but by a fault of swarmcensus."""
+    def why_lost(self, error: BaseException) -> str | None:
+        """Return None: threads lose bundles only through a bug in swarmcensus."""
         return None
 
 
-def threads(jobs: int | None) -> int:
-    """How many threads to compute with: by default one a core. Raises InputError for none, or too many."""
+def thread_count(jobs: int | None) -> int:
+    """Check the number of threads, by default one per core. Raises InputError if it is below 1 or too large."""
     cores = os.cpu_count() or 1
     most = max(MOST_JOBS, cores)
     jobs = cores if jobs is None else jobs
     if not 1 <= jobs <= most:
         raise InputError(
-            f"jobs = {jobs}: should be 1 to {most:,} threads; more than this machine has cores ({cores}) gain nothing"
+            f"jobs = {jobs}: should be 1 to {most:,} threads; more threads than cores ({cores}) are not faster"
         )
     return jobs
 
 
 def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[str, tuple[int, int]], None]) -> None:
-    """Compile here what all settings of some studies need, so that threads do not wait for one another.
+    """Compile what all settings of some studies need, so that threads do not wait for one another.
 
-    `show` is told for which kind of swarm, and how many kinds are done, of how many. Where nobody else runs in this
-    process, a copy of it compiles for robots that move while this one compiles for networks, and leaves it on disk.
+    `show` is called with a note on the kind of swarm, and with how many kinds are done, of how many. If the process has
+    no other threads, a forked copy compiles for robots that move, into the cache on disk, while this process compiles
+    for networks.
     """
-    tiny = [(setting, study) for study, settings in studies for setting in smallest(settings)]
-    new = [one for one in tiny if not _is_compiled(*one)]
+    tiny = [(setting, study) for study, settings in studies for setting in tiny_settings(settings)]
+    new = [pair for pair in tiny if not _is_compiled(*pair)]
     for setting, study in tiny:
         if (setting, study) not in new:
-            LOG.debug("%s: machine code found in %s", _loops(setting), code_cache.cache_root())
+            LOG.debug("%s: machine code found in %s", _kind_of_swarm(setting), code_cache.cache_root())
     begun = time.monotonic()
-    kinds = len({_loops(setting) for setting, _ in new})
-    here, beside_it = deque(new), deque[tuple[Setting, Study]]()
+    kinds = len({_kind_of_swarm(setting) for setting, _ in new})
+    here, in_copy = deque(new), deque[tuple[Setting, Study]]()
 
-    def tell() -> None:
-        while beside_it and _is_compiled(*beside_it[0]):
-            beside_it.popleft()
-        if left := [*here, *beside_it]:
-            show(_note(left[0][0]), (kinds - len({_loops(setting) for setting, _ in left}), kinds))
+    def report_rest() -> None:
+        while in_copy and _is_compiled(*in_copy[0]):
+            in_copy.popleft()
+        if left := [*here, *in_copy]:
+            show(_compile_note(left[0][0]), (kinds - len({_kind_of_swarm(setting) for setting, _ in left}), kinds))
 
-    moving = [one for one in new if one[0].body]
+    moving = [pair for pair in new if pair[0].body]
 
     def compile_moving() -> None:
         _run_all(moving)
 
     alone = not moving or len(moving) == len(new) or not code_cache.keeps()
-    ended = compile_moving if alone else beside(compile_moving, tell)
+    ended = compile_moving if alone else beside(compile_moving, report_rest)
     if ended is not compile_moving:
-        here, beside_it = deque(one for one in new if not one[0].body), deque(moving)
+        here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
     while here:
-        tell()
+        report_rest()
         _run_once(*here[0])
         here.popleft()
-    if beside_it:
-        tell()
+    if in_copy:
+        report_rest()
         ended()
     _run_all(tiny)
     if new:
@@ -134,16 +135,16 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         LOG.debug("compiled in %.1f s%s", time.monotonic() - begun, kept)
 
 
-def _note(setting: Setting) -> str:
-    """What is compiled for a setting, to a person who waits for it."""
+def _compile_note(setting: Setting) -> str:
+    """What is compiled for a setting, in words for a person who waits."""
     moves = bool(setting.body)
-    engine = "" if _has_loops(setting) else "the engine and "
+    engine = "" if _engine_is_compiled(setting) else "the engine and "
     crew = " and ".join(brain.name for brain in setting.crew)
     return f"compiling {engine}{crew} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
 
 
-def _loops(setting: Setting) -> str:
-    """What is compiled for a setting."""
+def _kind_of_swarm(setting: Setting) -> str:
+    """A setting's brains and whether robots move: settings that share these share machine code."""
     brains = " and ".join(brain.name for brain in setting.crew)
     return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}"
 
@@ -153,8 +154,8 @@ def _run_all(tiny: list[tuple[Setting, Study]]) -> None:
         _run_once(setting, study)
 
 
-def _has_loops(setting: Setting) -> bool:
-    """Whether the engine's loop for such robots is on disk."""
+def _engine_is_compiled(setting: Setting) -> bool:
+    """Whether the engine's loop for such robots is in the cache on disk."""
     if not setting.body:
         return compiler.is_known("kernel", "simulate")
     steers = any(brain.steers for brain in setting.crew)
@@ -165,11 +166,11 @@ def _is_compiled(setting: Setting, study: Study) -> bool:
     uses = [setting.use] + ["alone"] * (study.measure.local and not setting.body)
     mixed = len(setting.crew) > 1
     minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
-    return minds and _has_loops(setting)
+    return minds and _engine_is_compiled(setting)
 
 
 def _run_once(setting: Setting, study: Study) -> None:
-    """Run one trial of a tiny setting; a brain that fails is named by the real run."""
+    """Run one trial of a tiny setting; if its brain fails, the real run reports it."""
     kinds: list[Literal["ride", "batch", "local"]] = ["ride"] if setting.body else ["batch"]
     if study.measure.local and not setting.body:
         kinds.append("local")
@@ -177,20 +178,22 @@ def _run_once(setting: Setting, study: Study) -> None:
         run_bundle([setting], 0, (Task(kind, (0,), 0, 1, 0.0),), metrics_of(study), np.zeros(1, np.uint8))
 
 
-def smallest(settings: list[Setting]) -> list[Setting]:
-    """One tiny setting for each brain, use of it and floor: to run it compiles all that the others need."""
-    found = {}
+def tiny_settings(settings: list[Setting]) -> list[Setting]:
+    """One tiny setting for each combination of brains, use and kind of floor: running it compiles all they need."""
+    tiny_by_kind = {}
     for setting in settings:
         crew = tuple(brain.name for brain in setting.crew)
         key = crew, setting.use, setting.floor and setting.floor.kind
-        if key not in found:
+        if key not in tiny_by_kind:
             one_of_each = tuple(replace(m, robots=1, share=False, honest=True) for m in setting.members)
             tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, faults=(), members=one_of_each)
             if setting.body is not None:
                 tiny = replace(tiny, density=1.0)
             else:
-                links = 0.5 if setting.use == ONE_BY_ONE else setting.link_success  # as where robots fail
+                links = (
+                    0.5 if setting.use == ONE_BY_ONE else setting.link_success
+                )  # losses use the code that faults need
                 graph = Topology("full" if setting.use == IN_SUMS_OF_ALL else "line")
                 tiny = replace(tiny, topology=graph, link_success=links)
-            found[key] = tiny
-    return list(found.values())
+            tiny_by_kind[key] = tiny
+    return list(tiny_by_kind.values())

@@ -1,4 +1,4 @@
-"""How a run tells a person where it is: a bar on a terminal, plain lines elsewhere."""
+"""How a run shows its progress: a bar on a terminal or in a notebook, plain lines elsewhere."""
 
 import contextlib
 import importlib
@@ -16,18 +16,18 @@ from swarmcensus.runs.collect import Progress
 
 LOG = logging.getLogger(__name__)
 LINE_SECONDS = 5.0  # between plain lines
-FRAME_SECONDS = 0.1  # between pictures of a bar
-SOON = 0.5  # seconds: what is over by then needs no bar in a notebook
+FRAME_SECONDS = 0.1  # between redraws of a bar
+NOTEBOOK_DELAY = 0.5  # seconds before a notebook shows a bar: shorter runs need none
 
 
 @contextlib.contextmanager
-def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
-    """A callback for `run` that shows trials done, their rate and the time left, on stderr."""
+def bar_or_lines(label: str) -> Iterator[Callable[[Progress], None]]:
+    """A callback for `run` that shows trials done, their rate and the time left: a bar on a terminal, else lines."""
     from rich.console import Console
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield _lines(label)
+        yield _plain_lines(label)
         return
     from rich.markup import escape
     from rich.progress import BarColumn, MofNCompleteColumn, TextColumn
@@ -39,7 +39,7 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
         MofNCompleteColumn(),
         TextColumn("{task.fields[unit]}  {task.fields[rate]}  {task.fields[left]}"),
     )
-    # no thread that draws it: a process with one cannot be copied, and compiling is done by copies
+    # no thread redraws it: a process with several threads cannot be forked, and compiling forks
     with Bar(*columns, console=console, transient=True, auto_refresh=False) as bar:
         task = bar.add_task(escape(label), total=None, unit="trials", rate="", left="")
         begun, drawn = time.monotonic(), -math.inf
@@ -67,28 +67,28 @@ def reporting(label: str) -> Iterator[Callable[[Progress], None]]:
 
 
 @contextlib.contextmanager
-def showing(label: str) -> Iterator[Callable[[Progress], None]]:
-    """The same for a program: a bar on a terminal or in a notebook, and elsewhere nothing."""
+def bar_or_nothing(label: str) -> Iterator[Callable[[Progress], None]]:
+    """A callback for `run` in a program: a bar on a terminal or in a notebook, and nothing elsewhere."""
     if in_notebook():
         with _notebook_bar(label) as show:
             yield show
     elif sys.stderr is not None and sys.stderr.isatty():
-        with reporting(label) as show:
+        with bar_or_lines(label) as show:
             yield show
     else:
         yield lambda _: None
 
 
 def in_notebook() -> bool:
-    """Whether this process is a notebook's."""
+    """Whether this process runs a notebook."""
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     return hasattr(shell, "kernel")
 
 
 @contextlib.contextmanager
 def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
-    """A bar under a notebook's cell, for a run that takes its time; in the end one line is left of it."""
-    display: Any = importlib.import_module("IPython.display").display  # there, for it is a notebook
+    """A bar under a notebook's cell, unless the run is short; at the end one line remains."""
+    display: Any = importlib.import_module("IPython.display").display  # a notebook always has it
     begun = time.monotonic()
     last: Progress | None = None
     handle: Any = None
@@ -105,7 +105,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
     def show(progress: Progress) -> None:
         nonlocal last
         last, elapsed = progress, time.monotonic() - begun
-        if handle is None and elapsed < SOON:
+        if handle is None and elapsed < NOTEBOOK_DELAY:
             return
         count = "{:,} of {:,}".format(*progress.steps) if progress.steps[1] > 1 else ""
         pace = ", ".join(filter(None, (progress.note, count) if progress.note else _pace(progress, elapsed)))
@@ -120,7 +120,7 @@ def _notebook_bar(label: str) -> Iterator[Callable[[Progress], None]]:
             put(f"{label}: {last.done:,} of {counted(last.total, 'trial')} in {clock(time.monotonic() - begun)}")
 
 
-def _lines(label: str) -> Callable[[Progress], None]:
+def _plain_lines(label: str) -> Callable[[Progress], None]:
     begun = last = time.monotonic()
     before = "", ""
 
@@ -148,22 +148,22 @@ def _pace(progress: Progress, elapsed: float) -> tuple[str, str]:
 
 
 @contextlib.contextmanager
-def compiling(name: str, what: str = "replay") -> Iterator[None]:
-    """Log that `name`, and for `what`, is being compiled where it is: not where it lies in the cache."""
+def log_compilation(name: str, what: str = "replay") -> Iterator[None]:
+    """Log that `name` is compiled for `what`, if it is compiled and not found in the cache."""
     from numba.core import event
 
-    class Teller(event.Listener):  # type: ignore[misc]
-        told = False
+    class Announcer(event.Listener):  # type: ignore[misc]
+        announced = False
 
         def on_start(self, event: object) -> None:
-            if not self.told:
+            if not self.announced:
                 LOG.info("compiling what %s needs for %s, once on this machine", what, name)
-            self.told = True
+            self.announced = True
 
         def on_end(self, event: object) -> None:
             pass
 
-    with event.install_listener("numba:compile", Teller()):
+    with event.install_listener("numba:compile", Announcer()):
         yield
 
 

@@ -1,4 +1,4 @@
-"""Batch systems: the TOML file that says what a job is, and the jobs that were submitted."""
+"""Batch systems: the TOML file that describes jobs, and the submitted jobs."""
 
 import contextlib
 import inspect
@@ -20,9 +20,9 @@ from swarmcensus.basics.options import option
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import read_toml
 
-GRACE_SECONDS = 30.0  # without a worker after which a job that had one has ended, and between two tries of one refused
-ASK_SECONDS = 20.0  # between questions to Slurm for why no worker comes
-NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # Dask would take port 8787 in any case
+GRACE_SECONDS = 30.0  # a job whose worker is gone for longer has ended; a refused job is submitted again after as long
+ASK_SECONDS = 20.0  # between two queries to Slurm about why no worker starts
+NO_PAGE = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}  # without the address, Dask takes port 8787
 Whole = Annotated[int, Field(strict=True, ge=1)]
 
 
@@ -32,7 +32,7 @@ SYSTEMS = {
 
 
 class Queue(BaseModel):
-    """A batch system on which workers are started as jobs, by dask-jobqueue: the keys of a cluster's TOML file."""
+    """The keys of a cluster's TOML file: a batch system on which dask-jobqueue starts workers as jobs."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -43,15 +43,15 @@ class Queue(BaseModel):
     walltime: str | None = None
     partition: str | None = None
     account: str | None = None
-    interface: str | None = None  # the network that workers and this process share, as "ib0"
-    directives: list[str] = []  # further lines of the job script's head, as "--exclusive"
-    prologue: list[str] = []  # shell commands before a worker starts, as "source ~/venv/bin/activate"
+    interface: str | None = None  # network interface that workers and this process share, such as "ib0"
+    directives: list[str] = []  # further lines at the head of the job script, such as "--exclusive"
+    prologue: list[str] = []  # shell commands before a worker starts, such as "source ~/venv/bin/activate"
     scratch: str | None = None  # a folder on each node, for what does not fit into a worker's memory
     logs: str | None = None  # a folder for what the jobs print
-    options: dict[str, str | int] = {}  # what else the system's class in dask-jobqueue takes, as disk = "1GB"
+    options: dict[str, str | int] = {}  # further arguments of the system's class in dask-jobqueue, as disk = "1GB"
 
     def start(self) -> Any:
-        """The dask-jobqueue cluster, without jobs. Raises ImportError, and ValueError for a wrong option."""
+        """The dask-jobqueue cluster, without jobs. Raises ImportError; ValueError on a wrong option."""
         import dask_jobqueue
 
         kind = getattr(dask_jobqueue, f"{SYSTEMS[self.system]}Cluster")
@@ -69,16 +69,16 @@ class Queue(BaseModel):
             "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,
             "job_extra_directives": self.directives, "job_script_prologue": self.prologue,
             "local_directory": self.scratch, "log_directory": self.logs, "job_name": "swarmcensus",
-            "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL", "job_cls": _told(kind.job_cls),
+            "scheduler_options": NO_PAGE, "silence_logs": "CRITICAL", "job_cls": _remembering_refusal(kind.job_cls),
         }  # fmt: skip
         return kind(**{k: v for k, v in common.items() if v is not None}, **named)
 
 
-def _told(job: type) -> type:
-    """A kind of job that says why it was refused, where Dask would drop the reason and wait for its workers."""
+def _remembering_refusal(job: type) -> type:
+    """A subclass of a job class that keeps why it was refused: Dask drops the reason and waits for workers."""
     from distributed.core import Status
 
-    class Told(job):  # type: ignore[misc]
+    class JobWithRefusal(job):  # type: ignore[misc]
         refusal = ""
 
         async def start(self) -> None:
@@ -92,24 +92,24 @@ def _told(job: type) -> type:
 
         async def close(self) -> None:
             await super().close()
-            self.status = Status.closed  # which Dask asserts at the end
+            self.status = Status.closed  # Dask asserts this at the end
 
-    return Told
+    return JobWithRefusal
 
 
 class Jobs:
-    """The jobs of a batch system: one that was there and has ended, as at its walltime, is submitted anew."""
+    """The jobs of a batch system: a job that ends, for example at its walltime, is submitted again."""
 
     def __init__(self, cluster: Any, queue: Queue) -> None:
-        """Submit them. Raises RuntimeError, with what the system says, where it refuses every one."""
+        """Submit all jobs. Raises RuntimeError, with the system's message, if it refuses every one."""
         self.cluster, self.queue = cluster, queue
         self._seen: dict[str, float] = {}  # when a job last had a worker, or was refused
-        self._asked = time.monotonic()
-        self._why = ""
-        self._began = False  # whether a worker ever came
-        self._ended = 0  # jobs, before that
+        self._last_query = time.monotonic()
+        self._reason = ""
+        self._began = False  # whether any worker ever started
+        self._ended = 0  # jobs that ended before that
         cluster.scale(jobs=queue.jobs)
-        while not cluster.workers:  # filled when all have an answer
+        while not cluster.workers:  # filled once the system has answered for all jobs
             time.sleep(0.05)
         refused = self._refused()
         if len(refused) == queue.jobs:
@@ -122,7 +122,7 @@ class Jobs:
             )
 
     def renew(self) -> str:
-        """Submit those that lack; returns why no worker is there, if known. Raises InputError where none can come."""
+        """Submit missing jobs. Returns why there is no worker, if known. Raises InputError if none can start."""
         there = [str(worker["name"]) for worker in self.cluster.scheduler_info["workers"].copy().values()]
         now = time.monotonic()
         jobs = self.cluster.workers.copy()
@@ -137,11 +137,11 @@ class Jobs:
         self.cluster.scale(jobs=self.queue.jobs)
         self._began |= bool(there)
         if there or self.queue.system != "slurm":
-            self._why = ""
-        elif now - self._asked > ASK_SECONDS:
-            self._asked = now
-            self._why = self._ask_slurm(jobs)
-        return next(iter(self._refused()), self._why) if not there else ""
+            self._reason = ""
+        elif now - self._last_query > ASK_SECONDS:
+            self._last_query = now
+            self._reason = self._ask_slurm(jobs)
+        return next(iter(self._refused()), self._reason) if not there else ""
 
     def _refused(self) -> list[str]:
         return [job.refusal for job in self.cluster.workers.copy().values() if job.refusal]
@@ -153,16 +153,16 @@ class Jobs:
             self.cluster.loop.add_callback(job.close)
 
     def _ask_slurm(self, jobs: dict[str, Any]) -> str:
-        """Look at jobs of which none has a worker; those that ended before one came are submitted anew."""
-        asked = ["squeue", "--me", "--noheader", "--format=%i %T, %r"]
+        """Ask why no job has a worker; jobs that ended before any worker started are submitted again."""
+        command = ["squeue", "--me", "--noheader", "--format=%i %T, %r"]
         try:
-            answer = subprocess.run(asked, capture_output=True, text=True, timeout=ASK_SECONDS)
+            answer = subprocess.run(command, capture_output=True, text=True, timeout=ASK_SECONDS)
         except (OSError, subprocess.TimeoutExpired):
             return ""
         if answer.returncode:
             return "; ".join(answer.stderr.strip().split("\n"))
-        found = dict(line.strip().split(" ", 1) for line in answer.stdout.splitlines())
-        ended = [name for name, job in jobs.items() if job.job_id and job.job_id not in found]
+        states = dict(line.strip().split(" ", 1) for line in answer.stdout.splitlines())
+        ended = [name for name, job in jobs.items() if job.job_id and job.job_id not in states]
         self._ended += len(ended)
         if self._ended >= self.queue.jobs and not self._began:
             where = f"the folder {self.queue.logs}" if self.queue.logs else "what they printed"
@@ -172,15 +172,15 @@ class Jobs:
             )
         for name in ended:
             self._replace(name)
-        states = [found[job.job_id] for job in jobs.values() if job.job_id in found]
-        return f"Slurm says {states[0].removesuffix(', None')}" if states else ""
+        current = [states[job.job_id] for job in jobs.values() if job.job_id in states]
+        return f"Slurm says {current[0].removesuffix(', None')}" if current else ""
 
 
 @contextlib.contextmanager
-def ended_politely() -> Iterator[None]:
-    """Have SIGTERM and SIGHUP do what Ctrl-C does, so that jobs are cancelled whatever ends this process.
+def interrupted_by_signals() -> Iterator[None]:
+    """Make SIGTERM and SIGHUP act like Ctrl-C, so that jobs are cancelled however this process is ended.
 
-    To import dask-jobqueue makes Ctrl-C end Python at once, with exit code 0 and work lost: that is undone.
+    Importing dask-jobqueue makes Ctrl-C end Python at once, with exit code 0 and work lost: this undoes it.
     """
     if threading.current_thread() is not threading.main_thread():
         yield
@@ -189,7 +189,7 @@ def ended_politely() -> Iterator[None]:
     before = {number: signal.getsignal(number) or signal.SIG_DFL for number in numbers}
     with contextlib.suppress(ImportError):
         import dask_jobqueue  # noqa: F401
-    for number, handler in before.items():  # nohup ignores SIGHUP, and means it
+    for number, handler in before.items():  # under nohup SIGHUP stays ignored
         ends = handler is signal.SIG_DFL or getattr(handler, "__module__", None) == "dask_jobqueue.runner"
         signal.signal(number, signal.default_int_handler if ends else handler)
     try:

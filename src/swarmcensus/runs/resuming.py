@@ -1,4 +1,4 @@
-"""What an output holds already: its finished trials are taken over, and none of them is ever lost by a run."""
+"""Resuming: a run takes over the finished trials of its output, and never loses any of them."""
 
 import contextlib
 import warnings
@@ -36,42 +36,42 @@ from swarmcensus.studies.study import Study
 
 
 def hint() -> str:
-    """What to do about results that are in the way."""
+    """What to do about existing results that a run cannot continue."""
     return f"Run with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
 
 
 def identity_of(study: Study) -> Identity:
-    """What work of a study must have in common with its other work."""
+    """What results must agree in to belong to the same run of a study."""
     measure = study.measure
-    watched = told(sources_of(measure.metrics))
-    return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth, watched)
+    metrics = told(sources_of(measure.metrics))
+    return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth, metrics)
 
 
 @dataclass
-class Holding:
-    """An output that is held against other runs, and what is to be taken over from it."""
+class HeldOutput:
+    """An output that is locked against other runs, and the results to be taken over from it."""
 
     out: Path
     study: Study
     settings: Sequence[Setting]
     parts: Parts
     say: Callable[[str], None]
-    old: xr.Dataset | None  # the output as it was, if it was there, until it is taken over
-    share: str = ""  # which part of the trials is run, as "1/4"; empty for all
-    seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor, of what is taken over
-    about: dict[str, Any] | None = None  # what the old output said of itself
-    _numbers: dict[str, int] = field(default_factory=dict)
+    old: xr.Dataset | None  # the existing output, until it is taken over
+    share: str = ""  # which part of the trials is run, such as "1/4"; empty for all
+    seconds: tuple[float, float] = (0.0, 0.0)  # wall and processor time of the results taken over
+    old_attributes: dict[str, Any] | None = None  # attributes of the existing output
+    _setting_numbers: dict[str, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        """Know settings by what they are."""
-        self._numbers = {print_: number for number, print_ in enumerate(self.parts.fingerprints)}
+        """Index settings by their fingerprints."""
+        self._setting_numbers = {print_: number for number, print_ in enumerate(self.parts.fingerprints)}
 
     def fill(self, values: Values) -> None:
-        """Put what is there into `values`, and say how much it is. Raises InputError where it does not belong here."""
+        """Put finished results into `values`, and say how many. Raises InputError if they are of another study."""
         if self.old is not None:
-            self.about = self.old.attrs
-            self._take_file(values, self.old)
-            self.old = None  # it may be large
+            self.old_attributes = self.old.attrs
+            self._take_over_file(values, self.old)
+            self.old = None  # releases its memory
         before = int(values.done().sum())
         shards = 0
         for path, shard in self.parts.found():
@@ -84,12 +84,14 @@ class Holding:
                 self.seconds[0] + shard.about["wall_seconds"],
                 self.seconds[1] + shard.about["cpu_seconds"],
             )
-            for one in shard.found:
-                place = self._place(one.setting, path)
-                self._check_trials(_end(one.first, one.columns))
-                self._check_names(one.columns, values, path)
-                values.grow(_end(one.first, one.columns))
-                values.put(place, one.first, self._of_shard(one.columns, shard.about["checkpoints"], place, path))
+            for piece in shard.found:
+                place = self._setting_number(piece.setting, path)
+                self._check_trials(_end_trial(piece.first, piece.columns))
+                self._check_names(piece.columns, values, path)
+                values.grow(_end_trial(piece.first, piece.columns))
+                values.put(
+                    place, piece.first, self._shard_columns(piece.columns, shard.about["checkpoints"], place, path)
+                )
         done = int(values.done().sum())
         if done:
             known = f"{done:,} of " * (not self.study.until)
@@ -100,8 +102,8 @@ class Holding:
             self.say(f"{self.out}: found {known}{counted(total, 'trial')}{where}")
 
     def announce(self, found: int, total: int, work: float) -> None:
-        """Say for `status` what is going to be run."""
-        self.parts.flush()  # what is counted as found is not counted again as a shard
+        """Write down for `status` what is going to be run."""
+        self.parts.flush()  # so that no trial is counted both as found and in a shard
         self.parts.announce(
             settings=len(self.settings), found=found, total=total, work=work,
             rule=self.study.until.until if self.study.until else "", share=self.share,
@@ -109,10 +111,10 @@ class Holding:
         )  # fmt: skip
 
     def finish(self, data: xr.Dataset) -> None:
-        """Write the output whole, if there is anything new; then the shards are no longer needed."""
-        old = self.about
+        """Write the whole output, if there is anything new, and remove the shards."""
+        old = self.old_attributes
         if not data.attrs["trials_done"] and self.out.exists():
-            return  # begun anew, and stopped at once
+            return  # begun anew and stopped before the first trial: the old output stays
         nothing = old is not None and not self.parts.added and not listed(self.parts.folder)
         if nothing and all(old.get(key) == data.attrs.get(key) for key in ("study", "failed")):  # type: ignore[union-attr]
             return
@@ -120,13 +122,13 @@ class Holding:
         store.save(data, self.out)
         self.parts.clear()
 
-    def _place(self, fingerprint: str, path: Path) -> int:
-        if fingerprint not in self._numbers:
+    def _setting_number(self, fingerprint: str, path: Path) -> int:
+        if fingerprint not in self._setting_numbers:
             raise InputError(
                 f"{path} holds a setting that is not in this study: has a value been taken out of the study file, or "
                 f"a brain, body, fault, edge list, image or file of another package been changed? {hint()}"
             )
-        return self._numbers[fingerprint]
+        return self._setting_numbers[fingerprint]
 
     def _check_trials(self, trials: int) -> None:
         if trials > self.study.trials:
@@ -135,18 +137,18 @@ class Holding:
                 f"{self.study.trials:,}. {hint()}"
             )
 
-    def _take_file(self, values: Values, old: xr.Dataset) -> None:
+    def _take_over_file(self, values: Values, old: xr.Dataset) -> None:
         about = {
             "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
             "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
             "truth": old.attrs.get("truth"), "metrics": told(metrics_in(old)),
         }  # fmt: skip
         self.parts.identity.check(about, str(self.out), hint())
-        if said := edited(old, self.study):
-            raise InputError(f"{self.out}: {said}. {hint()}")
+        if problem := edited(old, self.study):
+            raise InputError(f"{self.out}: {problem}. {hint()}")
         self.seconds = float(old.attrs.get("wall_seconds", 0.0)), float(old.attrs.get("cpu_seconds", 0.0))
-        ran = _has_any(old)
-        rows = np.array([self._place(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
+        ran = _has_trials(old)
+        rows = np.array([self._setting_number(str(mark), self.out) for mark in old["fingerprint"].values[ran]], np.intp)
         trials = old["trial"].values
         if trials.size == 0:
             return
@@ -159,8 +161,8 @@ class Holding:
         for name, (dims, *_) in kinds_in(old).items():
             taken = old[name].values[ran]
             if "checkpoint" in dims:
-                looked, rounds = old["checkpoint"].values, old["rounds"].values[ran]
-                taken = self._at_our_checkpoints(taken, looked, rounds, done & (name not in INTERVALS), self.out)
+                checkpoints, rounds = old["checkpoint"].values, old["rounds"].values[ran]
+                taken = self._select_checkpoints(taken, checkpoints, rounds, done & (name not in INTERVALS), self.out)
             places = {"setting": rows, "trial": trials}
             where = (places.get(d, np.arange(n)) for d, n in zip(dims, taken.shape, strict=True))
             values.arrays[name][np.ix_(*where)] = taken
@@ -173,64 +175,64 @@ class Holding:
             if name not in names and name in values.arrays and "correct" in names:
                 raise InputError(f"{path} has no {name}, which this study asks for. {hint()}")
 
-    def _of_shard(self, taken: Columns, known: list[int], place: int, path: Path) -> Columns:
-        if "correct" not in taken or known == self.study.checkpoints:
+    def _shard_columns(self, taken: Columns, checkpoints: list[int], number: int, path: Path) -> Columns:
+        if "correct" not in taken or checkpoints == self.study.checkpoints:
             return taken
-        rounds, done = np.array([self.settings[place].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
-        looked = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
-        due = {name: done & (name not in INTERVALS) for name in looked}  # which a setting's brain may not have
+        rounds, done = np.array([self.settings[number].rounds]), np.ones((1, taken["correct"].shape[1]), np.bool_)
+        names = [name for name in taken if name == "correct" or name in ESTIMATES | INTERVALS]
+        needed = {name: done & (name not in INTERVALS) for name in names}  # which a setting's brain may not have
         return taken | {
-            name: self._at_our_checkpoints(taken[name][np.newaxis], np.array(known), rounds, due[name], path)[0]
-            for name in looked
+            name: self._select_checkpoints(taken[name][np.newaxis], np.array(checkpoints), rounds, needed[name], path)[
+                0
+            ]
+            for name in names
         }
 
-    def _at_our_checkpoints(
-        self, looked: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
+    def _select_checkpoints(
+        self, stored: NDArray[Any], known: NDArray[Any], rounds: NDArray[Any], done: NDArray[np.bool_], path: Path
     ) -> NDArray[Any]:
-        """What was `looked` at, (setting, checkpoint, trial ...), at this study's checkpoints.
+        """The `stored` values (setting, checkpoint, trial ...) at this study's checkpoints, which `known` are stored.
 
-        It is missing after a setting's last round.
-
-        Raises InputError where one was not looked at in a trial that is `done`.
+        Values are missing after a setting's last round. Raises InputError if a trial that is `done` lacks a checkpoint.
         """
-        ours = np.array(self.study.checkpoints)
-        taken = np.full((len(looked), ours.size, *looked.shape[2:]), np.nan)
-        taken[:, np.isin(ours, known)] = looked[:, np.isin(known, ours)]
-        reached = (ours <= rounds[:, np.newaxis])[:, :, np.newaxis]
-        first = taken if taken.ndim == 3 else taken[..., 0]  # of the robots, if it is of each
+        wanted = np.array(self.study.checkpoints)
+        taken = np.full((len(stored), wanted.size, *stored.shape[2:]), np.nan)
+        taken[:, np.isin(wanted, known)] = stored[:, np.isin(known, wanted)]
+        reached = (wanted <= rounds[:, np.newaxis])[:, :, np.newaxis]
+        first = taken if taken.ndim == 3 else taken[..., 0]  # the first robot's, if there is one value per robot
         lacking = np.flatnonzero((np.isnan(first) & reached & done[:, np.newaxis]).any(axis=(0, 2)))
         if lacking.size:
             raise InputError(
-                f"{path} has no decisions at round {ours[lacking[0]]}, which is a checkpoint of this study: name in "
+                f"{path} has no decisions at round {wanted[lacking[0]]}, which is a checkpoint of this study: name in "
                 f"measure.checkpoints those that it has ({', '.join(map(str, known.tolist()))}). {hint()}"
             )
         return taken
 
 
-def _has_any(data: xr.Dataset) -> NDArray[np.bool_]:
-    """Settings of which any trial is done: the others hold nothing, as those of a brain that failed and was mended."""
+def _has_trials(data: xr.Dataset) -> NDArray[np.bool_]:
+    """Settings with any finished trial, (setting,): others may be of a brain that failed and has been changed since."""
     names = ("convergence_round", "local_convergence_step")
     return np.asarray(np.any([(data[n].values[:, :, 0] != MISSING).any(axis=1) for n in names if n in data], axis=0))
 
 
-def _end(first: int, taken: Columns) -> int:
+def _end_trial(first: int, taken: Columns) -> int:
     name = "local_convergence_step" if "local_convergence_step" in taken else "convergence_round"
     return first + len(taken[name])
 
 
 @contextlib.contextmanager
-def hold(
+def hold_output(
     out: Path,
     study: Study,
     settings: Sequence[Setting],
     fingerprints: Sequence[str],
     fresh: bool,
     say: Callable[[str], None],
-) -> Iterator[Holding]:
-    """Hold an output as long as the block lasts; where that fails, what was finished stays in its shards.
+) -> Iterator[HeldOutput]:
+    """Lock an output for the block; if the block fails, finished results stay in shards.
 
-    Raises InputError where another run holds it, or where it is damaged or of another study; with `fresh`, what is
-    there is left aside, also by the runs that go on after this one was cut off.
+    With `fresh`, existing results are ignored, also by runs that continue this one after it was cut off. Raises
+    InputError if another run has locked the output, or if it is damaged or of another study.
     """
     check_writable(out)
     with Parts(out, identity_of(study), study.checkpoints, fingerprints) as parts:
@@ -242,10 +244,10 @@ def hold(
                 old = store.load(out)
             except InputError as error:
                 raise InputError(f"{error}. {hint()}") from None
-        holding = Holding(out, study, settings, parts, say, old)
+        output = HeldOutput(out, study, settings, parts, say, old)
         del old
         try:
-            yield holding
+            yield output
         except BaseException:
             with contextlib.suppress(InputError):
                 parts.flush()

@@ -1,4 +1,4 @@
-"""How far a study is: read from its output and from the shards beside it, while it runs or after it was cut off."""
+"""The progress of a study, from its output and the shards beside it, while it runs or after it was cut off."""
 
 import json
 import time
@@ -21,23 +21,23 @@ GOES_ON = "the same swarmcensus run goes on from here"
 
 @dataclass(frozen=True)
 class Status:
-    """How far a study is."""
+    """The progress of a study."""
 
     study: str
     settings: int
     done: int  # trials
     total: int
-    running: str = ""  # by whom; empty where no run is at work
-    seconds_left: float | None = None  # of a run that is at work; None where that cannot be said
+    running: str = ""  # the process that runs it; empty if none does
+    seconds_left: float | None = None  # of the running process; None if unknown
     damaged: list[Path] = field(default_factory=list)
     failed: int = 0
-    rule: str = ""  # trials are still added until it holds
-    share: str = ""  # how far the share of a machine is, where it ran no more
-    goes_on: str = ""  # how, where it is neither running nor done
+    rule: str = ""  # the rule until which trials are still added
+    share: str = ""  # the progress of a machine's share
+    goes_on: str = ""  # how to continue, if the study is neither running nor done
 
     @property
-    def told(self) -> dict[str, Any]:
-        """The same as JSON takes it, by the names that a summary has for it."""
+    def as_dict(self) -> dict[str, Any]:
+        """The status as plain data, by the names that a summary uses."""
         return {
             "title": self.study, "settings_total": self.settings, "trials_done": self.done, "trials_total": self.total,
             "trials_failed": self.failed, "running": self.running or None, "seconds_left": self.seconds_left,
@@ -47,7 +47,7 @@ class Status:
 
     @property
     def lines(self) -> list[str]:
-        """The same in words."""
+        """The status in sentences."""
         part = f" ({100 * self.done / self.total:.1f} %)" if self.total and not self.rule else ""
         trials = counted(self.done, "trial") if self.rule else f"{self.done:,} of {counted(self.total, 'trial')}"
         out = [f"{self.study}: {counted(self.settings, 'setting')}; {trials} done{part}"]
@@ -67,13 +67,13 @@ class Status:
 
 
 def status(out: str | Path) -> Status:
-    """How far the study is that writes `out`. Raises InputError where there is nothing of it."""
+    """The progress of the study that writes `out`. Raises InputError if there are no results and no run."""
     out = Path(out)
     if out.is_dir():
         raise InputError(f"results file {out}: it is a folder")
     folder = shards.folder_of(out)
     if (folder / "run.json").is_file():
-        return _of_run(out, folder)
+        return _status_of_run(out, folder)
     if not out.is_file():
         raise InputError(f"{out}: there is no such file, and no run that writes it")
     data = load(out)
@@ -85,9 +85,9 @@ def status(out: str | Path) -> Status:
         which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
         goes_on = f"swarmcensus run of {which}, with --out {out}, goes on from here"
     elif "share" in data.attrs and goes_on:
-        tried, wanted = _of_share(data)
-        share = f"share {data.attrs['share']}: {tried:,} of its {counted(wanted, 'trial')} done"
-        if tried == wanted:
+        finished_count, wanted = _share_progress(data)
+        share = f"share {data.attrs['share']}: {finished_count:,} of its {counted(wanted, 'trial')} done"
+        if finished_count == wanted:
             goes_on = "this share is done, swarmcensus merge puts it together with the others"
     return Status(
         str(data.attrs["title"]), data.sizes["setting"], done, total, failed=failed, rule=rule, share=share,
@@ -95,15 +95,15 @@ def status(out: str | Path) -> Status:
     )  # fmt: skip
 
 
-def _of_share(data: xr.Dataset) -> tuple[int, int]:
-    """How many trials of a machine's share there are, and how many it has."""
+def _share_progress(data: xr.Dataset) -> tuple[int, int]:
+    """How many trials of a machine's share are finished, and how many it has."""
     k, n = map(int, data.attrs["share"].split("/"))
     trials = int(data.attrs["trials_total"]) // data.sizes["setting"]
-    mine = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
-    return int(finished(data)[:, mine].sum()), int(mine.sum()) * data.sizes["setting"]
+    in_share = np.isin(data["trial"].values, np.arange(trials)[trials * (k - 1) // n : trials * k // n])
+    return int(finished(data)[:, in_share].sum()), int(in_share.sum()) * data.sizes["setting"]
 
 
-def _of_run(out: Path, folder: Path) -> Status:
+def _status_of_run(out: Path, folder: Path) -> Status:
     try:
         about = json.loads((folder / "run.json").read_text(encoding="utf-8"))
         found, total = int(about["found"]), int(about["total"])
@@ -118,7 +118,7 @@ def _of_run(out: Path, folder: Path) -> Status:
         if shard is None:
             damaged.append(path)
         elif path.name not in before:
-            found += sum(len(one.columns["convergence_round"]) for one in shard.found if not one.local)
+            found += sum(len(piece.columns["convergence_round"]) for piece in shard.found if not piece.local)
             wall += shard.about["wall_seconds"]
             worked += shard.about["work"]
     running = holder if shards.is_busy(folder) else ""

@@ -1,4 +1,4 @@
-"""What a study's work is cut into: tasks, bundled so that none is too short to be worth handing out."""
+"""Cuts a study into tasks, bundles short ones, and runs bundles."""
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -29,17 +29,17 @@ from swarmcensus.simulation.watches import MetricFails
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-RIDERS_BYTES = 256_000_000  # of curves that the minds on one walk may fill
-EARLY = 10  # of so many trials of a setting, one is run before those of others go on: for an early picture
-WORTH = 5e-3  # seconds of a setting from which that is worth its cost, of a tenth of a millisecond
+RIDE_BYTES = 256_000_000  # most memory for the curves of all minds on one trajectory
+EARLY_ONE_IN = 10  # one in so many trials of each setting is run first: a run that is cut off covers all settings
+EARLY_SECONDS = 5e-3  # a setting that takes less is not split for that: one more task costs 0.1 ms
 
 
 @dataclass(frozen=True)
 class Task:
     """Some trials of one setting, or of several at once.
 
-    A local task serves every setting whose robots see the same; a ride is one trial of settings that share
-    its walk.
+    A "batch" is of one setting. A "local" task computes local estimates for all settings whose robots observe the
+    same. A "ride" is one trial of all settings that share its trajectories.
     """
 
     kind: Literal["batch", "local", "ride"]
@@ -79,33 +79,35 @@ def metrics_of(study: Study) -> Metrics:
     )
 
 
-def plan(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> list[Task]:
-    """The tasks for all trials that are `wanted`, each of about so many seconds at the most.
+def plan_tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> list[Task]:
+    """The tasks for all trials that are `wanted`, each of at most about `seconds`.
 
-    Some trials of every setting come before more of any: a run that is cut off has a picture of the whole study.
-    `local` is what is wanted of local estimates.
+    Some trials of every setting come first, so that a run that is cut off covers the whole study. `local` marks the
+    trials whose local estimates are wanted.
     """
-    return sorted(_tasks(settings, wanted, local, seconds), key=lambda task: task.first)
+    return sorted(_tasks_by_kind(settings, wanted, local, seconds), key=lambda task: task.first)
 
 
-def _tasks(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
-    # nearly always all of them: to look at each setting costs as much as a tiny trial
+def _tasks_by_kind(settings: Sequence[Setting], wanted: Wanted, local: Wanted | None, seconds: float) -> Iterator[Task]:
+    # nearly always all trials are wanted, and finding spans setting by setting costs as much as a tiny trial
     every = [bool(row) for row in np.atleast_1d(wanted.all(axis=1))]
     for number, setting in enumerate(settings):
         if setting.body is None:
-            stretches = [(0, wanted.shape[1])] if every[number] else _stretches(wanted[number])
-            yield from _split("batch", (number,), setting, stretches, seconds)
+            spans = [(0, wanted.shape[1])] if every[number] else _spans(wanted[number])
+            yield from _split("batch", (number,), setting, spans, seconds)
     if local is not None:
-        for numbers in _alike(settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0, delay=0)):
+        for numbers in _group_by(
+            settings, lambda s: replace(s, topology=settings[0].topology, link_success=1.0, delay=0)
+        ):
             lacking = np.asarray(local[list(numbers)].any(axis=0))
-            yield from _split("local", numbers, settings[numbers[0]], _stretches(lacking), seconds)
-    for numbers in _alike(settings, lambda s: s.walk_group if s.body else None):
+            yield from _split("local", numbers, settings[numbers[0]], _spans(lacking), seconds)
+    for numbers in _group_by(settings, lambda s: s.walk_group if s.body else None):
         if settings[numbers[0]].body is not None:
             yield from _rides(numbers, settings, wanted)
 
 
-def bundled(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
-    """The same tasks, in order, as bundles of about so many seconds."""
+def bundle_tasks(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
+    """Tasks, in order, as bundles of about `seconds` each."""
     bundle: list[Task] = []
     cost = 0.0
     for task in tasks:
@@ -120,23 +122,23 @@ def bundled(tasks: Iterable[Task], seconds: float) -> Iterator[Bundle]:
 
 def _rides(numbers: tuple[int, ...], settings: Sequence[Setting], wanted: Wanted) -> Iterator[Task]:
     first = settings[numbers[0]]
-    some = max(1, RIDERS_BYTES // (8 * first.robots * first.rounds))
+    most = max(1, RIDE_BYTES // (8 * first.robots * first.rounds))
     for trial in range(wanted.shape[1]):
         riding = [n for n in numbers if wanted[n, trial]]
-        for k in range(0, len(riding), some):
-            riders = tuple(riding[k : k + some])
+        for k in range(0, len(riding), most):
+            riders = tuple(riding[k : k + most])
             yield Task("ride", riders, trial, 1, walk_seconds(first) + len(riders) * seconds(first))
 
 
-def _alike(settings: Sequence[Setting], content: Callable[[Setting], object]) -> list[tuple[int, ...]]:
+def _group_by(settings: Sequence[Setting], content: Callable[[Setting], object]) -> list[tuple[int, ...]]:
     groups: dict[object, list[int]] = {}
     for number, setting in enumerate(settings):
         groups.setdefault(content(setting), []).append(number)
     return [tuple(numbers) for numbers in groups.values()]
 
 
-def _stretches(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """The runs of trials that are wanted, each from its first to after its last."""
+def _spans(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Ranges of consecutive wanted trials: (first, last + 1) of each."""
     edges = np.flatnonzero(np.diff(wanted, prepend=False, append=False)).tolist()
     return list(zip(edges[::2], edges[1::2], strict=True))
 
@@ -145,13 +147,13 @@ def _split(
     kind: Literal["batch", "local"],
     numbers: tuple[int, ...],
     setting: Setting,
-    stretches: Sequence[tuple[int, int]],
-    long: float,
+    spans: Sequence[tuple[int, int]],
+    limit: float,
 ) -> Iterator[Task]:
     cost = seconds(setting, kind == "local")
-    size = max(1, int(long / cost))
-    for begin, end in stretches:
-        early = -(-(end - begin) // EARLY) if cost * (end - begin) >= WORTH else 0
+    size = max(1, int(limit / cost))
+    for begin, end in spans:
+        early = -(-(end - begin) // EARLY_ONE_IN) if cost * (end - begin) >= EARLY_SECONDS else 0
         first = begin
         while first < end:
             count = min(size, end - first, early or size)
@@ -167,9 +169,9 @@ def run_bundle(
     stop: NDArray[np.uint8],
     threads: int = 1,
 ) -> Outcome:
-    """Run tasks one after another, as far as `stop` (uint8, shape (1,)) stays 0; a trial that fails, fails alone.
+    """Run tasks one after another, while `stop` (uint8, shape (1,)) is 0; a failing trial does not affect others.
 
-    So many `threads` do this at once and share the memory.
+    `threads` is how many threads do this at once and share the memory.
     """
     outcome: Outcome = []
     for task in bundle:
@@ -178,20 +180,21 @@ def run_bundle(
         try:
             outcome += _run(settings, seed, task, metrics, stop, threads)
         except InputError as error:
-            parts = _parts(task)
-            if len(parts) == 1:
-                known = {one.setting for one in outcome if isinstance(one, Failure)}
+            singles = _single_trials(task)
+            if len(singles) == 1:
+                failed_settings = {entry.setting for entry in outcome if isinstance(entry, Failure)}
                 first = task.settings[0]
-                told = first in known or isinstance(error, MetricFails)  # one line a setting: CPython is slow
-                where = "" if told else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
-                outcome += [Failure(n, task.first, f"{error}{where}") for n in task.settings]
+                # once per setting: it runs the brain in CPython, which is slow
+                located = first in failed_settings or isinstance(error, MetricFails)
+                location = "" if located else line_of_failure(settings[first], seed, task.first, metrics.checkpoints)
+                outcome += [Failure(n, task.first, f"{error}{location}") for n in task.settings]
             else:
-                outcome += run_bundle(settings, seed, tuple(parts), metrics, stop, threads)
+                outcome += run_bundle(settings, seed, tuple(singles), metrics, stop, threads)
     return outcome
 
 
-def _parts(task: Task) -> list[Task]:
-    """The same trial by trial, and a ride also mind by mind."""
+def _single_trials(task: Task) -> list[Task]:
+    """A task cut into single trials, and a ride also into single settings."""
     together = [(n,) for n in task.settings] if task.kind == "ride" else [task.settings]
     trials = range(task.first, task.first + task.trials)
     share = task.cost / (len(together) * task.trials)
@@ -211,59 +214,59 @@ def _run(
     local = task.kind == "local"
     pieces = []
     for number, batch in zip(task.settings, batches or [], strict=bool(batches)):
-        # a sum costs half of a look at each number, and is finite but where one is not, or is beyond all reason
+        # summing is twice as fast as testing each number; a sum is infinite if a number is, or is absurdly large
         if not math.isfinite(batch.error.sum() + batch.final.sum()) or (batch.kept is not None and not local):
             setting, kept = settings[number], batch.kept
-            looked = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
-            if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *looked)):
-                what = ArithmeticError(NOT_FINITE)
-                raise blame(setting, task.first, task.trials, what)
+            at_checkpoints = [] if kept is None or local else [kept[np.array(metrics.checkpoints) <= setting.rounds]]
+            if not all(np.isfinite(numbers).all() for numbers in (batch.error, batch.final, *at_checkpoints)):
+                error = ArithmeticError(NOT_FINITE)
+                raise blame(setting, task.first, task.trials, error)
         pieces.append(Piece(number, task.first, columns(batch, local, metrics), local))
     return pieces
 
 
 def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
-    """What came of some trials, by the variables' names; without the dimension `setting`.
+    """The results of some trials by variable, without the dimension `setting`.
 
-    Variables of decisions are there if any brain of the study decides, NaN of one that does not; those of intervals
-    likewise.
+    Variables of decisions exist if any brain of the study decides, and are NaN for brains that do not; likewise for
+    intervals.
     """
     if local:
         return {
             "local_convergence_step": batch.convergence.astype(np.int32),
             "local_convergence_error": batch.error,
         }
-    filled, sure = batch.true_fill_ratio, batch.intervals
+    fill_ratios, intervals = batch.true_fill_ratio, batch.intervals
     kept = {} if batch.kept is None else {"estimates": batch.kept}
     return (
         batch.watched
         | kept
-        | _decided(batch, metrics)
-        | ({"coverage": sure[COVERAGE], "interval_width": sure[WIDTH]} if metrics.intervals else {})
+        | _decision_columns(batch, metrics)
+        | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})
         | {
             "convergence_round": batch.convergence.astype(np.int32),
             "convergence_error": batch.error,
             "final_estimate": batch.final,
             "correct": batch.correct,
-            "true_fill_ratio": np.full(len(batch.final), np.nan) if filled is None else filled,
+            "true_fill_ratio": np.full(len(batch.final), np.nan) if fill_ratios is None else fill_ratios,
             "messages_sent": batch.counts[:, SENT].astype(np.float64),
             "messages_heard": batch.counts[:, HEARD].astype(np.float64),
         }
     )
 
 
-def _decided(batch: Batch, metrics: Metrics) -> Columns:
+def _decision_columns(batch: Batch, metrics: Metrics) -> Columns:
     """What robots decided, and when they were done."""
     verdicts = batch.verdicts
     if not verdicts.size and (metrics.decides or metrics.ends):
         verdicts = np.full((*batch.final.shape, VERDICTS), np.nan)
-    found: Columns = {}
+    out: Columns = {}
     if metrics.decides:
         places = {"decision": DECISION, "decision_round": DECIDED_IN, "decision_change": CHANGED}
-        no_one = np.isnan(batch.consensus[:, :1])  # decides, and somebody may yet be done
-        found |= {name: np.where(no_one, np.nan, verdicts[..., place]) for name, place in places.items()}
+        undecided = np.isnan(batch.consensus[:, :1])  # nobody decides, though robots may be done
+        out |= {name: np.where(undecided, np.nan, verdicts[..., place]) for name, place in places.items()}
         names = ("consensus", "consensus_round", "consensus_right", "right_option")
-        found |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
+        out |= {name: batch.consensus[:, k] for k, name in enumerate(names)}
     if metrics.ends:
-        found |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}
-    return found
+        out |= {"done_round": verdicts[..., DONE_IN], "done_estimate": verdicts[..., DONE_ESTIMATE]}
+    return out

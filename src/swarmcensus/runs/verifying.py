@@ -1,4 +1,4 @@
-"""Whether results are what they say: labels are held against the study, trials run again and compared bit for bit."""
+"""Verifies results: compares labels with the study, and runs trials again to compare them bit for bit."""
 
 import math
 import warnings
@@ -35,13 +35,15 @@ from swarmcensus.runs.running import half_width, recompute
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-COUNTED = ("additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished",
-           "wall_seconds", "cpu_seconds")  # fmt: skip
+RUN_ATTRIBUTES = (  # attributes that tell of the run, and not of the study
+    "additions", "trials_done", "trials_total", "failed", "share", "merged", "started", "finished", "wall_seconds",
+    "cpu_seconds",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A trial that did not come out as stored."""
+    """A stored number of a trial that differs when the trial is run again."""
 
     setting: int
     trial: int
@@ -59,10 +61,10 @@ class Difference:
 
 @dataclass(frozen=True)
 class Verification:
-    """What came of it: how many trials were run again, of how many, and the first difference of each that differs.
+    """How many trials were run again (`checked`) of how many (`stored`), and the first difference of each trial.
 
-    `labels` are sentences on what else the results say otherwise than their study; `notes` on what is no fault, but
-    should be known; `unchecked` are phrases on what was compared with nothing, and why.
+    `labels` are sentences about labels that do not match the study; `notes` are about what is no fault, but should be
+    known; `unchecked` are phrases about what could not be compared, and why.
     """
 
     checked: int
@@ -82,18 +84,18 @@ def verify(
     jobs: int | None = None,
     progress: Callable[[Progress], None] | None = None,
 ) -> Verification:
-    """Run a random share `sample` of the trials in results again, at least one, and compare all that was measured.
+    """Run a random share `sample` of the stored trials again, at least one, and compare all measurements.
 
-    With sample=1 all are. `seed` makes the choice the same each time. Brains that are not shipped must be given, or
-    found: see `origins`. What results say beside their numbers is compared in any case. Raises InputError.
+    With sample=1 all trials are run again. With a `seed` the choice is the same each time. Brains that do not ship must
+    be given as `brain`. Labels and attributes are always compared with the study. Raises InputError.
     """
     if not 0.0 < sample <= 1.0:
-        raise InputError(f"sample = {sample:g}: should be a share above 0, and 1 at the most")
+        raise InputError(f"sample = {sample:g}: should be a share above 0, and at most 1")
     data = results if isinstance(results, xr.Dataset) else load(results)
     if wrong := structure.wrong(data):
         raise InputError(f"damaged or changed: {wrong}")
     studies = studies_of(data, brain)
-    labels = [*unlike(data, studies), *_ended(data, studies)]
+    labels = [*unlike(data, studies), *_rule_problems(data, studies)]
     tried = data.variables["convergence_round"].values[:, :, 0] != MISSING
     if not tried.any():
         raise InputError("these results hold no finished trial")
@@ -105,15 +107,15 @@ def verify(
     wanted = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     wanted[chosen[:, 0], chosen[:, 1]] = True
     differences: list[Difference] = []
-    left = np.asarray(wanted.any(axis=1))
+    unmatched = np.asarray(wanted.any(axis=1))
     watched = list({metric.variable: metric for study in studies for metric in study.measure.metrics}.values())
-    for study in (_looking(data, study, watched) for study in studies):
-        places, settings = _ours(data, study, left)
+    for study in (_measuring_all_stored(data, study, watched) for study in studies):
+        places, settings = _settings_in(data, study, unmatched)
         if settings:
             metrics_may_run(study, brain)
-            left[places] = False
+            unmatched[places] = False
             differences += _compare(data, study, places, settings, wanted[places], jobs, progress)
-    wanted[left] = False  # of no setting of these studies, as the labels say
+    wanted[unmatched] = False  # these settings are of none of the studies, as `labels` say
     differences.sort(key=lambda d: (d.setting, d.trial))
     notes = list(_notes(data, studies))
     return Verification(int(wanted.sum()), len(done), differences, labels, notes, unchecked(data))
@@ -128,13 +130,13 @@ def _notes(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
         failed = len(structure.failures(data))
         failures = f", {failed:,} failed" if failed else ""
         yield f"{total - done:,} of {counted(total, 'trial')} are not in the file{failures}"
-    own = {*COUNTED}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
-    for name in sorted({*data.attrs} - own):
+    known = {*RUN_ATTRIBUTES}.union(*map(provenance, studies))  # only some of merged studies may have adversaries
+    for name in sorted({*data.attrs} - known):
         yield f"the attribute {name} is not of a run"
 
 
-def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
-    """Where results say that no trial is to come: what their rules ask for and is not there, and what they came to."""
+def _rule_problems(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
+    """Sentences about trials that are missing although the run ended, and about half-widths that do not match."""
     failed = np.zeros(data["convergence_round"].shape[:2], np.bool_)
     rows, columns = ({n: k for k, n in enumerate(data.variables[d].values.tolist())} for d in ("setting", "trial"))
     for setting, trial in structure.failures(data):
@@ -143,58 +145,60 @@ def _ended(data: xr.Dataset, studies: Sequence[Study]) -> Iterator[str]:
     ended = data.attrs["trials_done"] + failed.sum() == data.attrs["trials_total"]
     for study in studies:
         if not {*study.checkpoints} <= {*data.variables["checkpoint"].values.tolist()}:
-            continue  # which is told already
+            continue  # `unlike` reports this
         if "merged" in data.attrs:
             values = Values.of(data.sel(checkpoint=study.checkpoints))
-        ours = settings_of(study)
+        fingerprints = settings_of(study)
         for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
-            if mark not in ours:
+            if mark not in fingerprints:
                 continue
             number = data.variables["setting"].values[k]
-            found, lacking = _stages(study, values, k, failed[k])
+            widths, lacking = _rule_widths(study, values, k, failed[k])
             if ended and lacking:
                 yield f"setting {number}: of its {counted(lacking, 'trial')} some are missing, and none is said to be"
             if "half_width" not in data or data.variables["half_width"].dims != ("setting",) or study.until is None:
                 continue
-            said = data.variables["half_width"].values[k].item()
+            stored = data.variables["half_width"].values[k].item()
             whole = ended and not failed[k].any()
-            if not same_bits(np.array(said), np.array(found[-1:] if whole else found)).any():
-                yield f"setting {number}: half_width is {said!r} in the file, and {found[-1]!r} of its trials"
+            if not same_bits(np.array(stored), np.array(widths[-1:] if whole else widths)).any():
+                yield f"setting {number}: half_width is {stored!r} in the file, and {widths[-1]!r} of its trials"
 
 
-def _stages(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
-    """What a rule's half width was at each look, as far as there are trials, and how many more trials it asks for.
+def _rule_widths(study: Study, values: Values, k: int, failed: NDArray[np.bool_]) -> tuple[list[float], int]:
+    """A rule's half-width after each finished stage, NaN before the first, and the size of the unfinished stage, or 0.
 
-    The latter is the number of trials of the stage that was not ended, or 0.
+    `k` is the place of a setting in `values`; `failed` marks its failed trials.
     """
-    found = [math.nan]
+    widths = [math.nan]
     tried = values.done()[k] | failed
     for trials in study.stages():
         if trials > tried.size or not tried[:trials].all():
-            return found, trials
+            return widths, trials
         if failed[:trials].any():
-            return found, 0  # no rule is asked any more
+            return widths, 0  # a failed trial ends the stages
         if study.until is not None:
-            found.append(half_width(study, values, k, trials))
-            if study.until.holds(found[-1]):
+            widths.append(half_width(study, values, k, trials))
+            if study.until.holds(widths[-1]):
                 break
-    return found, 0
+    return widths, 0
 
 
-def _looking(data: xr.Dataset, study: Study, watched: list[Metric]) -> Study:
-    """The same study, measuring what a dataset holds: merged results have what all their studies measure."""
+def _measuring_all_stored(data: xr.Dataset, study: Study, watched: list[Metric]) -> Study:
+    """The study, measuring all that a dataset stores: merged results have the measurements of all their studies."""
     longest = max(setting.rounds for setting in study.settings())
-    looked = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
+    checkpoints = [c for c in data.variables["checkpoint"].values.tolist() if c <= longest] or [longest]
     own = {k: v for k, v in study.measure if v is not None}
-    all_of_it = {"checkpoints": looked, "estimates": "estimates" in data, "metrics": watched}
+    all_of_it = {"checkpoints": checkpoints, "estimates": "estimates" in data, "metrics": watched}
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # of the same study once more
+        warnings.simplefilter("ignore", UserWarning)  # they were shown when the study was read
         return study.with_(measure=own | all_of_it)
 
 
-def _ours(data: xr.Dataset, study: Study, left: NDArray[np.bool_]) -> tuple[NDArray[np.intp], list[Setting]]:
-    """The places in a dataset of settings that are of a study, of those that are `left`, and these settings."""
-    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if left[k]}
+def _settings_in(
+    data: xr.Dataset, study: Study, unmatched: NDArray[np.bool_]
+) -> tuple[NDArray[np.intp], list[Setting]]:
+    """The unmatched settings of a dataset that are of this study: their places in the dataset, and the settings."""
+    marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if unmatched[k]}
     found = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
     for setting in found.values():
         must_be_read(setting)
@@ -224,29 +228,29 @@ def _compare(
         others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
         stored = data.variables[name].values[places]
         if name in again.arrays:
-            found = _fitted(again.arrays[name], dims, trials, known, data.sizes["robot"])
-        else:  # of brains that this one of merged studies has none of
+            found = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
+        else:  # merged results: this study has no brain with such a variable
             found = np.full(stored.shape, blank(stored.dtype), stored.dtype)
         differ, there = ~same_bits(stored, found), ~is_missing(stored)
-        due = wanted
-        # what some of merged studies do not ask for is there of no trial or all: `unlike` tells
+        expected = wanted
+        # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
         if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
-            due = due & there.any(axis=others)
-        if merged and "checkpoint" in dims:  # nor these checkpoints
+            expected = expected & there.any(axis=others)
+        if merged and "checkpoint" in dims:  # this study may not have all checkpoints either
             differ &= there
-        for row, column in np.argwhere(differ.any(axis=others) & due).tolist():
+        for row, column in np.argwhere(differ.any(axis=others) & expected).tolist():
             number, trial = int(data.variables["setting"].values[places[row]]), int(trials[column])
-            one = {"setting": row, "trial": column}
-            at = tuple(one.get(d, slice(None)) for d in dims)
+            position = {"setting": row, "trial": column}
+            at = tuple(position.get(d, slice(None)) for d in dims)
             values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
             out.setdefault((number, trial), Difference(number, trial, name, *values))
     return list(out.values())
 
 
-def _fitted(
+def _in_shape_of(
     array: NDArray[Any], dims: tuple[str, ...], trials: NDArray[Any], known: list[int], robots: int
 ) -> NDArray[Any]:
-    """A variable as a dataset of other sizes holds it; `known` are the places of its checkpoints, or -1."""
+    """A variable in the shape of a dataset; `known` are the places of the dataset's checkpoints in it, or -1."""
     array = array.take(trials, dims.index("trial"))
     if "checkpoint" in dims:
         array = array[:, known]

@@ -14,8 +14,8 @@ from swarmcensus.results import store
 from swarmcensus.results.measures import OURS, Measure, chosen, inputs_of, lacks, numbers
 from swarmcensus.results.values import LOCAL, Values
 from swarmcensus.runs import pools
-from swarmcensus.runs.collect import Progress, State, work
-from swarmcensus.runs.tasks import bundled, plan
+from swarmcensus.runs.collect import Progress, State, run_bundles
+from swarmcensus.runs.tasks import bundle_tasks, plan_tasks
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
@@ -62,7 +62,7 @@ class Training:
         """The predicted seconds of a candidate on one core."""
         every = np.ones((len(self.worlds), self.trials), np.bool_)
         local = every if self.local else None
-        return sum(task.cost for task in plan(self.worlds, every, local, pools.BUNDLE_SECONDS))
+        return sum(task.cost for task in plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS))
 
     def run(self, brains: Sequence[Brain], seed: int, keep: Keep, show: Callable[[Progress], None]) -> list[str]:
         """Run all candidates on the same trials, and `keep` the numbers of each as soon as it is through, in order.
@@ -75,7 +75,7 @@ class Training:
         settings = [replace(world, brain=brain) for brain in brains for world in self.worlds]
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
-        tasks = plan(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
+        tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
         tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate through, then the next
         kept = 0
 
@@ -93,7 +93,7 @@ class Training:
         state.total, state.work_total = wanted.size, sum(task.cost for task in tasks)
         pool = pools.Threads(self._executor, self.jobs, seeded, settings)
         try:
-            stopped = work(state, bundled(tasks, pools.BUNDLE_SECONDS), pool)
+            stopped = run_bundles(state, bundle_tasks(tasks, pools.BUNDLE_SECONDS), pool)
         except BaseException:
             pool.halt()
             raise

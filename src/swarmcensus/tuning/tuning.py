@@ -46,7 +46,7 @@ class Tuned:
         return self.evidence.verdict
 
     @property
-    def told(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """What came of it as plain data: values before and after, the verdict, and the comparison pair by pair."""
         found = self.evidence.comparison
         return {
@@ -91,7 +91,7 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     show = progress or (lambda _: None)
-    jobs, search = pools.threads(jobs), search_of(plan)
+    jobs, search = pools.thread_count(jobs), search_of(plan)
     with (
         Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], plan.losses, fresh) as log,
         Training(study, plan.worlds, plan.measures, trials, jobs) as training,
