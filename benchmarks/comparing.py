@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy import stats
 
-from swarmcensus.comparing.pair_tests import Asked, contests
+from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.statistics.bootstrap import intervals
 from swarmcensus.statistics.intervals import share_interval
 from swarmcensus.statistics.signed_ranks import signed_ranks
@@ -48,7 +48,7 @@ def alarms(console, tables, seed):
                 random, hits = np.random.default_rng([seed, trials]), 0
                 for _ in range(tables):
                     drawn = numbers(random, kind, measures, worlds, contenders, trials)
-                    found = contests([Asked(one, statistic) for one in drawn], with_intervals=False)
+                    found = contests([ContestInput(one, statistic) for one in drawn], with_intervals=False)
                     hits += any(one.apart.any() or one.duels_apart.any() for one in found)
                 share, low, high = share_interval(hits, tables)
                 cells.append(f"{100 * share:.1f} [{100 * low:.1f}, {100 * high:.1f}]")
@@ -119,9 +119,9 @@ def speed(console, seed):
     random = np.random.default_rng(seed)
     shape = 4000, 5, 30
     drawn = [
-        Asked(random.normal(size=shape), "median"),
-        Asked(np.rint(np.exp(random.normal(5, 0.5, shape)) * 2) / 2, "median"),
-        Asked(random.binomial(100, 0.95, shape) / 100, "mean", False, True),
+        ContestInput(random.normal(size=shape), "median"),
+        ContestInput(np.rint(np.exp(random.normal(5, 0.5, shape)) * 2) / 2, "median"),
+        ContestInput(random.binomial(100, 0.95, shape) / 100, "mean", False, True),
     ]
     begun = time.perf_counter()
     found = contests(drawn)

@@ -16,7 +16,7 @@ import swarmcensus as sc
 from swarmcensus import brains, theory
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.explaining.exact_errors import exact, prior_pull
+from swarmcensus.explaining.exact_errors import exact_errors, prior_pull
 
 ROOT = Path(__file__).parents[1]
 TEN = {"rounds": 30, "observations_per_round": 10}
@@ -141,8 +141,8 @@ LONG = pytest.mark.long, pytest.mark.interpreted
 @pytest.mark.parametrize(
     ("brain", "tables", "why"),
     [
-        pytest.param("swift", {}, "no closed form is known of swift", marks=LONG),
-        ("minimalistic", {}, "of what minimalistic makes of what it hears"),
+        pytest.param("swift", {}, "no closed form is known for swift", marks=LONG),
+        ("minimalistic", {}, "no closed form is known for minimalistic's use of messages"),
         ("commons", {"world": {"topology": "ring", "fill_ratio": 0.55, "link_success": 0.5}}, "messages are lost"),
         ("commons", {"assumed_accuracy": 0.7}, "robots are wrong about their sensors"),
         ("commons", {"schedule": {"rounds": 1, "observations_per_round": 3}}, "too early: cutting estimates"),
@@ -185,7 +185,9 @@ def test_the_table_and_its_last_line(stored, capsys):
     cells = next(line.split() for line in lines if line.split()[:3] == ["0", "commons", "0.7"])
     assert cells[3:6] == [f"{first.measured:.5f}", f"{first.expected:.5f}", f"{first.ratio[0]:.3f}"]
     assert cells[-1] == "agrees"
-    assert any(line.startswith("[1] no verdict: of what minimalistic makes of what it hears") for line in lines)
+    assert any(
+        line.startswith("[1] no verdict: no closed form is known for minimalistic's use of messages") for line in lines
+    )
     assert lines[-1] == (
         "2 of 2 settings with exact theory agree (by chance 0.002 would differ; the probability that any does is at "
         "most 0.2 %)"
@@ -214,7 +216,7 @@ def test_json_is_the_same_as_data(stored, capsys):
 def test_the_study_of_theory_is_of_cells_where_it_is_exact():
     """But for some random geometric graphs, where somebody may hear nobody."""
     study = sc.Study.load(ROOT / "studies" / "theory.toml")
-    lack = [setting for setting in study.settings() if exact(study, setting, np.arange(2)).why]
+    lack = [setting for setting in study.settings() if exact_errors(study, setting, np.arange(2)).why]
     assert len(study.settings()) == 132
     assert {str(setting.topology).partition("(")[0] for setting in lack} <= {"random_geometric_graph"}
     assert len(lack) <= 8
@@ -223,7 +225,7 @@ def test_the_study_of_theory_is_of_cells_where_it_is_exact():
 def test_nothing_that_ran_is_said(stored):
     data = sc.load(stored)
     data["convergence_round"].values[:] = -1
-    with pytest.raises(InputError, match="none of these settings' trials has been run"):
+    with pytest.raises(InputError, match="no trial of these settings has been run"):
         sc.explain(data)
 
 

@@ -32,8 +32,8 @@ def test_a_contender_is_a_brain_with_the_parameters_that_vary_among_its_settings
     found, cautions = field_of(few, data)  # whoever picks some of the settings finds them under the same names
     assert found.contenders == ["minimalistic", "bayes-bots prior=1", "voter"]
     assert cautions == [
-        "where leaves out 1 contender: the correction is for those that are left, and holds if they were chosen before "
-        "anybody looked at results"
+        "where leaves out 1 contender: p-values are corrected for the others alone, which is valid only if they were "
+        "chosen before looking at results"
     ]
     named = data.assign_coords(prior=("setting", ["", "(1, 2)", "(2, 1)", ""] * 2))  # a vector is text
     assert field_of(named, named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
@@ -51,7 +51,7 @@ def test_a_world_is_all_else_that_settings_are():
 def test_who_never_moved_is_told_beside_k():
     data = made_up()
     data["convergence_round"].values[[3, 7]] = 0  # voter
-    said = "voter: in worlds 0, 1 half of the robots or more have K = 0: their estimates never moved by delta"
+    said = "voter: in worlds 0, 1 at least half of the robots have K = 0: their estimates never moved by delta"
     assert any(one.startswith(said) for one in sc.compare(data, ["convergence_round"]).cautions)
     assert not any("K = 0" in one for one in sc.compare(data, ["final_error"]).cautions)
     assert not any("K = 0" in one for one in sc.compare(made_up(), ["convergence_round"]).cautions)
@@ -70,7 +70,7 @@ def test_what_does_not_pair_is_told():
     assert lacking.contests[0].met.tolist() == [True, False]
     assert len(lacking.duels) == 0
     alone = sc.compare(data.isel(setting=[0, 1, 2, 3, 4]))
-    assert any("1 world has one contender only, and is left out" in one for one in alone.cautions)
+    assert any("1 world has only one contender, and is left out" in one for one in alone.cautions)
     assert len(alone.field.worlds) == 1
 
 
@@ -90,7 +90,7 @@ def test_where_nothing_can_be_compared_it_is_said(settings, said):
 def test_damaged_parameters_are_named():
     data = made_up()
     for text, said in (
-        ("{", "names no parameters"),
+        ("{", "should name brains' parameters"),
         ('{"bayes-bots": ["zeal"]}', "no coordinate zeal, the parameter of"),
     ):
         data.attrs["parameters"] = text
@@ -252,7 +252,7 @@ def test_the_best_is_told_apart_from_all_and_the_level_are_not_from_the_first():
     )
     alike = sc.compare(made_up(), "final_error")
     assert set(alike.table["final_error_standing"]) == {"level"}
-    assert alike.verdict[0] == "final error: nobody is told apart from whoever is first in any world"
+    assert alike.verdict[0] == "final error: no contender is told apart from the first in any world"
     assert "none is told apart from another" in alike.verdict[1]
 
 
@@ -361,7 +361,7 @@ def test_trials_that_only_one_has_are_not_compared():
     kept = [t for t in range(20) if t not in (3, 4, 5, 6)]
     assert row["p"] == sc.compare(data.isel(trial=kept), "final_error").pairs["p"][0]
     [said] = [one for one in found.cautions if "trials" in one]
-    assert said.startswith("contenders have 17 to 18 trials: those are compared that both of a pair have, and over")
+    assert said.startswith("contenders have 17 to 18 trials: a pair is compared in the trials that both have, and over")
 
 
 def test_too_few_trials_are_said_to_be():
@@ -526,4 +526,4 @@ def test_whom_nobody_met_is_told():
     assert said.endswith(" in 1; bayes-bots prior=10 is in no world with it")
     data["final_estimate"][0] = np.nan
     said = sc.compare(data, "final_error", against="minimalistic").verdict[0]
-    assert said == "final error: nobody else has numbers of it where minimalistic has"
+    assert said == "final error: no other contender has numbers of it in the worlds of minimalistic"

@@ -145,7 +145,7 @@ NOWHERE = {ALONE, NEAR, MIXED, SWARM}
         (
             {"world": {"fill_ratio": {"from": 0.85, "to": 0.15, "at": 9}}},
             NOWHERE,
-            "the floor changes while robots look",
+            "the floor changes while robots observe",
         ),
         ({"swarm": {"accuracy": {"start": 0.8, "drift": -0.001}}}, NOWHERE, "sensors drift"),
         ({"members": [{"robots": 2, "brain": "opposite", "honest": False}]}, NOWHERE, "some robots lie"),

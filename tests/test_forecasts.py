@@ -54,7 +54,7 @@ def tried(monkeypatch):
         due = sum(seconds(one, kind == "local") for one in parts) * trials
         return 1.0 + 3.0 * (due + (walk_seconds(parts[0]) if kind == "ride" else 0.0))
 
-    monkeypatch.setattr(forecasts, "_lived", lived)
+    monkeypatch.setattr(forecasts, "_measured_seconds", lived)
     monkeypatch.setattr(forecasts.os, "cpu_count", lambda: 2)
     return found
 

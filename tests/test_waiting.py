@@ -96,7 +96,7 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
     )  # fmt: skip
     moving = [(name, True) for name in NAMES]
     monkeypatch.setattr(pools, "beside", beside)
-    monkeypatch.setattr(pools.modules, "keeps", lambda: True)
+    monkeypatch.setattr(pools.code_cache, "keeps", lambda: True)
     monkeypatch.setattr(pools, "_is_compiled", lambda setting, _: (setting.brain.name, bool(setting.body)) in compiled)
     monkeypatch.setattr(
         pools, "_run_once", lambda setting, _: compiled.append((setting.brain.name, bool(setting.body)))

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.comparing.pair_tests import Asked, contests
+from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.statistics.bootstrap import intervals
 
 TABLES = 1000
@@ -40,7 +40,7 @@ def told_apart(found, corrected=True):
 
 
 def judged(numbers, statistic="median"):
-    return contests([Asked(one, statistic) for one in numbers], with_intervals=False)
+    return contests([ContestInput(one, statistic) for one in numbers], with_intervals=False)
 
 
 @pytest.mark.long(but=["continuous-(1, 1, 2, 6)"])

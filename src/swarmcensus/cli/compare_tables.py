@@ -13,16 +13,16 @@ from swarmcensus.comparing.cells import (
     MARKS,
     PAIR_HEADS,
     Cell,
+    column_head,
     columns,
-    head,
-    marks_of,
+    legend,
     pair_rows,
     rows_of,
 )
 from swarmcensus.comparing.comparison import Comparison
-from swarmcensus.comparing.groups import gap_of
+from swarmcensus.comparing.groups import gap_name
+from swarmcensus.comparing.pair_tests import test_count
 from swarmcensus.comparing.standings import AGAINST, RANKED
-from swarmcensus.comparing.verdicts import tests_of
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.statistics.intervals import FEWEST
 
@@ -132,11 +132,11 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     several = bool(trials.min() < trials.max())
     many = f"{trials.min():,} to " * several + counted(int(trials.max()), "trial")
     meanings = [
-        f"{head(measure)}: {measure.meaning}"
+        f"{column_head(measure)}: {measure.meaning}"
         + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
         for measure in found.measures
     ]
-    tests = tests_of(found)
+    tests = test_count(found.contests)
     same = [
         f"{name} {grouped(value)}" for name, value in found.field.common.items()
         if not (is_idle(value) or (name == "link_success" and value == 1.0))
@@ -147,7 +147,7 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         "; ".join(meanings),
         f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
         *([f"{', '.join(costs)}: cost of a robot{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
-        f"{marks_of(found)}; {counted(tests, 'test')}, corrected by Holm's method",
+        f"{legend(found)}; {counted(tests, 'test')}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]
 
@@ -172,7 +172,7 @@ def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], 
     out.print(title)
     for page in pages:
         out.print(_table(page))
-    out.print(f"number of worlds: {marks_of(found)}", style="dim")
+    out.print(f"number of worlds: {legend(found)}", style="dim")
     if found.against is not None:
         reference = found.contenders[found.against]
         out.print(
@@ -199,8 +199,8 @@ def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
         (head, True, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
     if found.against is not None:
-        for name in (gap_of(measure.share), "worst"):
-            out.append((name, True, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
+        for name in (gap_name(one.share), "worst"):
+            out.append((name, True, [_gap(value, one.share) for value in rows[f"{one.name}_{name}"]]))
     return out
 
 

@@ -11,7 +11,7 @@ from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.tables import NOTHING, coordinates
 
 if TYPE_CHECKING:
-    from swarmcensus.explaining.agreement import Agreement, Held
+    from swarmcensus.explaining.agreement import Agreement, SettingAgreement
     from swarmcensus.explaining.one_setting import Interval
 
 MEANS = (
@@ -63,7 +63,9 @@ def verdict_of(found: "Agreement") -> str:
     )
 
 
-def _rows(left: dict[str, list[str]], shown: "list[Held]", reasons: list[str], narrow: bool = False) -> Table:
+def _rows(
+    left: dict[str, list[str]], shown: "list[SettingAgreement]", reasons: list[str], narrow: bool = False
+) -> Table:
     heads = [("setting", True), *((name, False) for name in left)]
     heads += [(name, True) for name in ("measured", "theory", "ratio", *([] if narrow else ["[99.9 %]"]))]
     heads += [("efficiency", True), ("limit", False), ("verdict", False)]

@@ -1,6 +1,6 @@
-"""Brains compared within each world, paired trial by trial: `sc.compare`.
+"""Compares brains within each world, paired trial by trial: `sc.compare`.
 
 In: a dataset.
 Out: a `Comparison`: measures, differences with intervals, p-values, ranks, and sentences about them.
-Must not know: who ran the trials and how, what is drawn.
+Must not know: how trials were run, what is drawn.
 """

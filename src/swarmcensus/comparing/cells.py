@@ -1,4 +1,4 @@
-"""A comparison as text, cell by cell: what a terminal shows and a paper prints are the same digits."""
+"""A comparison as text, cell by cell, so that terminal and LaTeX tables show the same digits."""
 
 from typing import NamedTuple
 
@@ -15,41 +15,45 @@ from swarmcensus.vocabulary.quantities import QUANTITIES
 MOST_DECIMALS = 6
 NEVER = "never"
 ALWAYS = "always"
-LEAST_P = 0.001  # smaller ones are said to be smaller
+LEAST_P = 0.001  # smaller p-values are shown as "< 0.001"
 MARKS = {"best": "*", "better": "+", "worse": "-", "level": "="}
-COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # heads of columns
+COSTS = {name: QUANTITIES[name].title for name in ("messages_sent", "bytes_sent", "memory_bytes")}  # column heads
+PAIR_HEADS = (
+    *("measure", "world", "one", "other", "one - other", "[95 %]", "one is better in"),
+    *("effect", "p", "p, corrected", "told apart"),
+)
 Floats = NDArray[np.float64]
 
 
 class Cell(NamedTuple):
-    """A value, its interval and its standing as text, each empty where there is none."""
+    """A value, its interval and its standing as text, each empty if there is none."""
 
     value: str
     interval: str = ""
     standing: str = ""
 
 
-def head(measure: Measure) -> str:
-    """What a column of a measure is called."""
+def column_head(measure: Measure) -> str:
+    """The head of a measure's column."""
     return f"{measure.label} %" if measure.share else measure.label
 
 
-def rows_of(found: Standings, worlds: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-    """The places of those that are compared in the first so many worlds: worlds and contenders, a row each."""
-    world, contender = np.nonzero(found.settings[:worlds] >= 0)
+def rows_of(standings: Standings, worlds: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The rows of a table of the first `worlds` worlds: the world and the contender of each row."""
+    world, contender = np.nonzero(standings.settings[:worlds] >= 0)
     return world, contender
 
 
-def columns(found: Standings, worlds: int) -> dict[str, list[Cell]]:
-    """By the heads of columns, a cell for each row of `rows_of`: the measures, then what brains cost."""
-    at, cells = rows_of(found, worlds), {}
-    for one, contest in zip(found.measures, found.contests, strict=True):
+def columns(standings: Standings, worlds: int) -> dict[str, list[Cell]]:
+    """The columns of a table by their heads, with a cell for each row of `rows_of`: measures, then costs."""
+    at, cells = rows_of(standings, worlds), {}
+    for measure, contest in zip(standings.measures, standings.contests, strict=True):
         low, high = (ends[at] for ends in contest.value_ends)
-        standing = found.standing(contest)[at]
-        texts = numbers(contest.values[at], low, high, contest.trials[at], one)
-        cells[head(one)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
-    for name, values in (found.costs | found.sizes).items():
-        if name in COSTS and name not in [one.name for one in found.measures]:
+        standing = standings.standing(contest)[at]
+        texts = numbers(contest.values[at], low, high, contest.trials[at], measure)
+        cells[column_head(measure)] = [Cell(*text, str(way)) for text, way in zip(texts, standing, strict=True)]
+    for name, values in (standings.costs | standings.sizes).items():
+        if name in COSTS and name not in [measure.name for measure in standings.measures]:
             cells[COSTS[name]] = [Cell(amount(value)) for value in values[at]]
     return cells
 
@@ -57,12 +61,12 @@ def columns(found: Standings, worlds: int) -> dict[str, list[Cell]]:
 def numbers(
     values: Floats, low: Floats, high: Floats, trials: NDArray[np.int64], measure: Measure, endless: str = NEVER
 ) -> list[tuple[str, str]]:
-    """Values and their intervals as text, in two digits of a usual interval (one of rounds).
+    """Values and their intervals as text, with two digits of the median interval (one digit for rounds).
 
-    What is infinite is `endless`. Where all trials are the same, the interval is "always".
+    Infinite numbers are shown as `endless`. If all trials are the same, the interval is "always".
     """
     times = 100.0 if measure.share else 1.0
-    with np.errstate(invalid="ignore"):  # an infinite interval that ends where it begins
+    with np.errstate(invalid="ignore"):  # both ends may be infinite
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
     digits = 1 if measure.unit in ("rounds", "observations") else 2
@@ -73,7 +77,7 @@ def numbers(
     if not widths.size and (times * known == np.rint(times * known)).all():
         decimals = int(measure.share)
     out = []
-    ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # not -0.00
+    ends = (np.round(times * part, decimals) + 0.0 for part in (values, low, high))  # + 0.0 avoids -0.00
     for value, least, most, count in zip(*ends, trials.tolist(), strict=True):
         text, interval = (part.replace("inf", endless) for part in rounded(value, least, most, decimals))
         if np.isnan(least):
@@ -85,42 +89,42 @@ def numbers(
 
 
 def amount(value: float) -> str:
-    """What is sent or remembered: in whole numbers from 100 on, else in three digits."""
+    """A cost as text: whole numbers from 100 on, else three digits."""
     return "-" if np.isnan(value) else f"{value:,.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def marks_of(found: Standings) -> str:
-    """What the marks mean."""
-    if found.against is None:
+def legend(standings: Standings) -> str:
+    """The meaning of the marks."""
+    if standings.against is None:
         return "* best in its world, told apart from all others; = first, or not told apart from the first"
-    return f"+ better, - worse than {found.contenders[found.against]}, and told apart from it; = not told apart"
+    return f"+ better, - worse than {standings.contenders[standings.against]}, and told apart from it; = not told apart"
 
 
 def p_value(p: float) -> str:
-    """A p-value in three decimals, or that it is less than can be told in them."""
+    """A p-value with three decimals, or "< 0.001"."""
     return f"< {LEAST_P}" if p < LEAST_P else f"{p:.3f}"
 
 
-def equals(p: float) -> str:
-    """The same behind "p" in a sentence: "= 0.034", or "< 0.001"."""
+def p_equals(p: float) -> str:
+    """A p-value as it follows "p" in a sentence: "= 0.034", or "< 0.001"."""
     return text if (text := p_value(p)).startswith("<") else f"= {text}"
 
 
-def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
-    """A row for each measure, world and pair: all that `PAIR_HEADS` says, as text."""
+def pair_rows(standings: Standings, worlds: int) -> list[tuple[str, ...]]:
+    """A row of texts for each measure, world and pair, with the columns `PAIR_HEADS`."""
     rows: list[tuple[str, ...]] = []
-    for one, contest in zip(found.measures, found.contests, strict=True):
+    for measure, contest in zip(standings.measures, standings.contests, strict=True):
         trials = (contest.tests.below + contest.tests.equal + contest.tests.above)[:worlds]
         world, pair = at = np.nonzero(~np.isnan(contest.corrected[:worlds]))
         better = contest.tests.below if contest.low else contest.tests.above
         low, high = (ends[at] for ends in contest.difference_ends)
-        texts = numbers(contest.difference[at], low, high, trials[at], one, "inf")
+        texts = numbers(contest.difference[at], low, high, trials[at], measure, "inf")
         for k, (w, p) in enumerate(zip(world.tolist(), pair.tolist(), strict=True)):
-            first, second = (found.contenders[c] for c in pairs_of(len(found.contenders))[p])
+            first, second = (standings.contenders[c] for c in pairs_of(len(standings.contenders))[p])
             equal = contest.tests.equal[w, p]
             rows.append(
                 (
-                    *(head(one), str(w), first, second, *texts[k]),
+                    *(column_head(measure), str(w), first, second, *texts[k]),
                     f"{better[w, p]}" + (f" + {equal} equal" if equal else "") + f" of {trials[w, p]}",
                     f"{(-1 if contest.low else 1) * contest.tests.balance[w, p] + 0.0:.2f}",
                     p_value(contest.tests.p[w, p]),
@@ -129,9 +133,3 @@ def pair_rows(found: Standings, worlds: int) -> list[tuple[str, ...]]:
                 )
             )
     return rows
-
-
-PAIR_HEADS = (
-    *("measure", "world", "one", "other", "one - other", "[95 %]", "one is better in"),
-    *("effect", "p", "p, corrected", "told apart"),
-)

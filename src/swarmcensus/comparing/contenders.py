@@ -1,6 +1,6 @@
-"""Who met whom: the worlds of a dataset, the contenders in them, and which setting is of which of both.
+"""The worlds and contenders of a dataset, and the setting of each contender in each world.
 
-A world is all that settings are but the brain and its parameters. A contender is a brain with its parameters.
+A contender is a brain with its parameters. A world is everything else of a setting.
 """
 
 import json
@@ -23,26 +23,26 @@ NONE = -1
 
 @dataclass(frozen=True)
 class Field:
-    """Worlds and contenders; `place` (world, contender) is the position of the setting of both, -1 where none is."""
+    """Worlds and contenders; `place` (world, contender) is the position of their setting, -1 if there is none."""
 
-    worlds: list[dict[str, Any]]  # the coordinates of each that differ among worlds
-    common: dict[str, Any]  # and those that all have
+    worlds: list[dict[str, Any]]  # each world's coordinates that differ among worlds
+    common: dict[str, Any]  # coordinates that all worlds share
     contenders: list[str]
     place: NDArray[np.intp]
 
     def spread(self, values: NDArray[Any]) -> NDArray[np.float64]:
-        """What settings have, (setting, ...), as (world, contender, ...): NaN where there is no such setting."""
+        """Values of settings (setting, ...) as (world, contender, ...), NaN if there is no such setting."""
         there = (self.place != NONE).reshape(*self.place.shape, *(1,) * (values.ndim - 1))
         return np.where(there, values[self.place], np.nan)
 
 
 def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
-    """The names of each brain's parameters, which are coordinates. Raises InputError where that is not legible."""
+    """The names of each brain's parameters, which are coordinates. Raises InputError if they cannot be read."""
     text = data.attrs.get("parameters", "{}")
     try:
         found = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
     except (ValueError, TypeError, AttributeError) as error:
-        raise InputError(f"the attribute parameters names no parameters of brains: {str(text)[:60]!r}") from error
+        raise InputError(f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}") from error
     for brain, names in found.items():
         for name in names:
             if name not in data.coords or data[name].dims != ("setting",):
@@ -53,16 +53,16 @@ def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
 def field_of(
     data: xr.Dataset, whole: xr.Dataset, shown: Mapping[str, Collection[str]] = MappingProxyType({})
 ) -> tuple[Field, list[str]]:
-    """Worlds, in the order of the settings, contenders likewise, and cautions.
+    """Worlds and contenders, both in the order of the settings, and cautions.
 
-    `whole` are the results that `data` are some settings of: contenders are called as in them. `shown` names, brain by
-    brain, parameters that names of contenders have even where all have the same value. Worlds that only one contender
-    has been in are left out. Raises InputError where nothing can be compared, and where
-    two settings are the same contender in the same world.
+    `data` are some settings of `whole`, and contenders have the names that they have in `whole`. `shown` names, by
+    brain, parameters that appear in contenders' names even if all have the same value. Worlds with a single contender
+    are left out. Raises InputError if nothing can be compared, or if two settings are the same contender in the same
+    world.
     """
     parameters = parameters_in(data)
-    called = dict(zip(whole["setting"].values.tolist(), _named(whole, parameters, shown), strict=True))
-    names = [called[setting] for setting in data["setting"].values.tolist()]
+    name_of = dict(zip(whole["setting"].values.tolist(), _contender_names(whole, parameters, shown), strict=True))
+    names = [name_of[setting] for setting in data["setting"].values.tolist()]
     contenders = list(dict.fromkeys(names))
     if len(contenders) < 2:
         raise InputError(
@@ -80,23 +80,23 @@ def field_of(
     for setting, (key, name) in enumerate(zip(keys, names, strict=True)):
         at = worlds[key], places[name]
         if place[at] != NONE:
-            one, other = data["setting"].values[[place[at], setting]].tolist()
+            first, second = data["setting"].values[[place[at], setting]].tolist()
             raise InputError(
-                f"settings {one} and {other} are both of {name} in the same world, by all coordinates that they have: "
-                f"leave one out, as {option('where', f'setting != {other}')}"
+                f"settings {first} and {second} are both of {name} in the same world: leave one out, for example by "
+                f"{option('where', f'setting != {second}')}"
             )
         place[at] = setting
-    met = (place != NONE).sum(axis=1) > 1
-    if not met.any():
+    has_pairs = (place != NONE).sum(axis=1) > 1
+    if not has_pairs.any():
         raise InputError(f"no two of {_listed(contenders)} have met the same world: there are no pairs of trials")
-    cautions = _cautions(place, met, contenders)
-    others = len({*called.values()}) - len(contenders)
+    cautions = _cautions(place, has_pairs, contenders)
+    others = len({*name_of.values()}) - len(contenders)
     if others:
         cautions.append(
-            f"where leaves out {counted(others, 'contender')}: the correction is for those that are left, and "
-            "holds if they were chosen before anybody looked at results"
+            f"where leaves out {counted(others, 'contender')}: p-values are corrected for the others alone, which is "
+            "valid only if they were chosen before looking at results"
         )
-    kept = np.flatnonzero(met)
+    kept = np.flatnonzero(has_pairs)
     seen = (place[kept] != NONE).any(axis=0)
     firsts = [next(s for s in place[w] if s != NONE) for w in kept]
     differing = [name for name in coordinates if len({repr(columns[name][s]) for s in firsts}) > 1]
@@ -106,24 +106,26 @@ def field_of(
     ):  # robots that know their sensors assume the true accuracy
         differing = [name for name in differing if name != "assumed_accuracy"]
         common.pop("assumed_accuracy", None)
-    found = [{name: columns[name][s] for name in differing} for s in firsts]
+    differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
     return Field(
-        found, common, [c for c, so in zip(contenders, seen, strict=True) if so], place[kept][:, seen]
+        differing_worlds, common, [c for c, so in zip(contenders, seen, strict=True) if so], place[kept][:, seen]
     ), cautions
 
 
-def _named(data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]) -> list[str]:
-    """What each setting's contender is called: its brain, and those of its parameters that vary or are to be shown."""
+def _contender_names(
+    data: xr.Dataset, parameters: dict[str, list[str]], shown: Mapping[str, Collection[str]]
+) -> list[str]:
+    """The name of each setting's contender: its brain, and its parameters that vary or are to be shown."""
     brains = data["brain"].values.tolist()
     names = list(map(str, brains))
     for brain, several in parameters.items():
-        mine = [k for k, one in enumerate(brains) if one == brain]
+        rows = [k for k, name in enumerate(brains) if name == brain]
         for name in several:
-            values = data[name].values[mine].tolist()
+            values = data[name].values[rows].tolist()
             if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
                 distinct = list(dict.fromkeys(values))
                 text = dict(zip(distinct, told_apart(distinct), strict=True))
-                for k, value in zip(mine, values, strict=True):
+                for k, value in zip(rows, values, strict=True):
                     names[k] += f" {name}={text.get(value, value)}"
     return names
 
@@ -133,13 +135,13 @@ def _cautions(place: NDArray[np.intp], met: NDArray[np.bool_], contenders: list[
     if not met.all():
         alone = int((~met).sum())
         verb = "world has" if alone == 1 else "worlds have"
-        cautions.append(f"{alone} {verb} one contender only, and {'is' if alone == 1 else 'are'} left out")
+        cautions.append(f"{alone} {verb} only one contender, and {'is' if alone == 1 else 'are'} left out")
     lacking = (place[met] == NONE).sum(axis=0)
     for name, count in zip(contenders, lacking.tolist(), strict=True):
         if count:
-            where = "in no world that another one met" if count == met.sum() else (
-                f"not in {count} of {met.sum():,} worlds: it is compared in the others, and overall all are compared "
-                "in those worlds alone that all have met"
+            where = "in no world with another contender" if count == met.sum() else (
+                f"not in {count} of {met.sum():,} worlds: it is compared in the others, and the overall comparison "
+                "uses only worlds that all contenders have met"
             )  # fmt: skip
             cautions.append(f"{name} is {where}")
     return cautions

@@ -1,4 +1,4 @@
-"""By how much contenders differ from one of them, in each world or pooled over worlds that share some coordinates."""
+"""By how much contenders differ from a reference, in each world or pooled over worlds that share some coordinates."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -20,9 +20,9 @@ Floats = NDArray[np.float64]
 
 
 class Effect(NamedTuple):
-    """What contenders have of a measure less what the one has that they are held against, each (row, contender).
+    """The differences of a measure between contenders and the reference, (row, contender).
 
-    NaN is a contender that is not there, and of `low` and `high`, the ends of 95 % intervals over trials, one without.
+    `low` and `high` are the ends of 95 % intervals over trials. NaN is a missing contender, or interval.
     """
 
     measure: Measure
@@ -32,54 +32,62 @@ class Effect(NamedTuple):
     apart: NDArray[np.bool_]
 
 
-def effects(data: xr.Dataset, found: Standings, mark: int, by: Sequence[str] | None) -> tuple[list[Any], list[Effect]]:
-    """The rows, by what their worlds have in common, with how many these are, and the effect of each measure.
+def effects(
+    data: xr.Dataset, standings: Standings, reference: int, by: Sequence[str] | None
+) -> tuple[list[Any], list[Effect]]:
+    """Rows of worlds, each with its common coordinates and number of worlds, and the effect of each measure.
 
-    `data` are the settings that were compared. Without `by` each world is a row, whose effects are those of `pairs`.
-    Else worlds that are alike in these coordinates are one: of each trial the differences in all of them that both have
-    met count as one, their median or mean, and its tests are corrected for being as many as there are rows, contenders
-    and measures. Raises InputError as `Comparison.by` does.
+    `data` are the compared settings. Without `by` each world is a row, with the effects of `Comparison.pairs`. With
+    `by`, worlds that agree in these coordinates are one row: a trial's differences in all worlds that both contenders
+    have met are reduced to their median or mean, and tests are corrected for the number of rows, contenders and
+    measures. Raises InputError as `Comparison.by` does.
     """
     if by is None:
-        rows = [(world, 1) for world in found.field.worlds]
-        return rows, [_of_worlds(one, two, mark) for one, two in zip(found.measures, found.contests, strict=True)]
-    groups = worlds_by(found, by)
-    pooled = [_pooled(data, found, one, mark, list(groups.values())) for one in found.measures]
+        rows = [(world, 1) for world in standings.field.worlds]
+        return rows, [
+            _of_worlds(measure, contest, reference)
+            for measure, contest in zip(standings.measures, standings.contests, strict=True)
+        ]
+    groups = worlds_by(standings, by)
+    pooled = [_pooled(data, standings, measure, reference, list(groups.values())) for measure in standings.measures]
     p = holm(np.array([p for _, p in pooled]))
-    kept = [effect._replace(apart=effect.apart & (mine <= ALPHA)) for (effect, _), mine in zip(pooled, p, strict=True)]
+    kept = [
+        effect._replace(apart=effect.apart & (corrected <= ALPHA))
+        for (effect, _), corrected in zip(pooled, p, strict=True)
+    ]
     return [(dict(zip(by, key, strict=True)), len(worlds)) for key, worlds in groups.items()], kept
 
 
-def _of_worlds(measure: Measure, contest: Contest, mark: int) -> Effect:
+def _of_worlds(measure: Measure, contest: Contest, reference: int) -> Effect:
     shape = contest.values.shape
     value, low, high = np.full((3, *shape), np.nan)
     apart = np.zeros(shape, np.bool_)
-    for k, (one, other) in enumerate(pairs_of(shape[1])):
-        if mark not in (one, other):
+    for k, (first, second) in enumerate(pairs_of(shape[1])):
+        if reference not in (first, second):
             continue
-        who, sign = (one, 1.0) if other == mark else (other, -1.0)
-        value[:, who] = sign * contest.difference[:, k] + 0.0
+        contender, sign = (first, 1.0) if second == reference else (second, -1.0)
+        value[:, contender] = sign * contest.difference[:, k] + 0.0
         ends = np.stack([sign * end[:, k] for end in contest.difference_ends])
-        low[:, who], high[:, who] = np.sort(ends, axis=0)
-        apart[:, who] = contest.apart[:, k]
+        low[:, contender], high[:, contender] = np.sort(ends, axis=0)
+        apart[:, contender] = contest.apart[:, k]
     return Effect(measure, value, low, high, apart)
 
 
 def _pooled(
-    data: xr.Dataset, found: Standings, measure: Measure, mark: int, groups: Sequence[NDArray[np.intp]]
+    data: xr.Dataset, standings: Standings, measure: Measure, reference: int, groups: Sequence[NDArray[np.intp]]
 ) -> tuple[Effect, Floats]:
-    """The effect of groups of worlds, of which `apart` says where test and value agree, and the tests' p-values."""
-    numbers = found.field.spread(measures.numbers(data, measure.name))
+    """The effect in groups of worlds, and p-values; its `apart` tells where value and test have the same sign."""
+    numbers = standings.field.spread(measures.numbers(data, measure.name))
     shape = len(groups), numbers.shape[1]
-    off = np.full((*shape, numbers.shape[2]), np.nan)
+    pooled = np.full((*shape, numbers.shape[2]), np.nan)
     for row, worlds in enumerate(groups):
         for who in range(shape[1]):
-            met = worlds[(found.settings[worlds][:, [who, mark]] >= 0).all(axis=1)]
-            if who != mark and met.size:
-                each = differences(numbers[met, who], numbers[met, mark])
+            met = worlds[(standings.settings[worlds][:, [who, reference]] >= 0).all(axis=1)]
+            if who != reference and met.size:
+                each = differences(numbers[met, who], numbers[met, reference])
                 whole = ~np.isnan(each).any(axis=0)
-                off[row, who, whole] = centres(each[:, whole].T, measure.statistic)
-    value, tests = centres(off, measure.statistic), signed_ranks(off)
-    low, high = (end.reshape(shape) for end in intervals(off.reshape(-1, off.shape[-1]), measure.statistic))
+                pooled[row, who, whole] = centres(each[:, whole].T, measure.statistic)
+    value, tests = centres(pooled, measure.statistic), signed_ranks(pooled)
+    low, high = (end.reshape(shape) for end in intervals(pooled.reshape(-1, pooled.shape[-1]), measure.statistic))
     agree = np.sign(value) * np.sign(tests.balance) >= 0
     return Effect(measure, value, low, high, agree), np.where(np.isnan(value), np.nan, tests.p)

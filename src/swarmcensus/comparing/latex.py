@@ -1,9 +1,9 @@
-r"""A comparison as a LaTeX table of the package booktabs, to be read into a paper by \input."""
+r"""A comparison as a LaTeX table (package booktabs), to be included in a paper by \input."""
 
 from pathlib import Path
 
 from swarmcensus.basics.files import whole
-from swarmcensus.comparing.cells import MARKS, Cell, columns, marks_of, rows_of
+from swarmcensus.comparing.cells import MARKS, Cell, columns, legend, rows_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.summaries import is_idle
 
@@ -14,24 +14,24 @@ ESCAPED = {
 
 
 def escaped(text: str) -> str:
-    """Text that LaTeX prints as it is."""
+    """Text with LaTeX's special characters escaped."""
     return "".join(ESCAPED.get(letter, letter) for letter in " ".join(text.split()))
 
 
-def latex(found: Standings, worlds: int | None = None) -> str:
-    """The table of the first so many worlds (by default of all): a row for each world and contender.
+def latex(standings: Standings, worlds: int | None = None) -> str:
+    """The table of the first `worlds` worlds, by default of all: a row for each world and contender.
 
-    Marks are those of the terminal, and what is best, or better, is bold. A comment says what they mean, for the
-    caption.
+    Marks are those of the terminal; the best, or better, values are bold. A comment explains them, for the caption.
     """
-    worlds = len(found.field.worlds) if worlds is None else worlds
-    world, contender = rows_of(found, worlds)
-    names = list(found.field.worlds[0])
-    cells = columns(found, worlds)
+    worlds = len(standings.field.worlds) if worlds is None else worlds
+    world, contender = rows_of(standings, worlds)
+    names = list(standings.field.worlds[0])
+    cells = columns(standings, worlds)
     heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
     lines = [
-        f"% {len(found.field.worlds):,} worlds, {len(found.contenders):,} contenders: {' '.join(found.title.split())}",
-        f"% {' '.join(marks_of(found).split())}",
+        f"% {len(standings.field.worlds):,} worlds, {len(standings.contenders):,} contenders: "
+        f"{' '.join(standings.title.split())}",
+        f"% {' '.join(legend(standings).split())}",
         rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
         " & ".join(heads) + r" \\", r"\midrule",
     ]  # fmt: skip
@@ -39,20 +39,21 @@ def latex(found: Standings, worlds: int | None = None) -> str:
     for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
         if before not in (None, w):
             lines.append(r"\addlinespace")
-        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(found.field.worlds[w].get, names))
-        said = [text if w != before else "" for text in texts]
+        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(standings.field.worlds[w].get, names))
+        shown = [text if w != before else "" for text in texts]
         lines.append(
-            " & ".join([*said, escaped(found.contenders[c]), *(_cell(one[row]) for one in cells.values())]) + r" \\"
+            " & ".join([*shown, escaped(standings.contenders[c]), *(_cell(one[row]) for one in cells.values())])
+            + r" \\"
         )
         before = w
     lines += [r"\bottomrule", r"\end{tabular}"]
     return "\n".join(lines) + "\n"
 
 
-def write_latex(found: Standings, path: str | Path) -> None:
-    """Write `latex` of all worlds, whole or not at all. Raises InputError."""
+def write_latex(standings: Standings, path: str | Path) -> None:
+    """Write the table of all worlds, whole or not at all. Raises InputError."""
     with whole(path) as beside:
-        beside.write_text(latex(found), encoding="utf-8")
+        beside.write_text(latex(standings), encoding="utf-8")
 
 
 def _cell(cell: Cell) -> str:

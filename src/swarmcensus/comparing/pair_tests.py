@@ -1,5 +1,6 @@
-"""The statistics of a comparison: every pair of contenders in every world, trial by trial, corrected for being many."""
+"""The statistics of a comparison: paired tests of every two contenders in every world, corrected for their number."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import combinations
 from typing import NamedTuple
@@ -14,15 +15,16 @@ from swarmcensus.statistics.rankings import friedman
 from swarmcensus.statistics.signed_ranks import SignedRanks, differences, midranks, signed_ranks
 
 ALPHA = 1 - LEVEL
-BLOCK = 2**22  # numbers that are compared at once
+BLOCK = 2**22  # numbers that are compared at once, to bound memory
 
 Floats = NDArray[np.float64]
 
 
-class Asked(NamedTuple):
-    """What a contest is about: numbers (world, contender, trial), their statistic over trials, and what they are like.
+class ContestInput(NamedTuple):
+    """A measure's numbers (world, contender, trial), and the statistic over trials by which they are compared.
 
-    NaN is a trial that is not there, infinity one in which what is measured never came.
+    NaN is a missing trial; infinity is a trial in which the measured event never happened. `low` tells that low numbers
+    are better, `share` that they are between 0 and 1.
     """
 
     numbers: Floats
@@ -33,25 +35,25 @@ class Asked(NamedTuple):
 
 @dataclass(frozen=True)
 class Contest:
-    """One measure: contenders and pairs of them in worlds, (world, contender) and (world, pair), NaN where lacking.
+    """One measure's values (world, contender) and tests (world, pair); NaN where there is none.
 
-    A pair's `difference` is its first contender less its second. `ranks` (trial, contender) are summed over the worlds
-    that all contenders have met, and centred: of `duels` (pair,), the tests over all these worlds, each trial has one
-    number, the share of worlds in which the first is ahead, less that in which it is behind. `corrected` and
-    `duels_corrected` are the p-values after Holm's correction for all tests of all measures of a comparison;
-    `friedman_corrected` is Friedman's, corrected for the measures alone.
+    A pair's `difference` is its first contender minus its second. `ranks` (trial, contender) are centred, and summed
+    over the worlds that all contenders have met. `duels` (pair,) are tests over all these worlds: their number for a
+    trial is the share of worlds in which the first contender is ahead, minus the share in which it is behind.
+    `corrected` and `duels_corrected` are p-values after Holm's correction for all tests of all measures of a
+    comparison; `friedman_corrected` is the p-value of Friedman's test, corrected for the measures alone.
     """
 
-    low: bool  # is better
+    low: bool  # whether low values are better
     values: Floats
     value_ends: tuple[Floats, Floats]
     trials: NDArray[np.int64]
     difference: Floats
     difference_ends: tuple[Floats, Floats]
     tests: SignedRanks
-    met: NDArray[np.bool_]  # by all contenders, (world,)
+    met: NDArray[np.bool_]  # which worlds all contenders have met, (world,)
     ranks: Floats
-    ahead: Floats  # the mean of those numbers over trials, (pair,)
+    ahead: Floats  # the mean over trials of the numbers of `duels`, (pair,)
     duels: SignedRanks
     friedman: tuple[float, float]  # Q and p
     corrected: Floats
@@ -60,18 +62,18 @@ class Contest:
 
     @property
     def differ(self) -> bool:
-        """Whether Friedman's test finds that contenders differ over all worlds, whoever they are."""
+        """Whether Friedman's test finds that any contenders differ over all worlds."""
         return self.friedman_corrected <= ALPHA
 
     @property
     def apart(self) -> NDArray[np.bool_]:
-        """Which pairs are told apart in which worlds, (world, pair): where the difference points as the test does."""
+        """Which pairs are told apart in which worlds, (world, pair): difference and test must have the same sign."""
         agree = np.sign(self.difference) * np.sign(self.tests.balance) >= 0
         return np.asarray((self.corrected <= ALPHA) & agree)
 
     @property
     def alike(self) -> NDArray[np.bool_]:
-        """Which pairs have met, and had the same number in every trial of every world, (pair,)."""
+        """Which pairs have the same number in every trial of every world that both have met, (pair,)."""
         differ = (self.tests.below + self.tests.above).sum(axis=0)
         return np.asarray((differ == 0) & (self.tests.equal.sum(axis=0) > 0))
 
@@ -84,12 +86,12 @@ class Contest:
 
     @property
     def duels_apart(self) -> NDArray[np.bool_]:
-        """Which pairs are told apart over all worlds, (pair,): where the mean of `ahead` points as the test does."""
+        """Which pairs are told apart over all worlds, (pair,): `ahead` and the test must have the same sign."""
         agree = np.sign(self.ahead) * np.sign(self.duels.balance) >= 0
         return np.asarray((self.duels_corrected <= ALPHA) & agree)
 
     def shares(self, pair: int) -> tuple[float, float]:
-        """In what share of trials, in the worlds that all have met, the first of a pair is better, and worse."""
+        """The shares of trials in which the first of a pair is better, and worse, in the worlds that all have met."""
         tests = self.tests
         below, equal, above = (int(part[self.met, pair].sum()) for part in (tests.below, tests.equal, tests.above))
         better, worse = (below, above) if self.low else (above, below)
@@ -97,31 +99,36 @@ class Contest:
 
 
 def pairs_of(contenders: int) -> list[tuple[int, int]]:
-    """The pairs of so many contenders, in the order of every array of pairs."""
+    """The pairs of `contenders` contenders, in the order of every array of pairs."""
     return list(combinations(range(contenders), 2))
 
 
-def contests(measures: list[Asked], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
-    """The contest of each measure; without intervals, and Friedman's test, which take the most time, these are NaN.
+def test_count(all_contests: Iterable[Contest]) -> int:
+    """The number of pair tests of all measures, for which each is corrected."""
+    return sum(int((~np.isnan(part)).sum()) for c in all_contests for part in (c.corrected, c.duels_corrected))
 
-    With `against` only pairs with that contender are tested. All tests of pairs, of all measures, are one family: if no
-    contender differs from another, anything is told apart in at most 5 % of comparisons. Friedman's tests, one a
-    measure, are a family of their own: they ask whether contenders differ at all, and tell no two apart.
+
+def contests(measures: list[ContestInput], with_intervals: bool = True, against: int | None = None) -> list[Contest]:
+    """The contest of each measure. Without intervals, they and Friedman's test, which take most of the time, are NaN.
+
+    With `against` only pairs with that contender are tested. The pair tests of all measures are one family: if no
+    contenders differ, any pair is told apart in at most 5 % of comparisons. Friedman's tests, one for each measure, are
+    a family of their own: they find whether any contenders differ, but not which.
     """
-    found = [_contest(one, with_intervals, against) for one in measures]
-    tested = [part.ravel() for one in found for part in (one.corrected, one.duels_corrected)]
-    corrected = holm(np.concatenate(tested)) if tested else np.zeros(0)
+    untested = [_contest(contest, with_intervals, against) for contest in measures]
+    p_values = [part.ravel() for contest in untested for part in (contest.corrected, contest.duels_corrected)]
+    corrected = holm(np.concatenate(p_values)) if p_values else np.zeros(0)
     at = 0
-    for one in found:
-        for part in (one.corrected, one.duels_corrected):
+    for contest in untested:
+        for part in (contest.corrected, contest.duels_corrected):
             part[...] = corrected[at : at + part.size].reshape(part.shape)
             at += part.size
-    overall = holm(np.array([one.friedman[1] for one in found]))
-    return [replace(one, friedman_corrected=float(p)) for one, p in zip(found, overall, strict=True)]
+    overall = holm(np.array([contest.friedman[1] for contest in untested]))
+    return [replace(contest, friedman_corrected=float(p)) for contest, p in zip(untested, overall, strict=True)]
 
 
-def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest:
-    numbers, statistic, low, share = asked
+def _contest(contest_input: ContestInput, with_intervals: bool, against: int | None) -> Contest:
+    numbers, statistic, low, share = contest_input
     worlds, contenders, trials = numbers.shape
     most = 1.0 if share else np.inf
     first, second = np.array(pairs_of(contenders), np.intp).reshape(-1, 2).T
@@ -130,10 +137,10 @@ def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest
     parts: list[tuple[Floats, Floats, Floats, SignedRanks]] = []
     step = max(1, BLOCK // max(1, len(first) * trials))
     for start in range(0, worlds, step):
-        some = numbers[start : start + step]
-        off = differences(some[:, first], some[:, second])
-        ends = _ends(off, statistic, with_intervals, -most, most)
-        parts.append((centres(off, statistic), *ends, signed_ranks(off)))
+        block = numbers[start : start + step]
+        pair_differences = differences(block[:, first], block[:, second])
+        ends = _ends(pair_differences, statistic, with_intervals, -most, most)
+        parts.append((centres(pair_differences, statistic), *ends, signed_ranks(pair_differences)))
     difference, lowest, highest = (np.concatenate([part[k] for part in parts]) for k in range(3))
     tests = SignedRanks(*(np.concatenate(columns) for columns in zip(*(part[3] for part in parts), strict=True)))
     there = tests.below + tests.equal + tests.above > 0
@@ -141,7 +148,7 @@ def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest
     met = np.asarray(np.all(np.any(~np.isnan(numbers), axis=2), axis=1))
     ranks, ahead = _over_worlds(numbers[met], low, first, second)
     duels = signed_ranks(ahead.T)
-    told = (
+    tested_overall = (
         (duels.below + duels.equal + duels.above > 0) & (met.sum() > 1) & tested
     )  # in one, the world's own tests say it all
     return Contest(
@@ -158,7 +165,7 @@ def _contest(asked: Asked, with_intervals: bool, against: int | None) -> Contest
         duels=duels,
         friedman=friedman(ranks) if len(ranks) and contenders > 1 and with_intervals else (np.nan, np.nan),
         corrected=p,
-        duels_corrected=np.where(told, duels.p, np.nan),
+        duels_corrected=np.where(tested_overall, duels.p, np.nan),
     )
 
 
@@ -172,27 +179,28 @@ def _ends(values: Floats, statistic: Statistic, wanted: bool, least: float, most
 def _over_worlds(
     numbers: Floats, low: bool, first: NDArray[np.intp], second: NDArray[np.intp]
 ) -> tuple[Floats, Floats]:
-    """Of the trials that all contenders have in all these worlds: the sums of centred ranks over the worlds
-    (trial, contender), the best lowest, and the share of worlds in which the first of each pair is ahead, less that in
-    which it is behind (trial, pair).
+    """Ranks and duels over worlds, in the trials that all contenders have in all of these worlds.
+
+    Returns the sums of centred ranks over the worlds (trial, contender), where the best is lowest, and the share of
+    worlds in which the first of each pair is ahead, minus the share in which it is behind (trial, pair).
     """
     whole = ~np.isnan(numbers).any(axis=(0, 1)) & bool(len(numbers))
-    mine = numbers[:, :, whole] if low else -numbers[:, :, whole]
-    contenders, trials = mine.shape[1:]
+    scores = numbers[:, :, whole] if low else -numbers[:, :, whole]
+    contenders, trials = scores.shape[1:]
     ranks, ahead = np.zeros((trials, contenders)), np.zeros((trials, len(first)))
     step = max(1, BLOCK // max(1, len(first) * trials))
-    for start in range(0, len(mine), step):
-        some = mine[start : start + step]
-        off = np.sign(differences(some[:, first], some[:, second]))
-        ahead -= off.sum(axis=0).T
-        # a rank is 1 and the number of those that are better, where equal ones count a half
-        for k, (one, other) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
-            behind = off[:, k].sum(axis=0) / 2
-            ranks[:, one] += behind
-            ranks[:, other] -= behind
-    return ranks, ahead / max(len(mine), 1)
+    for start in range(0, len(scores), step):
+        block = scores[start : start + step]
+        signs = np.sign(differences(block[:, first], block[:, second]))
+        ahead -= signs.sum(axis=0).T
+        # a rank is 1 plus the number of better contenders, where equal ones count one half
+        for k, (i, j) in enumerate(zip(first.tolist(), second.tolist(), strict=True)):
+            behind = signs[:, k].sum(axis=0) / 2
+            ranks[:, i] += behind
+            ranks[:, j] -= behind
+    return ranks, ahead / max(len(scores), 1)
 
 
 def world_ranks(values: Floats, low: bool) -> Floats:
-    """The rank of each contender by its value in each world (world, contender), 1 the best; NaN where it is lacking."""
+    """The rank of each contender's value in each world (world, contender); 1 is best, NaN is missing."""
     return midranks(values if low else -values)

@@ -1,4 +1,4 @@
-"""Who stands where in a comparison: first, level with the first, or behind, in each world and over all of them."""
+"""Each contender's standing in each world: best, level with the first, or behind; and who is told apart from whom."""
 
 from dataclasses import dataclass
 
@@ -16,10 +16,10 @@ AGAINST = ("better", "level", "worse")
 
 @dataclass(frozen=True)
 class Standings:
-    """Contenders in worlds, by several measures, of each of which there is a contest.
+    """Contenders in worlds, by several measures, with a contest for each measure.
 
-    `costs` are means over robots and trials (world, contender), `sizes` bytes (world, contender); `cautions` say what
-    could not be compared, or should be known before believing it.
+    `costs` are means over robots and trials (world, contender), `sizes` are bytes (world, contender), `cautions` say
+    what could not be compared, or limits the comparison.
     """
 
     title: str
@@ -28,19 +28,19 @@ class Standings:
     contests: list[Contest]
     costs: dict[str, Floats]
     sizes: dict[str, Floats]
-    settings: NDArray[np.int64]  # (world, contender), -1 where there is none
+    settings: NDArray[np.int64]  # (world, contender), -1 if there is none
     cautions: list[str]
-    against: int | None = None  # the contender that the others are held against; None: each against each
+    against: int | None = None  # the contender that all others are compared with; None compares every pair
 
     @property
     def contenders(self) -> list[str]:
-        """The names of contenders, in the order of every array of them."""
+        """The names of contenders, in the order of all arrays."""
         return self.field.contenders
 
     def standing(self, contest: Contest) -> NDArray[np.str_]:
-        """The standing of each contender in each world (world, contender), empty where it is lacking, or alone.
+        """The standing of each contender in each world (world, contender), empty if it is missing, or alone there.
 
-        These are `RANKED`; of contenders held against one of them `AGAINST`, and that one has none.
+        Standings are `RANKED`. With `against` they are `AGAINST`, and empty for the contender `against` itself.
         """
         if self.against is not None:
             return self._standing_against(contest, self.against)
@@ -53,31 +53,31 @@ class Standings:
         best = first & (behind.sum(axis=1) == there.sum(axis=1) - 1)[:, np.newaxis]
         return np.select([best, behind, there], ["best", "behind", "level"], "")
 
-    def _standing_against(self, contest: Contest, mark: int) -> NDArray[np.str_]:
+    def _standing_against(self, contest: Contest, reference: int) -> NDArray[np.str_]:
         out = np.full(contest.values.shape, "", "<U6")
-        for k, (one, other) in enumerate(pairs_of(len(self.contenders))):
-            if mark not in (one, other) or np.isnan(contest.corrected[:, k]).all():
+        for k, (first, second) in enumerate(pairs_of(len(self.contenders))):
+            if reference not in (first, second) or np.isnan(contest.corrected[:, k]).all():
                 continue
             first_is_better = (contest.tests.balance[:, k] < 0) == contest.low
-            who, better = (other, ~first_is_better) if one == mark else (one, first_is_better)
+            contender, better = (second, ~first_is_better) if first == reference else (first, first_is_better)
             way = np.where(contest.apart[:, k], np.where(better, "better", "worse"), "level")
-            out[:, who] = np.where(np.isnan(contest.corrected[:, k]), "", way)
+            out[:, contender] = np.where(np.isnan(contest.corrected[:, k]), "", way)
         return out
 
     def apart(self, contest: Contest) -> NDArray[np.bool_]:
-        """Who is told apart from whom in which world, (world, contender, contender)."""
+        """Which contenders are told apart in each world, (world, contender, contender)."""
         count = len(self.contenders)
-        found = np.zeros((len(contest.values), count, count), np.bool_)
-        for k, (one, other) in enumerate(pairs_of(count)):
-            found[:, one, other] = found[:, other, one] = contest.apart[:, k]
-        return found
+        out = np.zeros((len(contest.values), count, count), np.bool_)
+        for k, (first, second) in enumerate(pairs_of(count)):
+            out[:, first, second] = out[:, second, first] = contest.apart[:, k]
+        return out
 
     def apart_overall(self, contest: Contest) -> NDArray[np.bool_]:
-        """Who is told apart from whom over all worlds that all have met, (contender, contender)."""
+        """Which contenders are told apart over the worlds that all have met, (contender, contender)."""
         if contest.met.sum() == 1:
             return np.asarray(self.apart(contest)[contest.met][0])
         count = len(self.contenders)
-        found = np.zeros((count, count), np.bool_)
-        for k, (one, other) in enumerate(pairs_of(count)):
-            found[one, other] = found[other, one] = contest.duels_apart[k]
-        return found
+        out = np.zeros((count, count), np.bool_)
+        for k, (first, second) in enumerate(pairs_of(count)):
+            out[first, second] = out[second, first] = contest.duels_apart[k]
+        return out

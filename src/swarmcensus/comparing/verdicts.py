@@ -1,52 +1,52 @@
-"""A comparison in sentences: who is best in how many worlds, who is not told apart from it, and what it costs."""
+"""A comparison in sentences: who is best in how many worlds, who is not told apart from the best, and the costs."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.comparing.cells import amount, equals
-from swarmcensus.comparing.pair_tests import Contest, pairs_of
+from swarmcensus.comparing.cells import amount, p_equals
+from swarmcensus.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.statistics.rankings import groups
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
-MOST_NAMED = 6  # contenders in a sentence
+MOST_NAMED = 6  # contenders in one sentence
 
 
-def verdict(found: Standings) -> list[str]:
-    """One sentence a measure about the worlds, one about all of them together, and one about costs."""
+def verdict(standings: Standings) -> list[str]:
+    """For each measure one sentence about single worlds and one about all of them; then one about costs."""
     sentences = []
-    for one, contest in zip(found.measures, found.contests, strict=True):
-        sentences.append(f"{one.label}: {_by_world(found, contest)}")
+    for measure, contest in zip(standings.measures, standings.contests, strict=True):
+        sentences.append(f"{measure.label}: {_by_world(standings, contest)}")
         if contest.met.sum() > 1 and not np.isnan(contest.duels_corrected).all():
-            sentences.append(f"{one.label}, over all worlds: {_overall(found, contest)}")
-    return sentences + costs(found)
+            sentences.append(f"{measure.label}, over all worlds: {_overall(standings, contest)}")
+    return sentences + costs(standings)
 
 
-def costs(found: Standings) -> list[str]:
-    """What each contender sends and remembers, a sentence for all; nothing where results do not say it."""
-    if not found.costs and "memory_bytes" not in found.sizes:
+def costs(standings: Standings) -> list[str]:
+    """One sentence on what each contender sends and remembers; empty if the results do not contain it."""
+    if not standings.costs and "memory_bytes" not in standings.sizes:
         return []
-    said = []
-    for k, name in enumerate(found.contenders[:MOST_NAMED]):
-        sent = [f"sends {_span(v[:, k])} {QUANTITIES[n].unit}" for n, v in found.costs.items()][-1:]  # bytes, if known
-        held = [f"remembers {_span(v[:, k])} bytes" for n, v in found.sizes.items() if n == "memory_bytes"]
-        said.append(f"{name} {' and '.join(sent + held)}")
-    more = f"; and {len(found.contenders) - MOST_NAMED} more" if len(found.contenders) > MOST_NAMED else ""
-    return [f"cost of a robot in a trial: {'; '.join(said)}{more}"]
+    phrases = []
+    for k, name in enumerate(standings.contenders[:MOST_NAMED]):  # of what is sent, bytes are named if known
+        sent = [f"sends {_range_text(v[:, k])} {QUANTITIES[n].unit}" for n, v in standings.costs.items()]
+        held = [f"remembers {_range_text(v[:, k])} bytes" for n, v in standings.sizes.items() if n == "memory_bytes"]
+        phrases.append(f"{name} {' and '.join(sent[-1:] + held)}")
+    more = f"; and {len(standings.contenders) - MOST_NAMED} more" if len(standings.contenders) > MOST_NAMED else ""
+    return [f"cost of a robot in a trial: {'; '.join(phrases)}{more}"]
 
 
-def _by_world(found: Standings, contest: Contest) -> str:
+def _by_world(standings: Standings, contest: Contest) -> str:
     """Such as "of 6 worlds, a is best in 3 and level at the top in 2; b is behind in all"."""
-    standing = found.standing(contest)
-    if found.against is not None:
-        return _against(found, standing)
+    standing = standings.standing(contest)
+    if standings.against is not None:
+        return _against(standings, standing)
     worlds = int((standing != "").any(axis=1).sum())
     if not worlds:
         return "no two contenders have numbers of it in the same world"
     counts = {name: (standing == name).sum(axis=0).tolist() for name in ("best", "level")}
     if not (standing == "behind").any():
-        return "nobody is told apart from whoever is first" + " in any world" * (worlds > 1)
+        return "no contender is told apart from the first" + " in any world" * (worlds > 1)
     there = (standing != "").any(axis=0)
     order = [k for k in np.lexsort((-np.array(counts["level"]), -np.array(counts["best"]))).tolist() if there[k]]
     parts = []
@@ -55,92 +55,91 @@ def _by_world(found: Standings, contest: Contest) -> str:
         if worlds == 1:
             how = "best" if best else "level at the top" if level else "behind"
         elif best or level:
-            said = [f"best in {best}"] * (best > 0) + [f"level at the top in {level}"] * (level > 0)
-            how = " and ".join(said)
+            phrases = [f"best in {best}"] * (best > 0) + [f"level at the top in {level}"] * (level > 0)
+            how = " and ".join(phrases)
         else:
             how = "behind in all"
-        parts.append(f"{found.contenders[k]} is {how}")
+        parts.append(f"{standings.contenders[k]} is {how}")
     more = f"; and {len(order) - MOST_NAMED} more" if len(order) > MOST_NAMED else ""
     return f"of {counted(worlds, 'world')}, " * (worlds > 1) + "; ".join(parts) + more
 
 
-def _overall(found: Standings, contest: Contest) -> str:
-    """Average ranks, best first, and who is not told apart."""
-    if found.against is not None:
-        return _against_overall(found, contest)
-    average, apart = contest.average_ranks, found.apart_overall(contest)
+def _overall(standings: Standings, contest: Contest) -> str:
+    """Average ranks, best first, and the groups of contenders that are not told apart."""
+    if standings.against is not None:
+        return _against_overall(standings, contest)
+    average, apart = contest.average_ranks, standings.apart_overall(contest)
     order = np.argsort(average, kind="stable").tolist()
-    ranked = ", ".join(f"{found.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
+    ranked = ", ".join(f"{standings.contenders[k]} {average[k]:.2f}" for k in order[:MOST_NAMED])
     more = ", ..." if len(order) > MOST_NAMED else ""
     level = groups(order, apart)
-    test = f"Friedman's test: p {equals(contest.friedman_corrected)}"
+    test = f"Friedman's test: p {p_equals(contest.friedman_corrected)}"
     if not level:
-        told = f"all are told apart ({test})"
+        outcome = f"all are told apart ({test})"
     elif len(level[0]) == len(order) and contest.differ:
-        told = (
+        outcome = (
             f"they differ ({test}), but with {counted(len(contest.ranks), 'trial')} no two can be told apart, "
-            f"corrected for {counted(tests_of(found), 'test')}"
+            f"corrected for {counted(test_count(standings.contests), 'test')}"
         )
     elif len(level[0]) == len(order):
-        told = f"none is told apart from another ({test})"
+        outcome = f"none is told apart from another ({test})"
     else:
-        several = (" and ".join(found.contenders[k] for k in one[:MOST_NAMED]) for one in level)
-        told = f"not told apart: {'; '.join(several)} ({test})"
+        several = (" and ".join(standings.contenders[k] for k in group[:MOST_NAMED]) for group in level)
+        outcome = f"not told apart: {'; '.join(several)} ({test})"
     if not np.isnan(contest.friedman_corrected) and not contest.differ and apart.any():
-        told += ", though by this test they need not differ"
-    return f"average ranks {ranked}{more}; {told}"
+        outcome += ", though by this test they need not differ"
+    return f"average ranks {ranked}{more}; {outcome}"
 
 
-def tests_of(found: Standings) -> int:
-    """How many tests of pairs there are, for all of which each is corrected."""
-    return sum(int((~np.isnan(part)).sum()) for c in found.contests for part in (c.corrected, c.duels_corrected))
-
-
-def _against(found: Standings, standing: NDArray[np.str_]) -> str:
+def _against(standings: Standings, standing: NDArray[np.str_]) -> str:
     """Such as "of 5 worlds, against a: b is better in 3 and not told apart in 2; c is worse in all 5"."""
-    assert found.against is not None
-    mark, parts = found.contenders[found.against], []
-    for k, name in enumerate(found.contenders):
+    assert standings.against is not None
+    reference, parts = standings.contenders[standings.against], []
+    for k, name in enumerate(standings.contenders):
         met = int((standing[:, k] != "").sum())
-        said = [
+        phrases = [
             f"{how} in {f'all {met:,}' if count == met > 1 else f'{count:,}'}"
             for what, how in (("better", "better"), ("worse", "worse"), ("level", "not told apart"))
             if (count := int((standing[:, k] == what).sum()))
         ]
         if len(standing) == 1:
-            said = [one.removesuffix(" in 1") for one in said]
-        if said:
-            parts.append(f"{name} is {' and '.join([', '.join(said[:-1]), said[-1]] if said[1:] else said)}")
+            phrases = [phrase.removesuffix(" in 1") for phrase in phrases]
+        if phrases:
+            parts.append(
+                f"{name} is {' and '.join([', '.join(phrases[:-1]), phrases[-1]] if phrases[1:] else phrases)}"
+            )
     if not parts:
-        return f"nobody else has numbers of it where {mark} has"
-    alone = [name for k, name in enumerate(found.contenders) if name != mark and not (standing[:, k] != "").any()]
+        return f"no other contender has numbers of it in the worlds of {reference}"
+    alone = [
+        name for k, name in enumerate(standings.contenders) if name != reference and not (standing[:, k] != "").any()
+    ]
     parts += [f"{', '.join(alone)} {'is' if len(alone) == 1 else 'are'} in no world with it"] * bool(alone)
     worlds = f"of {counted(len(standing), 'world')}, " * (len(standing) > 1)
-    return f"{worlds}against {mark}: {'; '.join(parts)}"
+    return f"{worlds}against {reference}: {'; '.join(parts)}"
 
 
-def _against_overall(found: Standings, contest: Contest) -> str:
+def _against_overall(standings: Standings, contest: Contest) -> str:
     parts = []
-    for k, (one, other) in enumerate(pairs_of(len(found.contenders))):
+    for k, (first, second) in enumerate(pairs_of(len(standings.contenders))):
         if np.isnan(contest.duels_corrected[k]):
             continue
         better, worse = contest.shares(k)
-        who, ahead = one, contest.ahead[k]
-        if one == found.against:
-            who, ahead, better, worse = other, -ahead, worse, better
+        contender, ahead = first, contest.ahead[k]
+        if first == standings.against:
+            contender, ahead, better, worse = second, -ahead, worse, better
         how = "not told apart" if not contest.duels_apart[k] else "better" if ahead > 0 else "worse"
-        p = equals(contest.duels_corrected[k])
-        parts.append(f"{found.contenders[who]} is {how} ({often(better, worse)}, p {p})")
+        p = p_equals(contest.duels_corrected[k])
+        parts.append(f"{standings.contenders[contender]} is {how} ({win_shares(better, worse)}, p {p})")
     return "; ".join(parts)
 
 
-def often(better: float, worse: float) -> str:
-    """In what shares of trials one is better and worse; in the others they are equal."""
+def win_shares(better: float, worse: float) -> str:
+    """The shares of trials in which one is better and worse; in the others both are equal."""
     return f"better in {better:.0%}, worse in {worse:.0%} of trials"
 
 
-def _span(values: NDArray[np.float64]) -> str:
-    """What a contender has in all worlds: one number, or the least and the most."""
+def _range_text(values: NDArray[np.float64]) -> str:
+    """A contender's values over all worlds: one number, or the least and the largest."""
     known = values[np.isfinite(values)]
     if not known.size:
         return "an unknown number of"

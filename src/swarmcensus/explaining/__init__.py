@@ -1,6 +1,6 @@
-"""Measured figures beside what theory expects of them: `sc.explain`.
+"""Compares measurements with theory: `sc.explain`.
 
 In: a dataset.
-Out: an `Explanation` of one setting, or the agreement of all of them with theory.
-Must not know: who ran the trials and how, what is drawn.
+Out: an `Explanation` of one setting, or the agreement of all settings with theory.
+Must not know: how trials were run, what is drawn.
 """

@@ -1,7 +1,7 @@
-"""What theory expects of a setting of some results: a robot alone, its neighbourhood, mixed sums, the whole swarm.
+"""What theory expects of a setting: a robot alone, its neighbourhood, mixed sums, the whole swarm.
 
-Sensors and graphs are those that the trials drew, found again from the study in the results; no brain is run. Where a
-closed form does not hold, there is a sentence that says why.
+Sensors and graphs are those of the trials, drawn again from the study in the results; no brain is run. If a closed form
+does not hold, a sentence says why.
 """
 
 from collections.abc import Sequence
@@ -26,34 +26,34 @@ from swarmcensus.worlds.patterns import Floor
 Floats = NDArray[np.float64]
 Origin = tuple[Study, Setting]
 ALONE, NEAR, MIXED, SWARM = "alone", "neighbourhood", "mixed", "swarm"
-MOST_ROBOTS = 1000  # of a network whose mixing is computed
-WORK = 1e9  # of decompositions: the cube of the robots, times graphs
-SOME = 100  # sensors, or variances, that stand for all of a study's
+MOST_ROBOTS = 1000  # size of a network whose mixing is computed
+MOST_WORK = 1e9  # operations of decompositions: the number of graphs times the cube of the number of robots
+MOST_SAMPLED = 100  # sensors, or variances, that represent all of a study
 
 
 class Line(NamedTuple):
-    """What theory expects at each time, each (time,): of robots' estimates, over robots and trials."""
+    """What theory expects of estimates at each time (time,), over robots and trials."""
 
     median_error: Floats
-    low: Floats  # the middle half of estimates lies from here
+    low: Floats  # the quartiles of estimates
     high: Floats
     sd: Floats
     bias: Floats
     right: Floats
-    variance: Floats  # the mean one
+    variance: Floats  # the mean over robots and trials
 
 
 class Expectation(NamedTuple):
-    """Lines by their names, why others are absent, and what they were computed from."""
+    """The lines of theory by name, why others are absent, and what they were computed from."""
 
     times: list[int]
     lines: dict[str, Line]
     absent: dict[str, str]
     setting: Setting
-    stationary: float  # variance of mixed sums at the last time, were all news round; NaN where that is not known
-    relaxation: float  # rounds, the longest of the graphs; NaN likewise, and where messages are late
-    graphs: int  # that were looked at
-    floor: float  # variance that the floor's own share of black has about f
+    stationary: float  # variance of mixed sums at the last time if all readings were fully mixed; NaN if unknown
+    relaxation: float  # the longest relaxation time of the graphs in rounds; NaN if unknown, and with message delays
+    graphs: int  # number of graphs used
+    floor: float  # variance of the floor's own share of black about f
 
 
 def expect(
@@ -64,37 +64,39 @@ def expect(
     origin: Origin | None = None,
     graphs_of: int | None = None,
 ) -> Expectation:
-    """What theory says of a setting after these rounds, or ticks; of some lines only, or of all.
+    """What theory expects of a setting after these rounds, or ticks: the lines of these names, or all.
 
-    `origin` is its study and itself, where they are found already. Graphs are looked at of the first `graphs_of`
-    trials, or of as many as time allows. Raises InputError.
+    `origin` is the study and the setting, if they are known. Graphs are those of the first `graphs_of` trials, or of as
+    many as `MOST_WORK` allows. Raises InputError.
     """
-    study, found = origin or setting_of(data, number, run=False)
+    study, setting = origin or setting_of(data, number, run=False)
     trials = data["trial"].values[done(data.sel(setting=[number]))[0]]
     if not trials.size:
         raise InputError(f"setting {number}: none of its trials has been run")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [one[trials - first] for one in found.accuracies(study.seed, first, count)]
-    absent = reasons(found, all(map(np.array_equal, drawn[:2], drawn[2:])))
-    if _stop(data.sel(setting=[number])):
-        absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end, and look no more")
+    drawn = [one[trials - first] for one in setting.accuracies(study.seed, first, count)]
+    absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
+    if _some_stop_early(data.sel(setting=[number])):
+        absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
     wanted = [name for name in names or (ALONE, NEAR, MIXED, SWARM) if name not in absent]
-    floor = float(floor_variance(data, found, np.array(np.inf)))
-    out = Expectation(list(times), {}, absent, found, np.nan, np.nan, 0, floor)
+    floor = float(floor_variance(data, setting, np.array(np.inf)))
+    out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor)
     if not wanted:
         return out
-    b, w = (np.broadcast_to(one, (trials.size, found.robots)) for one in drawn[:2])
-    f, bins = found.fill_ratio, int(data.attrs["bins"])
-    readings = np.array(times, np.float64) * found.observations_per_round
+    b, w = (np.broadcast_to(one, (trials.size, setting.robots)) for one in drawn[:2])
+    f, bins = setting.fill_ratio, int(data.attrs["bins"])
+    readings = np.array(times, np.float64) * setting.observations_per_round
     if ALONE in wanted:
         out.lines[ALONE] = _alone(readings, f, b, w, bins)
     if SWARM in wanted:
         bound = theory.swarm_bound(readings, f, b, w)
-        if found.body is not None:  # tiles are seen again: at best all of them, and all as often
-            bound = _sensing(readings, f, b, w) + floor_variance(data, found, readings * found.robots)[:, np.newaxis]
+        if setting.body is not None:  # robots see tiles repeatedly; best is to see all tiles equally often
+            bound = (
+                _sensing(readings, f, b, w) + floor_variance(data, setting, readings * setting.robots)[:, np.newaxis]
+            )
         out.lines[SWARM] = normal_line(bound, f, bins)
     if NEAR in wanted or MIXED in wanted:
-        graphs = mixing_of(found, study.seed, trials[:graphs_of])
+        graphs = mixing_of(setting, study.seed, trials[:graphs_of])
         if NEAR in wanted:
             near = [theory.neighbourhood_bound(m, readings, f, b[k], w[k]) for k, m in enumerate(graphs)]
             out.lines[NEAR] = normal_line(np.concatenate(near, axis=1), f, bins)
@@ -104,60 +106,63 @@ def expect(
     return out
 
 
-def _stop(one: xr.Dataset) -> bool:
+def _some_stop_early(one: xr.Dataset) -> bool:
     return "done_round" in one and bool(np.isfinite(one["done_round"].values).any())
 
 
-def reasons(found: Setting, knows: bool) -> dict[str, str]:
-    """Why theory says nothing of some lines of a setting, by their names; whether its robots know their sensors."""
+def reasons(setting: Setting, knows: bool) -> dict[str, str]:
+    """Why theory has no value for some lines of a setting, by line; `knows` tells whether robots know their sensors."""
     for why, holds in (
-        ("the floor changes while robots look", found.change is not None),
-        ("sensors drift while robots look", found.accuracy.drift is not None or any(map(_drifts, found.members))),
-        ("some robots lie", found.honest < found.robots),
-        ("parts of robots fail", bool(found.faults)),
-        ("b + w = 1: readings say nothing of the floor", found.accuracy.is_blind and not found.members),
+        ("the floor changes while robots observe", setting.change is not None),
+        (
+            "sensors drift while robots observe",
+            setting.accuracy.drift is not None or any(map(_drifts, setting.members)),
+        ),
+        ("some robots lie", setting.honest < setting.robots),
+        ("parts of robots fail", bool(setting.faults)),
+        ("b + w = 1: readings say nothing of the floor", setting.accuracy.is_blind and not setting.members),
     ):
         if holds:
             return dict.fromkeys((ALONE, NEAR, MIXED, SWARM), why)
     out: dict[str, str] = {}
-    moves = found.body is not None
+    moves = setting.body is not None
     for name, why, holds in (
         (ALONE, "robots are wrong about their sensors", not knows),
         (ALONE, "robots that move see tiles again, so that readings are not independent", moves),
         (NEAR, "robots that move hear others all the time", moves),
-        (NEAR, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
+        (NEAR, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
         (MIXED, "robots that move hear others all the time", moves),
-        (MIXED, "messages are lost", found.link_success < 1.0 and not found.brain.is_oracle),
-        (MIXED, "messages are late, in too large a network", not moves and not _fits(found)),
+        (MIXED, "messages are lost", setting.link_success < 1.0 and not setting.brain.is_oracle),
+        (MIXED, "messages are late, in too large a network", not moves and not _delays_fit(setting)),
         (MIXED, "robots are wrong about their sensors", not knows),
-        (MIXED, f"there are more than {MOST_ROBOTS:,} robots", found.robots > MOST_ROBOTS),
+        (MIXED, f"there are more than {MOST_ROBOTS:,} robots", setting.robots > MOST_ROBOTS),
     ):
         if holds:
             out.setdefault(name, why)
     return out
 
 
-def floor_variance(data: xr.Dataset, found: Setting, readings: Floats) -> Floats:
-    """What a floor leaves at least after so many readings of the whole swarm, of tiles that are drawn one by one.
+def floor_variance(data: xr.Dataset, setting: Setting, readings: Floats) -> Floats:
+    """The least variance that a floor of independent tiles leaves after so many readings of the whole swarm.
 
-    At best all tiles have been seen as often, or as many as there are readings. 0 on fixed networks, where each reading
-    has a tile of its own, which the sensors' bound counts, and of other floors: a bound too.
+    It is reached if all tiles are seen equally often, or each reading is of another tile. It is 0, which is a bound
+    too, for other floors, and on fixed networks, where each reading is of a new tile, as the sensors' bound assumes.
     """
-    if found.body is None or found.floor not in (None, Floor()):
+    if setting.body is None or setting.floor not in (None, Floor()):
         return np.zeros(readings.shape)
-    body = found.body
+    body = setting.body
     arm = float(np.hypot(*body.sensor))
-    tiles = reachable(found.arena_side / 2.0, body.radius, arm, body.tile).shape[1]
+    tiles = reachable(setting.arena_side / 2.0, body.radius, arm, body.tile).shape[1]
     truth: theory.Truth = "floor" if data.attrs["truth"] == "floor" else "nominal"
-    return theory.tiles_variance(np.maximum(1.0 / readings, 1.0 / tiles), found.fill_ratio, tiles, truth=truth)
+    return theory.tiles_variance(np.maximum(1.0 / readings, 1.0 / tiles), setting.fill_ratio, tiles, truth=truth)
 
 
 def normal_line(variance: Floats, f: float, bins: int) -> Line:
-    """Of estimates that are normal about f with variances (time, robot of any trial)."""
+    """The line of normal estimates about f with these variances (time, robots of all trials)."""
     mean = variance.mean(axis=1)
-    some = np.sort(variance, axis=1)[:, _some(variance.shape[1])]
-    right = np.array([theory.normal_right_share(one, f, bins).mean() for one in some])
-    half = theory.normal_median_error(some, f)
+    sampled = np.sort(variance, axis=1)[:, _evenly_spaced(variance.shape[1])]
+    right = np.array([theory.normal_right_share(one, f, bins).mean() for one in sampled])
+    half = theory.normal_median_error(sampled, f)
     return Line(
         half, np.maximum(f - half, 0.0), np.minimum(f + half, 1.0), np.sqrt(mean), np.zeros(len(mean)), right, mean
     )
@@ -166,7 +171,7 @@ def normal_line(variance: Floats, f: float, bins: int) -> Line:
 def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
     pairs = np.stack([b.ravel(), w.ravel()], axis=1)
     alike = (pairs == pairs[0]).all()
-    pairs = pairs[:1] if alike else pairs[np.lexsort(pairs.T[::-1])][_some(len(pairs))]  # as often as they are there
+    pairs = pairs[:1] if alike else pairs[np.lexsort(pairs.T[::-1])][_evenly_spaced(len(pairs))]  # in proportion
     rows = []
     for t in readings.astype(int).tolist():
         law = theory.mixed_law([theory.local_law(t, f, *pair) for pair in pairs.tolist()])
@@ -177,57 +182,66 @@ def _alone(readings: Floats, f: float, b: Floats, w: Floats, bins: int) -> Line:
 
 
 def _mixed(out: Expectation, graphs: list[Floats], b: Floats, w: Floats, bins: int) -> Expectation:
-    found = out.setting
-    variances, late, slow = [], [], []
-    looks, f = found.observations_per_round, found.fill_ratio
+    setting = out.setting
+    variances, late, relaxations = [], [], []
+    readings_per_round, f = setting.observations_per_round, setting.fill_ratio
     law, relaxation = np.zeros(0), np.nan
     for k, matrix in enumerate(graphs):
-        variances.append(theory.mixing_variance(matrix, out.times, looks, f, b[k], w[k], found.message_delay))
+        variances.append(
+            theory.mixing_variance(matrix, out.times, readings_per_round, f, b[k], w[k], setting.message_delay)
+        )
         if k == 0 or matrix is not graphs[k - 1]:
             try:
                 law, relaxation = theory.stationary_law(matrix), theory.relaxation_time(matrix)
-            except InputError:  # it falls apart
-                law, relaxation = np.full(found.robots, np.nan), np.nan
-        slow.append(np.nan if found.message_delay else relaxation)
+            except InputError:  # the graph is not connected
+                law, relaxation = np.full(setting.robots, np.nan), np.nan
+        relaxations.append(np.nan if setting.message_delay else relaxation)
         weights = law * (b[k] + w[k] - 1.0) ** 2
         variance = theory.reading_variance(f, b[k], w[k])
         known = weights != 0.0
-        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (looks * out.times[-1]))
+        late.append((weights[known] ** 2 @ variance[known]) / weights.sum() ** 2 / (readings_per_round * out.times[-1]))
     out.lines[MIXED] = normal_line(np.concatenate(variances, axis=1), f, bins)
-    return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(slow)))
+    return out._replace(stationary=float(np.mean(late)), relaxation=float(np.max(relaxations)))
 
 
-def mixing_of(found: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
-    """The mixing matrices of the first trials, as many as may be decomposed; one where all trials have the same."""
-    same = not found.topology.varies or found.brain.is_oracle
-    most = max(1, int(WORK / (found.robots**3 if not found.message_delay else found.robots**2 * found.rounds * 10)))
-    alike = found.accuracy.black.is_number and not found.members
-    kept = trials[:1] if same and alike and (found.accuracy.white or found.accuracy.black).is_number else trials[:most]
+def mixing_of(setting: Setting, seed: int, trials: NDArray[np.intp]) -> list[Floats]:
+    """The mixing matrices of the first trials, as many as `MOST_WORK` allows; one if all trials have the same."""
+    same_graph = not setting.topology.varies or setting.brain.is_oracle
+    most = max(
+        1,
+        int(MOST_WORK / (setting.robots**3 if not setting.message_delay else setting.robots**2 * setting.rounds * 10)),
+    )
+    same_sensors = setting.accuracy.black.is_number and not setting.members
+    chosen = (
+        trials[:1]
+        if same_graph and same_sensors and (setting.accuracy.white or setting.accuracy.black).is_number
+        else trials[:most]
+    )
     matrices: list[Floats] = []
-    for trial in kept.tolist():
-        links = found.links(seed, trial, 1)
-        everyone = np.full((found.robots, found.robots), 1.0 / found.robots)
-        one = from_links(found.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
-        matrices.append(matrices[0] if same and matrices else one)
+    for trial in chosen.tolist():
+        links = setting.links(seed, trial, 1)
+        everyone = np.full((setting.robots, setting.robots), 1.0 / setting.robots)
+        matrix = from_links(setting.robots, links.receivers, links.senders) if links.mode == LISTED else everyone
+        matrices.append(matrices[0] if same_graph and matrices else matrix)
     return matrices
 
 
-def _fits(found: Setting) -> bool:
-    return not found.message_delay or fits(found.robots, found.message_delay)
+def _delays_fit(setting: Setting) -> bool:
+    return not setting.message_delay or fits(setting.robots, setting.message_delay)
 
 
 def _sensing(readings: Floats, f: float, b: Floats, w: Floats) -> Floats:
-    """What sensors leave of all readings pooled, each weighed by how sure it is: (time, trial)."""
+    """The variance that sensors leave if all readings are pooled, weighted by information: (time, trial)."""
     slope = b + w - 1.0
     errs = f * b * (1.0 - b) + (1.0 - f) * w * (1.0 - w)
     with np.errstate(divide="ignore"):
-        told = np.where(np.abs(slope) < 1e-12, 0.0, slope**2 / errs)
-        return np.asarray(1.0 / np.multiply.outer(readings, told.sum(axis=1)))
+        information = np.where(np.abs(slope) < 1e-12, 0.0, slope**2 / errs)
+        return np.asarray(1.0 / np.multiply.outer(readings, information.sum(axis=1)))
 
 
-def _some(count: int) -> NDArray[np.intp]:
-    """Places evenly spread over so many, the middles of equal parts."""
-    few = min(count, SOME)
+def _evenly_spaced(count: int) -> NDArray[np.intp]:
+    """At most `MOST_SAMPLED` of `count` places, evenly spaced."""
+    few = min(count, MOST_SAMPLED)
     return ((np.arange(few) + 0.5) * count / few).astype(np.intp)
 
 

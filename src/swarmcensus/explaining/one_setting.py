@@ -1,4 +1,4 @@
-"""A setting's measured figures beside theory's, and what limits it."""
+"""One setting's measurements compared with theory, and what limits its precision."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -16,127 +16,130 @@ from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import bootstrap
 from swarmcensus.statistics.intervals import estimate
 
-Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval over trials; NaN of fewer than 6
+Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
 NONE: Interval = (np.nan, np.nan, np.nan)
 
 
 class Explanation(NamedTuple):
-    """What was measured of a setting, what theory expects, and what is between them.
+    """A setting's measurements, what theory expects, and the parts of the error.
 
-    `terms` are the parts of the mean squared error after the last round: "sensors" what the readings of the whole swarm
-    leave, "floor" how far the black share of a finite floor is from f, "time" what mixed sums lose while news is under
-    way, and "mixing" what else was measured: news that counts unevenly, or that the brain does not pass on.
+    `terms` are the parts of the mean squared error after the last round. "sensors" is what all readings of the swarm
+    leave, "floor" is how far a finite floor's share of black is from f, "time" is what mixed sums lose because readings
+    have not reached all robots yet, and "mixing" is the rest: readings that count unequally, or that the brain does not
+    pass on.
     """
 
     setting: int
     what: str  # the setting in a line
     trials: int
-    unit: str  # of rounds
+    unit: str  # of time: "rounds", or "ticks" for robots that move
     rounds: int
     checkpoints: list[int]
     convergence_round: Interval  # the median K over robots and trials
     median_error: Interval  # of |x - f| after the last round
-    sd: float  # of estimates then, over robots and trials
-    bias: float  # their mean, less f
+    sd: float  # of the final estimates, over robots and trials
+    bias: float  # the mean of the final estimates minus f
     squared_error: Interval  # the mean of (x - f)^2
     right: list[Interval]  # the share of right robots at each checkpoint
     theory: dict[str, Line]  # at the checkpoints, and after the last round
-    absent: dict[str, str]  # why theory says nothing of a line
-    efficiency: Interval  # the bound of the swarm over the mean squared error
+    absent: dict[str, str]  # why theory has no value for a line
+    efficiency: Interval  # the bound of the swarm divided by the mean squared error
     terms: dict[str, float]
-    relaxation: float  # of the network, in rounds
+    relaxation: float  # relaxation time of the network, in rounds
     limit: str  # the largest term, in words
 
 
 def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
-    """A setting's measured figures beside theory's, with the efficiency, and in words what limits it.
+    """Compare a setting's measurements with theory; the result also has the efficiency, and what limits it in words.
 
-    `results` is a dataset or a results file, `setting` a number of its coordinate. Theory's lines are "alone" (the
-    exact law of a robot that hears nobody), "neighbourhood" (the bound of what a robot and those that it hears have
-    seen), "mixed" (sums that are mixed and divided on the same network) and "swarm" (the bound of all readings), each
-    at the checkpoints and after the last round. Raises InputError.
+    `results` is a dataset or a results file, `setting` a value of its coordinate. The lines of theory are "alone" (the
+    exact distribution for a robot that hears nobody), "neighbourhood" (the bound for the readings of a robot and those
+    that it hears), "mixed" (sums that are mixed and divided on the same network) and "swarm" (the bound for all
+    readings), each at the checkpoints and after the last round. Raises InputError.
     """
     data = load(results) if isinstance(results, str | Path) else results
     if setting not in data["setting"].values:
         known = data["setting"].values
         raise InputError(f"setting {setting}: these results hold setting {known.min()} to {known.max()}")
-    one = data.sel(setting=[setting])
-    ran = done(one)[0]
+    selected = data.sel(setting=[setting])
+    ran = done(selected)[0]
     if not ran.any():
         raise InputError(f"setting {setting}: none of its trials has been run")
-    rounds, robots = int(one["rounds"].values[0]), int(robots_in(one).values[0])
-    reached = one["checkpoint"].values <= rounds
-    checkpoints = one["checkpoint"].values[reached].tolist()
-    found = expect(data, setting, [*checkpoints, rounds])
-    off = errors_of(one, ran, robots)
-    squared = mean_of(np.square(off).mean(axis=1))
-    when = one["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
-    correct = one["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
-    terms = terms_of(found, squared[0])
-    k, low, high = estimate(when, "median")
+    rounds, robots = int(selected["rounds"].values[0]), int(robots_in(selected).values[0])
+    reached = selected["checkpoint"].values <= rounds
+    checkpoints = selected["checkpoint"].values[reached].tolist()
+    expectation = expect(data, setting, [*checkpoints, rounds])
+    errors = errors_of(selected, ran, robots)
+    squared = mean_of(np.square(errors).mean(axis=1))
+    rounds_of_convergence = selected["convergence_round"].values[0][ran][:, :robots].astype(np.float64)
+    correct = selected["correct"].transpose("setting", "checkpoint", "trial").values[0][reached][:, ran]
+    terms = terms_of(expectation, squared[0])
+    k, low, high = estimate(rounds_of_convergence, "median")
     return Explanation(
         setting=setting,
-        what=f"{found.setting.brain.name}: {found.setting}",
+        what=f"{expectation.setting.brain.name}: {expectation.setting}",
         trials=int(ran.sum()),
-        unit="rounds" if found.setting.body is None else "ticks",
+        unit="rounds" if expectation.setting.body is None else "ticks",
         rounds=rounds,
         checkpoints=checkpoints,
         convergence_round=(k, max(low, 0.0), min(high, float(rounds))),
-        median_error=estimate(np.abs(off), "median"),
-        sd=float(off.std()),
-        bias=float(off.mean()),
+        median_error=estimate(np.abs(errors), "median"),
+        sd=float(errors.std()),
+        bias=float(errors.mean()),
         squared_error=squared,
         right=[estimate(share[:, np.newaxis], "mean", share=True) for share in correct],
-        theory=found.lines,
-        absent=found.absent,
-        efficiency=efficiency_of(found, squared),
+        theory=expectation.lines,
+        absent=expectation.absent,
+        efficiency=efficiency_of(expectation, squared),
         terms=terms,
-        relaxation=found.relaxation,
-        limit=_words(found, terms),
+        relaxation=expectation.relaxation,
+        limit=_limit_text(expectation, terms),
     )
 
 
-def errors_of(one: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
-    """x - f after the last round, (trial, robot), of the trials that ran."""
-    final = one["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
-    return np.asarray(final - measures.truth(one)[0][ran][:, np.newaxis], np.float64)
+def errors_of(selected: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
+    """The errors x - f after the last round, (trial, robot), in the trials that ran."""
+    final = selected["final_estimate"].transpose("setting", "trial", "robot").values[0][ran][:, :robots]
+    return np.asarray(final - measures.truth(selected)[0][ran][:, np.newaxis], np.float64)
 
 
 def mean_of(by_trial: NDArray[np.float64]) -> Interval:
-    """The mean over trials, and its interval by bootstrap over them, which is not below 0 for what cannot be."""
+    """The mean over trials of a number that is never negative, and its bootstrap interval, cut at 0."""
     low, high = bootstrap.intervals(by_trial[np.newaxis], "mean")
     return float(by_trial.mean()), max(float(low[0]), 0.0), float(high[0])
 
 
-def efficiency_of(found: Expectation, squared: Interval) -> Interval:
-    """The bound of the whole swarm over the mean squared error; NaN where theory has no bound."""
-    if SWARM not in found.lines:
+def efficiency_of(expectation: Expectation, squared: Interval) -> Interval:
+    """The bound of the whole swarm divided by the mean squared error; NaN if theory has no bound."""
+    if SWARM not in expectation.lines:
         return NONE
-    bound = float(found.lines[SWARM].variance[-1])
+    bound = float(expectation.lines[SWARM].variance[-1])
     value, high, low = (bound / part if part > 0.0 else np.inf if part == 0.0 else np.nan for part in squared)
     return value, low, high
 
 
-def terms_of(found: Expectation, squared: float) -> dict[str, float]:
-    """The parts of the mean squared error, in the order in which they come off; none where theory has no bound."""
-    if SWARM not in found.lines:
+def terms_of(expectation: Expectation, squared: float) -> dict[str, float]:
+    """The parts of the mean squared error, in the order in which they are subtracted; empty if theory has no bound."""
+    if SWARM not in expectation.lines:
         return {}
-    floor = found.floor
-    terms = {"sensors": float(found.lines[SWARM].variance[-1]) - floor}
-    if found.setting.body is not None:
+    floor = expectation.floor
+    terms = {"sensors": float(expectation.lines[SWARM].variance[-1]) - floor}
+    if expectation.setting.body is not None:
         terms["floor"] = floor
-    if MIXED in found.lines and np.isfinite(found.stationary):
-        late = max(float(found.lines[MIXED].variance[-1]) - found.stationary, 0.0)
-        terms["time"] = min(late, max(squared - sum(terms.values()), 0.0))  # a brain may be faster than mixed sums
+    if MIXED in expectation.lines and np.isfinite(expectation.stationary):
+        late = max(float(expectation.lines[MIXED].variance[-1]) - expectation.stationary, 0.0)
+        terms["time"] = min(late, max(squared - sum(terms.values()), 0.0))  # a brain may mix faster than the sums
     return terms | {"mixing": max(squared - sum(terms.values()), 0.0)}
 
 
-def _words(found: Expectation, terms: dict[str, float]) -> str:
-    """What the largest part of the error comes from, and what would help."""
+def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
+    """A sentence on the largest part of the error, and what would reduce it."""
     if not terms:
         return ""
     largest = max(terms, key=lambda name: terms[name])
-    relaxed = f", and the network relaxes in {found.relaxation:,.0f} rounds" if found.relaxation > 0.0 else ""
+    relaxed = (
+        f", and the network relaxes in {expectation.relaxation:,.0f} rounds" if expectation.relaxation > 0.0 else ""
+    )
     return {
         "sensors": "the sensors: even all readings of the swarm together leave as much. Better sensors, more readings "
         "or more robots would help.",

@@ -1,4 +1,4 @@
-"""What a wrong belief about one's own sensor costs: the bias that it leaves, in closed form and as simulated."""
+"""The cost of a wrong belief about one's own sensor: the bias that remains, in closed form and as simulated."""
 
 import re
 from typing import NamedTuple
@@ -14,15 +14,15 @@ from swarmcensus.statistics import intervals
 from swarmcensus.statistics.intervals import Floats
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
-EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4: `asymptote` holds
+EQ_4 = {"minimalistic", "leaver", "legacy"}  # brains whose local estimate is the paper's Eq. 4, as `asymptote` assumes
 
 
 def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: ArrayLike, fill_ratio: ArrayLike) -> Floats:
-    """Where the estimate goes that a robot makes with the accuracies that it assumes, as its readings go on.
+    """The limit of a robot's local estimate for many readings, if it assumes b' and w' in place of its accuracies b, w.
 
-    A share p = b f + (1 - w)(1 - f) of them is black, whatever it assumes; Eq. 4 of the paper turns p into
-    (p + w' - 1) / (b' + w' - 1) with the assumed b' and w', cut to [0, 1]. Where b' + w' = 1 it stays at 0.5. Robots
-    that assume and see alike agree there, so communication takes nothing off the bias. Arrays of one shape, or numbers.
+    A share p = b f + (1 - w)(1 - f) of its readings is black, whatever it assumes. Eq. 4 of the paper turns p into
+    (p + w' - 1) / (b' + w' - 1), cut to [0, 1]; if b' + w' = 1, it is 0.5. Robots with equal sensors and beliefs have
+    the same limit, so communication does not reduce the bias. Takes numbers, or arrays of one shape.
     """
     b, w, assumed_b, assumed_w, f = np.broadcast_arrays(b, w, assumed_b, assumed_w, fill_ratio)
     black = b * f + (1.0 - w) * (1.0 - f)
@@ -32,11 +32,11 @@ def asymptote(b: ArrayLike, w: ArrayLike, assumed_b: ArrayLike, assumed_w: Array
 
 
 class Cost(NamedTuple):
-    """One setting: what its robots are and believe, and the error of their final estimates.
+    """One setting: the accuracy of its robots' sensors, what they believe, and the error of their final estimates.
 
-    `error` is how much the belief lies above the truth, None where it is drawn for each robot. `median` is that of
-    |x - f| over robots and trials, `low` and `high` its 95 % interval by bootstrap over trials, all NaN without a
-    finished trial (the interval with fewer than 6). `predicted` is |asymptote - f|, NaN where robots differ or their
+    `error` is the believed minus the true accuracy, None if it is drawn for each robot. `median` is the median of
+    |x - f| over robots and trials, `low` and `high` are its 95 % bootstrap interval over trials. All are NaN without a
+    finished trial, the interval also with fewer than 6. `predicted` is |asymptote - f|, NaN if robots differ or their
     brain does not use Eq. 4.
     """
 
@@ -53,8 +53,8 @@ class Cost(NamedTuple):
 def costs(results: xr.Dataset) -> list[Cost]:
     """The cost of each setting's belief, in the order of the settings.
 
-    Raises InputError if a variable is missing, if all robots know their sensors, or if a belief is off by one error
-    for black and another for white, which no single axis shows.
+    Raises InputError if a variable is missing, if all robots know their sensors, or if a belief is off by different
+    amounts for black and for white.
     """
     require(results, "accuracy", "assumed_accuracy", "fill_ratio", "final_estimate", "robots", "brain")
     if (results["assumed_accuracy"].values == results["accuracy"].values).all():
@@ -66,7 +66,7 @@ def costs(results: xr.Dataset) -> list[Cost]:
 
 
 def costs_of(results: xr.Dataset) -> list[Cost]:
-    """The same of any settings."""
+    """The cost of each setting's belief, also if all robots know their sensors."""
     return [_cost(results.isel(setting=k)) for k in range(results.sizes["setting"])]
 
 
@@ -89,7 +89,7 @@ def _cost(one: xr.Dataset) -> Cost:
 
 
 def accuracy_of(text: str) -> Accuracy | Misjudgement:
-    """An accuracy or belief from its canonical text, which is what a dataset holds."""
+    """An accuracy or belief from its canonical text, as stored in a dataset."""
     sides = dict(re.findall(r"(black|white|error|drift|least|most)=(\S+)", text))
     if "drift" in sides:
         numbers = {key: float(value) for key, value in sides.items()}
@@ -102,7 +102,7 @@ def _sides(accuracy: Accuracy) -> tuple[float, float]:
 
 
 def _fixed(accuracy: Accuracy) -> bool:
-    """Whether it is one for all robots and rounds."""
+    """Whether an accuracy is the same for all robots and rounds."""
     return accuracy.drift is None and accuracy.black.is_number and (accuracy.white or accuracy.black).is_number
 
 
@@ -121,6 +121,6 @@ def _error(true: Accuracy, assumed: Accuracy | Misjudgement, accuracy: str, beli
 
 
 def goes_to(true: Accuracy, error: float | Floats, f: float) -> Floats:
-    """`asymptote` of robots whose belief lies so far above the truth, for black and for white."""
+    """The `asymptote` of robots whose belief is the truth plus `error`, for black and for white."""
     b, w = _sides(true)
     return asymptote(b, w, np.clip(b + error, 0.0, 1.0), np.clip(w + error, 0.0, 1.0), f)

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.comparing.pair_tests import ALPHA, Asked, contests
+from swarmcensus.comparing.pair_tests import ALPHA, ContestInput, contests
 from swarmcensus.leaderboard.scores import COLUMNS, Floats, Score, Scores, World
 from swarmcensus.statistics.corrections import holm
 
@@ -90,7 +90,7 @@ def _behind(column: str, values: Floats, own: int, others: list[int], names: lis
 def _rivals(own: int, others: list[int], score: Score, names: list[str]) -> list[Rival]:
     """Contenders that are ahead of it over all worlds, trial by trial; p-values are corrected by Holm's method."""
     known = [own, *(k for k in others if not np.isnan(score.ranks[k]))]
-    asked = Asked(score.numbers[:, known], "median" if score.low else "mean", score.low, not score.low)
+    asked = ContestInput(score.numbers[:, known], "median" if score.low else "mean", score.low, not score.low)
     (contest,) = contests([asked], with_intervals=False, against=0)
     pairs = range(len(known) - 1)  # the first duels are those of this contender
     corrected = holm(contest.duels.p[: len(known) - 1])

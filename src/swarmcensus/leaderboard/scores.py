@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.comparing.contenders import NONE, Field, field_of
-from swarmcensus.comparing.pair_tests import Asked, contests
+from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import Statistic, centres
 from swarmcensus.worlds.networks import MOVING
@@ -138,7 +138,7 @@ def _score(name: str, numbers: Floats, worlds: Sequence[World], low: bool) -> Sc
     known: NDArray[np.bool_] = np.asarray(~np.isnan(numbers).all(axis=(0, 2)))
     statistic: Statistic = "median" if low else "mean"
     by_world = centres(numbers, statistic)
-    (contest,) = contests([Asked(numbers[:, known], statistic, low, not low)], with_intervals=False)
+    (contest,) = contests([ContestInput(numbers[:, known], statistic, low, not low)], with_intervals=False)
     ranks = np.full(len(known), np.nan)
     ranks[known] = contest.average_ranks
     masks = [np.array([column.holds(world) for world in worlds]) for column in COLUMNS]

@@ -94,7 +94,8 @@ def _slowdown(study: Study, settings: Sequence[Setting], task: Task) -> float:
         short_seconds, long_seconds = (
             _measured_seconds(study, settings, task.kind, part, 1) for part in (short, longer)
         )
-        return (short_seconds + max(long_seconds - short_seconds, 0.0) * (rounds - short) / (longer - short)) / cost
+        per_round = max(long_seconds - short_seconds, 0.0) / (longer - short)
+        return (short_seconds + per_round * (rounds - short)) / cost
     except InputError:  # the run itself says what is wrong
         return 1.0
 

@@ -10,9 +10,9 @@ import xarray as xr
 from swarmcensus.basics.formatting import counted, grouped, places, rounded
 from swarmcensus.basics.seeds import seed_for
 from swarmcensus.brains import Brain
-from swarmcensus.comparing.cells import equals
-from swarmcensus.comparing.comparison import Comparison, compared
-from swarmcensus.comparing.verdicts import often
+from swarmcensus.comparing.cells import p_equals
+from swarmcensus.comparing.comparison import Comparison, compare_dataset
+from swarmcensus.comparing.verdicts import win_shares
 from swarmcensus.results.summaries import is_idle
 from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.settings import Setting
@@ -69,8 +69,8 @@ class Evidence:
         over = ""
         for row in self.comparison.duels.to_dict("records"):
             better, worse = self.comparison.contests[0].shares(0)
-            said = often(better, worse) if self._first else often(worse, better)
-            over = f" over all {counted(len(pairs), 'world')}: {said}, p {equals(row['p_holm'])}"
+            said = win_shares(better, worse) if self._first else win_shares(worse, better)
+            over = f" over all {counted(len(pairs), 'world')}: {said}, p {p_equals(row['p_holm'])}"
         one = "" if over else f": {self._of_world(pairs[0])}" if pairs else ""
         lines = [f"{measure.full_label}: {self.tuned} {told} {self.before}{over}{one}"]
         if over:
@@ -98,7 +98,7 @@ class Evidence:
         apart = "" if row["told_apart"] else ", not told apart"
         return (
             f"{measure.statistic} of differences {text}{unit}, better in {superiority:.0%} of {row['trials']:,} "
-            f"trials, p {equals(row['p_holm'])}{apart}"
+            f"trials, p {p_equals(row['p_holm'])}{apart}"
         )
 
 
@@ -111,9 +111,9 @@ def evidence_of(
     """
     shown = {before.name: searched}
     mine = [k for k, one in enumerate(settings) if one.brain in (tuned, before)]
-    found = compared(data.isel(setting=mine), metric, None, None, shown)
+    found = compare_dataset(data.isel(setting=mine), metric, None, None, shown)
     names = _names(data, settings, mine, found, (tuned, before))
-    everyone = compared(data, metric, None, None, shown) if len(mine) < len(settings) else None
+    everyone = compare_dataset(data, metric, None, None, shown) if len(mine) < len(settings) else None
     return Evidence(*names, found, everyone)
 
 

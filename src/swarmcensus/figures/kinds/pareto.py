@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.comparing.cells import head
+from swarmcensus.comparing.cells import column_head
 from swarmcensus.comparing.comparison import compare
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.figures.axes import measured_axis
@@ -101,7 +101,7 @@ def draw_pareto(
             place, costs[k], values[k], low[k], high[k], front(costs[k], values[k], contest.low), list(looks.values())
         )
         better = "lower" if contest.low else "higher"
-        name_axes(place, COSTS[cost], f"{head(measure)} ({better} is better)")
+        name_axes(place, COSTS[cost], f"{column_head(measure)} ({better} is better)")
     entries: dict[str, Any] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks.values()}
     entries["front: none is both better and cheaper"] = Line2D([], [], color="0.4", linewidth=1)
     entries["hollow: not on the front"] = _dot(Look("", "", "white", "o"), False)

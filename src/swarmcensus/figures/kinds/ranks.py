@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.comparing.cells import equals
+from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import compare
 from swarmcensus.comparing.pair_tests import Contest
 from swarmcensus.comparing.standings import Standings
@@ -98,7 +98,7 @@ def _caption(found: Standings, k: int, bars: list[list[int]]) -> str:
     contest = found.contests[k]
     told = f"{found.measures[k].label}: average rank over {_over(contest)}"
     if contest.differ and bars and len(bars[0]) == len(found.contenders):
-        told += f"; they differ (Friedman's test: p {equals(contest.friedman_corrected)}), but no two are told apart"
+        told += f"; they differ (Friedman's test: p {p_equals(contest.friedman_corrected)}), but no two are told apart"
     return told
 
 
