@@ -78,7 +78,7 @@ def study_of(folder, seed, robots=5, rounds=1):
 def search(study, budget=200, trials=10, jobs=1):
     plan = plan_of(study, ["a=0:1", "c=0:1"], None, "final_error", budget_of(budget), trials)
     with Log(None, {}, ["a", "c"]) as log, Training(study, plan.worlds, plan.measures, trials, jobs) as training:
-        return generations.search_on(plan, generations.search_of(plan), log, training, lambda _: None)
+        return generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
 
 
 def worth(console, folder, studies):
@@ -121,7 +121,7 @@ def flat(console, folder, studies):
                     Log(None, {}, asked, plan.losses) as log,
                     Training(plan.study, plan.worlds, plan.measures, 10, 1) as training,
                 ):
-                    ended = generations.search_on(plan, generations.search_of(plan), log, training, lambda _: None)
+                    ended = generations.run_search(plan, generations.new_search(plan), log, training, lambda _: None)
                 data = sc.run(plan.study.with_(swarm={**SWARM, "brain": plan.brain_of(ended.values)}), jobs=1)
                 right.append(float(data["consensus_right"].mean()))
             ties = "decided_right" if companion else "not broken"

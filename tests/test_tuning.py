@@ -17,7 +17,7 @@ from swarmcensus.brains import parse
 from swarmcensus.results.measures import Measure
 from swarmcensus.simulation import trials as simulated
 from swarmcensus.tuning import training
-from swarmcensus.tuning.evidence import without_idle
+from swarmcensus.tuning.generations import reset_idle
 from swarmcensus.tuning.optimiser import Search
 from swarmcensus.tuning.plans import budget_of, plan_of
 from swarmcensus.tuning.ranges import ranges_of, start_of, with_values
@@ -454,7 +454,7 @@ def test_a_log_says_which_line_is_damaged_and_of_what_it_is(args, tmp_path, budg
             sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
     changed = lines[8].replace(lines[8].split(",")[2], "0.123")
     (tmp_path / "a.csv").write_text("".join([*lines[:8], changed, *lines[9:]]))
-    with pytest.raises(InputError, match=r"evaluation 5 is of \(0.123, .* there, and would be of"):
+    with pytest.raises(InputError, match=r"evaluation 5 has the values \(0.123, .* there and "):
         sc.tune(*args, budget=more, trials=2, out=tmp_path / "a.toml")
     for strange in ("hello\n", "hello", "x,y\n1,2\n"):
         (tmp_path / "a.csv").write_text(strange)
@@ -524,7 +524,7 @@ def test_of_two_values_that_stand_for_one_another_one_is_kept(tmp_path):
                 keep(place, np.full((1, 2), float(changed)))
             return []
 
-    values, idle = without_idle(plan, (5.0, 0.5), Either(), None)
+    values, idle = reset_idle(plan, (5.0, 0.5), Either(), None)
     assert values == (1.0, 0.5)
     assert idle == ["idle"]
     assert tried == [True, True, True, False, True, False]

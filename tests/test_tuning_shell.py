@@ -82,7 +82,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         (["--parameters", "a=1"], "--parameters a=1: should be such as prior=1:100"),
         (["--parameters", "a=0:1:log"], "both ends should be above 0"),
         (["--parameters", "many=0:1.5:whole"], "both ends should be whole"),
-        (["--parameters", "a=0:inf"], "inf is no number to search up to"),
+        (["--parameters", "a=0:inf"], "inf should be at most 1e+100 in size"),
         (["--parameters", "a=0:1:lg"], "did you mean 'log'?"),
         (["--parameters", "a=0:1", "a=0:2"], "a is given twice"),
         (["--parameters", "pair=0:1", "pair[1]=0:2"], "pair[1] is given twice"),
@@ -224,7 +224,7 @@ def test_ctrl_c_ends_it_with_130_and_what_was_done_is_kept(long, ctrl_c):
     assert kept == lines_of("whole.csv")[: len(kept)]
 
 
-@pytest.mark.parametrize("where", ["tuning.search_of", "training.Training.compile"])
+@pytest.mark.parametrize("where", ["tuning.new_search", "training.Training.compile"])
 def test_ctrl_c_before_the_first_evaluation_keeps_nothing_and_says_so(where, here, capsys, monkeypatch):
     def stop(*_):
         raise KeyboardInterrupt

@@ -35,12 +35,12 @@ def test_trials_that_the_search_has_seen_would_fool_it(tmp_path, monkeypatch):
 
     9 or more of 40 would be called better with a chance of 0.02 % where 5 % are.
     """
-    seed_for, search_on = generations.seed_for, tuning.search_on
+    seed_for, run_search = generations.seed_for, tuning.run_search
 
     def luckiest(*given):
-        ended = search_on(*given)
+        ended = run_search(*given)
         return replace(ended, values=min(ended.evaluations[1:], key=lambda one: one.loss).values)
 
     monkeypatch.setattr(generations, "seed_for", lambda s, what, *n: s if what == "training" else seed_for(s, what, *n))
-    monkeypatch.setattr(tuning, "search_on", luckiest)
+    monkeypatch.setattr(tuning, "run_search", luckiest)
     assert called_better(tmp_path, 40) >= 9

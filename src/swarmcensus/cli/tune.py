@@ -52,11 +52,11 @@ def tune(options: argparse.Namespace) -> int:
     """Search for good values of a brain's parameters and evaluate them."""
     from swarmcensus.basics.files import check_writable
     from swarmcensus.studies.study import Study
-    from swarmcensus.tuning.plans import chosen
+    from swarmcensus.tuning.plans import brain_to_tune
     from swarmcensus.tuning.tuning import files_of, tune
 
     study = Study.load(options.study).with_(seed=options.seed)
-    brain = chosen(study, options.brain)
+    brain = brain_to_tune(study, options.brain)
     out = options.out or Path(f"{Path(brain.name).stem}-tuned.toml")
     files = files_of(out)
     for path in files.values():

@@ -28,10 +28,10 @@ def costs(standings: Standings) -> list[str]:
     if not standings.costs and "memory_bytes" not in standings.sizes:
         return []
     phrases = []
-    for k, name in enumerate(standings.contenders[:MOST_NAMED]):  # of what is sent, bytes are named if known
+    for k, name in enumerate(standings.contenders[:MOST_NAMED]):
         sent = [f"sends {_range_text(v[:, k])} {QUANTITIES[n].unit}" for n, v in standings.costs.items()]
         held = [f"remembers {_range_text(v[:, k])} bytes" for n, v in standings.sizes.items() if n == "memory_bytes"]
-        phrases.append(f"{name} {' and '.join(sent[-1:] + held)}")
+        phrases.append(f"{name} {' and '.join(sent[-1:] + held)}")  # bytes sent if known, else messages
     more = f"; and {len(standings.contenders) - MOST_NAMED} more" if len(standings.contenders) > MOST_NAMED else ""
     return [f"cost of a robot in a trial: {'; '.join(phrases)}{more}"]
 

@@ -1,4 +1,4 @@
-"""The evaluation: the tuned brain beside all that the study has, on the study's own seed and trials, as any run."""
+"""The evaluation: an ordinary run of the study, with its own seed and trials, to which the tuned brain is added."""
 
 import contextlib
 import json
@@ -18,13 +18,13 @@ from swarmcensus.runs.running import run
 from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml
 
-MARK = "tuned: "  # how the titles of evaluations begin: no other results are ever replaced by one
+MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
 def evaluation_of(study: Study, tuned: Brain, told: str) -> Study:
-    """The same study with one brain more, wherever it has that brain, and with its number of trials at the most.
+    """The study with the tuned brain added wherever the original appears, and with the largest number of trials.
 
-    What is `told` of the tuned brain becomes part of the study's name.
+    The tuned brain's label, `told`, becomes part of the study's name.
     """
     tables = read_toml(study.text, "study")
     changes: dict[str, Any] = {"name": f"{MARK}{told}, {study.name}", "trials": study.trials}
@@ -38,8 +38,8 @@ def evaluation_of(study: Study, tuned: Brain, told: str) -> Study:
     return study.with_(**changes, **({"case": cases} if cases else {}))
 
 
-def _has(brains: list[Brain], one: Brain) -> bool:
-    return any(brain.as_written == one.as_written for brain in brains)
+def _has(brains: list[Brain], brain: Brain) -> bool:
+    return any(brain.as_written == brain.as_written for brain in brains)
 
 
 def evaluate(
@@ -50,14 +50,14 @@ def evaluate(
     say: Callable[[str], None] | None,
     fresh: bool,
 ) -> xr.Dataset:
-    """Run an evaluation; with `out` what is finished is kept there, and not run again. Raises Interrupted."""
+    """Run an evaluation; with `out` finished trials are kept there and not run again. Raises Interrupted."""
     if out is None:
         return run(study, jobs, show)
     return run(study, jobs, show, out=out, fresh=fresh or _is_of_another(out, study), say=say)
 
 
 def check_replaceable(out: Path) -> None:
-    """Raise InputError where `out` holds, or a run that was cut off was to write there, what is no evaluation."""
+    """Raise InputError if `out`, or an unfinished run that writes it, holds results other than an evaluation."""
     for title in _titles(out):
         if not title.startswith(MARK):
             raise InputError(
@@ -66,12 +66,12 @@ def check_replaceable(out: Path) -> None:
 
 
 def _is_of_another(out: Path, study: Study) -> bool:
-    """Whether there is, or was begun, the evaluation of other values."""
+    """Whether `out` holds the finished or unfinished evaluation of other values."""
     return any(title != study.name for title in _titles(out)[-1:])
 
 
 def _titles(out: Path) -> list[str]:
-    """The names of the study whose results are there, and of that which was to replace it."""
+    """The names of the study whose results `out` holds, and of the study of an unfinished run, as far as they exist."""
     titles = []
     if out.exists():
         titles.append(str(store.load(out).attrs.get("title", "")))

@@ -1,4 +1,4 @@
-"""The search, generation by generation: asked for, tried on trials of its own, told, and all of it in the log."""
+"""Runs the search: evaluates each generation on its own trials, logs it, and resets parameters without effect."""
 
 import logging
 import time
@@ -20,72 +20,80 @@ from swarmcensus.tuning.training import Training, loss, scales_of
 
 LOG = logging.getLogger(__name__)
 Floats = NDArray[np.float64]
+Values = tuple[float, ...]
 
 
 @dataclass(frozen=True)
-class Ended:
-    """Where a search ended: the values that it would go on from, and all evaluations up to there."""
+class SearchResult:
+    """The result of a search: the values found, and all evaluations."""
 
-    values: tuple[float, ...]
+    values: Values
     evaluations: list[Evaluation]
     generations: int
-    drawn: int  # of which from the whole of the ranges, as no candidate had differed before
-    narrowed: bool  # whether it ended by itself, and not with its budget
-    flat: bool  # whether no candidate of any generation differed in the metric: the values are the start's
+    drawn: int  # generations drawn from the whole ranges, because no candidates had differed before
+    narrowed: bool  # whether the search converged before its budget was spent
+    flat: bool  # whether no generation had candidates that differ in the metric; then `values` are the start's
 
 
-class _Course:
-    """A search under way: what is in the log is not tried again."""
+class _SearchRun:
+    """A running search; candidates in the log are not evaluated again."""
 
     def __init__(self, plan: Plan, log: Log, training: Training, show: Callable[[Progress], None]) -> None:
         self.plan, self.log, self.training, self.show = plan, log, training, show
-        self.done = 0  # evaluations of the log that the search has been told of
+        self.done = 0  # evaluations of the log that the optimiser has received
         self.compiled = False
         self.before = log.evaluations[-1].seconds if log.evaluations else 0.0
         self.begun = time.monotonic()
 
     @property
     def seconds(self) -> float:
-        """How long the search has been going on, pauses left out."""
+        """How long the search has been running, without interruptions."""
         return self.before + time.monotonic() - self.begun
 
-    def evaluate(self, generation: int, asked: Sequence[tuple[float, ...]]) -> list[tuple[float, ...]]:
-        """How bad some candidates are, those of the log as it says."""
-        found = self.log.evaluations[self.done : self.done + len(asked)]
-        for k, (one, values) in enumerate(zip(found, asked, strict=False), start=self.done):
-            if one.values != values or one.generation != generation:
+    def evaluate(self, generation: int, candidates: Sequence[Values]) -> list[Values]:
+        """The losses of some candidates, from the log as far as it has them."""
+        logged = self.log.evaluations[self.done : self.done + len(candidates)]
+        for k, (evaluation, values) in enumerate(zip(logged, candidates, strict=False), start=self.done):
+            if evaluation.values != values or evaluation.generation != generation:
                 raise InputError(
-                    f"{self.log.path}: evaluation {k} is of {one.values} there, and would be of {values} here, on "
-                    f"another machine or with other versions of libraries. {hint()}"
+                    f"{self.log.path}: evaluation {k} has the values {evaluation.values} there and {values} here, "
+                    f"because the machine or versions of libraries differ. {hint()}"
                 )
-        if len(found) < len(asked):
-            self._try(generation, asked[len(found) :])
-        self.done += len(asked)
-        return [one.losses for one in self.log.evaluations[self.done - len(asked) : self.done]]
+        if len(logged) < len(candidates):
+            self._try(generation, candidates[len(logged) :])
+        self.done += len(candidates)
+        return [evaluation.losses for evaluation in self.log.evaluations[self.done - len(candidates) : self.done]]
 
-    def _try(self, generation: int, asked: Sequence[tuple[float, ...]]) -> None:
+    def _try(self, generation: int, candidates: Sequence[Values]) -> None:
         if not self.compiled:
             self.training.compile(self.show)
             self.compiled = True
-            self.begun = time.monotonic()  # to compile is no part of the search
+            self.begun = time.monotonic()  # compiling does not count as search time
         plan, log = self.plan, self.log
 
         def keep(place: int, numbers: Floats) -> None:
             if log.usual is None:
                 if np.isnan(numbers[0]).all():
-                    return  # told of below
-                each = zip(numbers, plan.measures, plan.least, strict=True)
-                log.set_usual(np.array([scales_of(some, plan.worlds, one, least) for some, one, least in each]))
+                    return  # reported below
+                log.set_usual(
+                    np.array([
+                        scales_of(measured, plan.worlds, measure, least)
+                        for measured, measure, least in zip(numbers, plan.measures, plan.least, strict=True)
+                    ])
+                )  # fmt: skip
             assert log.usual is not None
-            by = zip(numbers, plan.measures, log.usual, strict=True)
-            lost = tuple(loss(some, one, usual) for some, one, usual in by)
-            told = ", ".join(f"{r.place} = {v:.6g}" for r, v in zip(plan.ranges, asked[place], strict=True))
-            LOG.debug("generation %s: %s: loss %s", generation, told, ", ".join(f"{one:.6g}" for one in lost))
-            seconds = round(self.seconds, 3)  # as the log will say: by it a budget of time ends, now and from the log
-            log.add(Evaluation(generation, asked[place], lost, int(np.isnan(numbers[0]).sum()), seconds))
+            losses = tuple(
+                loss(measured, measure, usual)
+                for measured, measure, usual in zip(numbers, plan.measures, log.usual, strict=True)
+            )
+            values_text = ", ".join(f"{r.label} = {v:.6g}" for r, v in zip(plan.ranges, candidates[place], strict=True))
+            losses_text = ", ".join(f"{each:.6g}" for each in losses)
+            LOG.debug("generation %s: %s: loss %s", generation, values_text, losses_text)
+            seconds = round(self.seconds, 3)  # as in the log: a budget of time ends equally when resuming from it
+            log.add(Evaluation(generation, candidates[place], losses, int(np.isnan(numbers[0]).sum()), seconds))
 
         failures = self.training.run(
-            [plan.brain_of(values) for values in asked],
+            [plan.brain_of(values) for values in candidates],
             seed_for(plan.study.seed, "training", generation),
             keep,
             self._showing(f"generation {generation}"),
@@ -95,7 +103,7 @@ class _Course:
             raise InputError(f"{option('metric', plan.metric)}: {why}")
 
     def _showing(self, stage: str) -> Callable[[Progress], None]:
-        """Progress of some candidates as that of the whole search."""
+        """A callback that shows the progress of one generation as progress of the whole search."""
         each = len(self.plan.worlds) * self.plan.trials
         budget, before = self.plan.budget, len(self.log.evaluations) * each
         total, cost = (budget.evaluations or 0) * each, self.training.cost()
@@ -113,8 +121,8 @@ class _Course:
         return show
 
 
-def search_of(plan: Plan) -> Search:
-    """The search that is asked for, before its first generation. Raises InputError where the budget is too small."""
+def new_search(plan: Plan) -> Search:
+    """A search before its first generation. Raises InputError if the budget is too small for one generation."""
     search = Search(plan.ranges, plan.start, seed_for(plan.study.seed, "search"))
     if plan.budget.evaluations is not None and plan.budget.evaluations < 1 + search.size:
         raise InputError(
@@ -124,12 +132,14 @@ def search_of(plan: Plan) -> Search:
     return search
 
 
-def search_on(plan: Plan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]) -> Ended:
-    """Search, or go on, until the budget is spent or the search has come to its end.
+def run_search(
+    plan: Plan, search: Search, log: Log, training: Training, show: Callable[[Progress], None]
+) -> SearchResult:
+    """Search, or resume from the log, until the budget is spent or the search has converged.
 
-    Raises InputError where the brain as it is fails in all trials.
+    Raises InputError if the original brain fails in all trials.
     """
-    course = _Course(plan, log, training, show)
+    course = _SearchRun(plan, log, training, show)
     course.evaluate(0, [plan.start])
     generation = 0
     while generation == 0 or (
@@ -138,6 +148,49 @@ def search_on(plan: Plan, search: Search, log: Log, training: Training, show: Ca
         generation += 1
         search.tell(course.evaluate(generation, search.ask()))
     done = log.evaluations[: course.done]
-    flat = len({(one.generation, one.loss) for one in done}) == generation + 1
+    flat = len({(evaluation.generation, evaluation.loss) for evaluation in done}) == generation + 1
     values = plan.start if flat else search.favourite
-    return Ended(values, done, generation, search.drawn, search.ended, flat)
+    return SearchResult(values, done, generation, search.drawn, search.ended, flat)
+
+
+def reset_idle(
+    plan: Plan, values: Values, training: Training, show: Callable[[Progress], None]
+) -> tuple[Values, list[str]]:
+    """Reset values that change no number of any trial to what they were, and name their parameters.
+
+    Each changed value is reset by itself, then all that have no effect together. If that changes a number, because one
+    of them can stand for another, they are reset one by one, as long as nothing changes.
+    """
+    changed = [k for k, (value, was) in enumerate(zip(values, plan.start, strict=True)) if value != was]
+    if not changed or len(values) == 1:  # if a search finds anything, its only parameter has an effect
+        return values, []
+
+    def reset(*places: int) -> Values:
+        return tuple(plan.start[k] if k in places else value for k, value in enumerate(values))
+
+    def no_effect(places: list[int]) -> bool:
+        [numbers] = _numbers_of(plan, [reset(*places)], training, show)
+        return np.array_equal(numbers_found, numbers, equal_nan=True)
+
+    numbers_found, *numbers_reset = _numbers_of(plan, [values, *map(reset, changed)], training, show)
+    idle = [
+        k
+        for k, numbers in zip(changed, numbers_reset, strict=True)
+        if np.array_equal(numbers_found, numbers, equal_nan=True)
+    ]
+    if len(idle) > 1 and not no_effect(idle):
+        candidates, idle = idle, []
+        for k in candidates:
+            if no_effect([*idle, k]):
+                idle.append(k)
+    return reset(*idle), [plan.ranges[k].label for k in idle]
+
+
+def _numbers_of(
+    plan: Plan, candidates: list[Values], training: Training, show: Callable[[Progress], None]
+) -> list[Floats]:
+    """The numbers (measure, world, trial) of each candidate, all on the same training trials."""
+    kept: dict[int, Floats] = {}
+    brains = [plan.brain_of(values) for values in candidates]
+    training.run(brains, seed_for(plan.study.seed, "influence"), kept.__setitem__, show)
+    return [kept[place] for place in range(len(candidates))]

@@ -1,6 +1,7 @@
-"""The log of a search: a CSV file to which each evaluation is added as a line, from which a search goes on.
+"""The log of a search: a CSV file with a line for each evaluation, from which a search can resume.
 
-Its first line says, behind a #, what search it is of, its second what is usual in each world (see `objectives`).
+The first line identifies the search, the second holds the scales of each world (`scales_of` in training.py); both are
+comments.
 """
 
 import contextlib
@@ -22,32 +23,32 @@ from swarmcensus.basics.options import option
 
 FORMAT = "# swarmcensus tune 2 "
 USUAL = "# usual "
-TO_DISK = 0.5  # seconds between waits for the disk: a process that is killed loses nothing, a power cut so much
+TO_DISK = 0.5  # seconds between waits for the disk: a power cut loses as much, a killed process nothing
 
 
 def hint() -> str:
-    """What to do about a log that is in the way."""
+    """What to do about an existing log that the search cannot continue."""
     return f"Tune with {option('fresh', True)} to begin anew, or write elsewhere with {option('out')}"
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One candidate and what came of it; the first one is the brain as it was, of generation 0."""
+    """One candidate and its losses; the first is the original brain, generation 0."""
 
     generation: int
     values: tuple[float, ...]
-    losses: tuple[float, ...]  # by the metric; and by its companion, which breaks ties
-    failed: int  # trials
-    seconds: float  # since the search began, without the pauses where it was cut off
+    losses: tuple[float, ...]  # by the metric, and by the measure that breaks its ties
+    failed: int  # number of failed trials
+    seconds: float  # since the search began, without interruptions
 
     @property
     def loss(self) -> float:
-        """How bad it is by the metric, in [0, 1]."""
+        """The loss by the metric, in [0, 1]."""
         return self.losses[0]
 
 
 class Log:
-    """The evaluations so far, on disk where there is a path; no other search may have it as long as the block lasts."""
+    """The evaluations so far, on disk if there is a path; the file is locked for the `with` block."""
 
     def __init__(
         self,
@@ -57,7 +58,7 @@ class Log:
         losses: Sequence[str] = ("loss",),
         fresh: bool = False,
     ) -> None:
-        """Name the search by what makes it what it is, and the columns of its values and of how bad they are."""
+        """Take the search's identity, and the names of the columns of values (`places`) and of losses."""
         self.path, self.identity, self.places, self.losses, self.fresh = path, dict(identity), places, losses, fresh
         self.evaluations: list[Evaluation] = []
         self.usual: NDArray[np.float64] | None = None
@@ -65,7 +66,7 @@ class Log:
         self._last = 0.0
 
     def __enter__(self) -> Self:
-        """Take what is there. Raises InputError where another search holds it, or where it is of another."""
+        """Lock and read the file. Raises InputError if another search has locked it, or if it is of another search."""
         if self.path is None:
             return self
         check_writable(self.path)
@@ -93,13 +94,13 @@ class Log:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """Leave it on disk, unless it has no evaluation."""
+        """Close the file; remove it if it has no evaluation."""
         if self._file is not None:
             self._to_disk()
             self._file.close()
             if not self.evaluations:
                 assert self.path is not None
-                Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # of a link the target: the link is not ours
+                Path(os.path.realpath(self.path)).unlink(missing_ok=True)  # a link's target, not the link
             self._release()
 
     def _take(self) -> None:
@@ -114,15 +115,15 @@ class Log:
         self._lock.release()
 
     def set_usual(self, usual: NDArray[np.float64]) -> None:
-        """Keep what is usual in each world."""
+        """Write the scales of the worlds, and the columns' names."""
         self.usual = usual
         self._add(USUAL + json.dumps(usual.tolist()) + "\n" + self._columns())
 
-    def add(self, one: Evaluation) -> None:
-        """Keep an evaluation: a line, whole once this returns."""
-        self.evaluations.append(one)
-        numbers = [len(self.evaluations) - 1, one.generation, *one.values, *one.losses]
-        numbers += [one.failed, round(one.seconds, 3)]
+    def add(self, evaluation: Evaluation) -> None:
+        """Write an evaluation as one line."""
+        self.evaluations.append(evaluation)
+        numbers = [len(self.evaluations) - 1, evaluation.generation, *evaluation.values, *evaluation.losses]
+        numbers += [evaluation.failed, round(evaluation.seconds, 3)]
         self._add(",".join(map(repr, numbers)) + "\n")
 
     def _head(self) -> str:
@@ -148,7 +149,7 @@ class Log:
         self._last = time.monotonic()
 
     def _read(self, data: bytes) -> int:
-        """Take over the whole lines, and say how many bytes they are: what was cut short behind them is left out."""
+        """Read all complete lines, and return their length in bytes; an incomplete last line is ignored."""
         end = data.rfind(b"\n") + 1
         if not end:
             return self._must_be_ours(data)
@@ -157,7 +158,7 @@ class Log:
         except UnicodeDecodeError:
             raise InputError(f"{self.path} is no log of a search. {hint()}") from None
         self._check(head)
-        if len(lines) < 3:  # the start was not through
+        if len(lines) < 3:  # the first evaluation was not finished
             return len(head.encode()) + 1
         try:
             if not lines[0].startswith(USUAL) or lines[1] + "\n" != self._columns():
@@ -170,26 +171,26 @@ class Log:
                 self.evaluations.append(self._parsed(line, number))
             except ValueError:
                 raise InputError(
-                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all behind it, or begin anew "
+                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all that follows, or begin anew "
                     f"with {option('fresh', True)}"
                 ) from None
         return end
 
     def _must_be_ours(self, data: bytes) -> int:
-        """A file without a whole line is a log only if it is the beginning of one."""
+        """Return 0 if an incomplete first line is the beginning of this search's log. Raises InputError otherwise."""
         if data and not self._head().encode().startswith(data):
             raise InputError(f"{self.path} is no log of a search. {hint()}")
         return 0
 
     def _check(self, head: str) -> None:
-        """Raise InputError, saying how they differ, where a log is of another search."""
+        """Raise InputError if the log is of another search, saying how they differ."""
         try:
             if not head.startswith(FORMAT):
                 raise ValueError
             found = dict(json.loads(head.removeprefix(FORMAT)))
         except (ValueError, TypeError):
             raise InputError(f"{self.path} is no log of a search. {hint()}") from None
-        differ = [key for key, mine in self.identity.items() if found.get(key) != mine]
+        differ = [key for key, value in self.identity.items() if found.get(key) != value]
         if differ:
             said = "; ".join(f"{key} is {found.get(key)!r} there and {self.identity[key]!r} here" for key in differ)
             raise InputError(f"{self.path} is of another search: {said}. {hint()}")
@@ -197,8 +198,8 @@ class Log:
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")
         *numbers, failed, seconds = rest
-        values = [float(one) for one in numbers]
+        values = [float(text) for text in numbers]
         losses = tuple(values[len(self.places) :])
-        if int(first) != number or len(losses) != len(self.losses) or not all(0.0 <= one <= 1.0 for one in losses):
+        if int(first) != number or len(losses) != len(self.losses) or not all(0.0 <= text <= 1.0 for text in losses):
             raise ValueError
         return Evaluation(int(generation), tuple(values[: len(self.places)]), losses, int(failed), float(seconds))

@@ -1,12 +1,11 @@
-"""The search: CMA-ES, by the library cma, over the places of values in their ranges.
+"""The optimiser: CMA-ES, by the library cma, over positions of values in their ranges.
 
-It asks for a generation of candidates and is told how bad each is. Of these only the order counts. With the same seed
-and told the same, it asks for the same.
+It proposes a generation of candidates and receives their losses, whose order alone counts. With the same seed and
+losses it proposes the same candidates.
 
-CMA-ES learns from the order of a generation, and has nothing to learn from one whose candidates are all as bad. Such a
-generation is no end of a search. As long as no generation has candidates that differ in the metric, candidates are
-drawn from the whole of the ranges as well, and the search begins anew around the best of them where that is better than
-all before. Once some have differed, a generation that is flat makes the next one wider.
+CMA-ES cannot learn from a generation whose candidates all have the same loss (a flat one), but the search goes on. While
+no generation has had candidates that differ in the metric, every other one is drawn from the whole ranges; the search
+restarts around its best candidate if that is better than all before. Afterwards a flat generation widens the next.
 """
 
 import math
@@ -19,36 +18,38 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.tuning.ranges import Range
 
 WIDTH = 0.25  # of the first generation, as a standard deviation in [0, 1]
-LAST = 0.25  # of the generations: these make the winner
-FEWEST = 2  # dimensions that the library searches: of one parameter there is a second one that means nothing
-AS_MANY = 2  # times the candidates a generation that the library would have: trials are noisy, and more average out
-WIDEN = 1.5  # times as wide is the generation after one whose candidates were all as bad
-WIDEST = 1 / 3  # standard deviations in [0, 1]: the library goes no further either
-STEPS = 0.3  # of whole numbers: a search that is narrower than this would try one of them only
+LAST_SHARE = 0.25  # share of generations, the last ones, from which the winner is computed
+FEWEST = 2  # dimensions that the library can search: a single parameter gets a second one without meaning
+POPULATION_FACTOR = (
+    2  # times the candidates a generation that the library would have: trials are noisy, and more average out
+)
+WIDEN = 1.5  # factor by which a flat generation widens the next
+WIDEST = 1 / 3  # largest standard deviation in [0, 1], as in the library
+LEAST_STEPS = 0.3  # of whole numbers: a search that is narrower than this would try one of them only
 
 
 class Search:
-    """Generations of candidates, each a value for every range."""
+    """Proposes generations of candidates, each a value for every range."""
 
     def __init__(self, ranges: Sequence[Range], start: Sequence[float], seed: int) -> None:
-        """Begin around the start. Raises InputError where the library is not installed."""
+        """Begin around the start. Raises InputError if the library is not installed."""
         self.ranges = ranges
         self._random = np.random.default_rng(seed)
         lacking = max(0, FEWEST - len(ranges))
         self._asked: list[Any] = []
-        self._best: tuple[float, ...] | None = None  # how bad the best candidate of all generations was
-        self._everywhere = False  # whether the next generation is drawn from the whole of the ranges
-        self.differed = False  # whether any generation had candidates that differ in the metric, ties not broken
-        self.drawn = 0  # generations from the whole of the ranges
+        self._best: tuple[float, ...] | None = None  # the losses of the best candidate so far
+        self._everywhere = False  # whether the next generation is drawn from the whole ranges
+        self.differed = False  # whether any generation had candidates that differ in the metric, before breaking ties
+        self.drawn = 0  # generations drawn from the whole ranges
         self._begin([one.share(value) for one, value in zip(ranges, start, strict=True)] + [0.5] * lacking)
 
     def _begin(self, places: Sequence[float]) -> None:
-        """Begin, or begin anew, around some places."""
-        least = [STEPS * one.step for one in self.ranges] + [0.0] * (len(places) - len(self.ranges))
-        size = AS_MANY * (4 + int(3 * math.log(len(places))))
+        """Start, or restart, around these positions."""
+        least = [LEAST_STEPS * parameter.step for parameter in self.ranges] + [0.0] * (len(places) - len(self.ranges))
+        size = POPULATION_FACTOR * (4 + int(3 * math.log(len(places))))
         options = {
             "bounds": [0, 1], "popsize": size, "minstd": least, "verbose": -9, "seed": np.nan, "randn": self._normal,
-        }  # fmt: skip  # seed: the library's would be that of all of NumPy
+        }  # fmt: skip  # a seed would set that of NumPy itself
         self._strategy: Any = library().CMAEvolutionStrategy(places, WIDTH, options)
         self._middles: list[Any] = []
         self._centre = places
@@ -58,30 +59,30 @@ class Search:
 
     @property
     def size(self) -> int:
-        """How many candidates a generation has."""
+        """The number of candidates of a generation."""
         return int(self._strategy.popsize)
 
     @property
     def ended(self) -> bool:
-        """Whether it has narrowed down to one candidate, in the digits in which values are written.
+        """Whether the search has narrowed to one candidate, in the digits in which values are written.
 
-        Whole numbers alone never end it: its generations are always wide enough to try the next ones.
+        It never ends if all ranges are of whole numbers: generations stay wide enough to try neighbouring numbers.
         """
         whole = all(one.scale == "whole" for one in self.ranges)
         return self.differed and not whole and len({self._values(one) for one in self._asked}) == 1
 
     def ask(self) -> list[tuple[float, ...]]:
-        """The next generation's values."""
+        """The values of the next generation's candidates."""
         self._asked = self._from_everywhere() if self._everywhere else self._strategy.ask()
         return [self._values(one) for one in self._asked]
 
     def _from_everywhere(self) -> list[Any]:
-        """A Latin hypercube: of as many equal parts of a range as there are candidates, each has one."""
+        """A Latin hypercube: each range is cut into as many equal parts as there are candidates, each used once."""
         parts = np.tile(np.arange(self.size), (len(self._centre), 1))
         return list((self._random.permuted(parts, axis=1).T + self._random.random(parts.T.shape)) / self.size)
 
     def tell(self, losses: Sequence[Sequence[float]]) -> None:
-        """How bad each of them is: numbers of which the next counts where those before are the same."""
+        """Receive each candidate's losses, where later numbers break ties of earlier ones."""
         order = np.unique(np.array(losses), axis=0, return_inverse=True)[1].ravel()
         best, flat = min(map(tuple, losses)), not order.any()
         self.differed |= len({loss[0] for loss in losses}) > 1
@@ -95,7 +96,7 @@ class Search:
             self._strategy.tell(self._asked, order.tolist())
             worst = max(loss[0] for loss in losses)
             half = np.argsort(order, kind="stable")[: len(order) // 2].tolist()
-            better = [k for k in half if losses[k][0] < worst] or half  # few may be any good in the metric
+            better = [k for k in half if losses[k][0] < worst] or half  # leaves out those as bad as the worst
             weights = np.log(len(better) + 0.5) - np.log(np.arange(1, len(better) + 1))
             self._middles.append(np.average([self._asked[k] for k in better], axis=0, weights=weights))
         self._best = best if self._best is None else min(best, self._best)
@@ -107,12 +108,12 @@ class Search:
 
     @property
     def favourite(self) -> tuple[float, ...]:
-        """The middle of the better halves of the last generations: what they agree on, not one's luckiest candidate.
+        """The mean of the better halves of the last generations, which is less noisy than the best candidate.
 
-        The library's own, the image of its distribution's mean, is at the very end of a range where the distribution
-        reaches over it.
+        The library's own result, the mean of its distribution, would be at the end of a range if the distribution
+        reaches beyond it.
         """
-        last = self._middles[-math.ceil(len(self._middles) * LAST) :] or [self._centre]
+        last = self._middles[-math.ceil(len(self._middles) * LAST_SHARE) :] or [self._centre]
         return self._values(np.mean(last, axis=0))
 
     def _values(self, places: Any) -> tuple[float, ...]:
@@ -120,7 +121,7 @@ class Search:
 
 
 def library() -> Any:
-    """The package cma. Raises InputError where it is not installed."""
+    """The package cma. Raises InputError if it is not installed."""
     try:
         import cma
     except ImportError:

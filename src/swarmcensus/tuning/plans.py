@@ -1,4 +1,4 @@
-"""What a search is: of which brain, in which worlds, over which ranges, by which measure."""
+"""The plan of a search: its brain, worlds, ranges, measure and budget."""
 
 import hashlib
 from collections.abc import Sequence
@@ -19,22 +19,20 @@ from swarmcensus.tuning.optimiser import library
 from swarmcensus.tuning.ranges import Range, ranges_of, start_of, with_values
 from swarmcensus.tuning.training import measures_of
 
-MOST_TRIALS = 100_000
-
-
-MOST = 10_000_000
+MOST_TRIALS = 100_000  # in each world, for a candidate
+MOST_BUDGET = 10_000_000  # evaluations, or units of time
 
 
 @dataclass(frozen=True)
 class Budget:
-    """So many evaluations, or so many seconds; the other is None."""
+    """A number of evaluations, or of seconds; the other is None."""
 
     evaluations: int | None
     seconds: float | None
     text: str
 
     def allows(self, done: int, more: int, seconds: float) -> bool:
-        """Whether a search that has done so much in so many seconds may do so many more evaluations."""
+        """Whether `more` evaluations are allowed after `done` evaluations in so many seconds."""
         if self.evaluations is not None:
             return done + more <= self.evaluations
         assert self.seconds is not None
@@ -44,11 +42,11 @@ class Budget:
 def budget_of(given: int | str) -> Budget:
     """Read 200, "200" or "10 min". Raises InputError."""
     text = str(given).strip()
-    if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST:
+    if text.isascii() and text.isdigit() and len(text) < 10 and 1 <= int(text) <= MOST_BUDGET:
         return Budget(int(text), None, f"{counted(int(text), 'evaluation')}")
     try:
         time = parse_time(text)
-        if not 0 < time.number < MOST:
+        if not 0 < time.number < MOST_BUDGET:
             raise ValueError
     except ValueError:
         raise InputError(
@@ -60,45 +58,45 @@ def budget_of(given: int | str) -> Budget:
 
 @dataclass(frozen=True)
 class Plan:
-    """All that a search needs to know before it begins."""
+    """All that defines a search."""
 
     study: Study
     before: Brain  # with the parameters that the study gives first
     worlds: list[Setting]
     ranges: list[Range]
-    metric: str  # as it was asked for
-    measures: list[Measure]  # the measure of that name, and its companion if it has one
-    least: list[float]  # that each can be
+    metric: str  # the name that was given
+    measures: list[Measure]  # the measure of that name, and the one that breaks its ties, if any
+    least: list[float]  # the smallest possible number of each measure
     budget: Budget
     trials: int
 
     @property
     def start(self) -> tuple[float, ...]:
-        """The values that there are, one a range."""
+        """The brain's present values, one for each range."""
         return start_of(self.ranges, self.before)
 
     @property
     def searched(self) -> list[str]:
-        """The parameters that are looked for, a vector once."""
+        """The names of the searched parameters; a vector appears once."""
         return list(dict.fromkeys(one.name for one in self.ranges))
 
-    def told(self, brain: Brain) -> str:
-        """A brain by its name, all that is looked for, and what else is not as its file says."""
+    def label(self, brain: Brain) -> str:
+        """A brain's name, its searched parameters, and other parameters that differ from its file."""
         values = {name: brain.parameters[name] for name in self.searched} | dict(brain.given)
-        return " ".join([brain.name, *(f"{name}={_told(value)}" for name, value in values.items())])
+        return " ".join([brain.name, *(f"{name}={_value_text(value)}" for name, value in values.items())])
 
     @property
     def losses(self) -> list[str]:
-        """What the log calls how bad a candidate is, by each measure."""
+        """The columns of the log for a candidate's loss by each measure."""
         return ["loss", *(f"{one.name}_loss" for one in self.measures[1:])]
 
     def brain_of(self, values: Sequence[float]) -> Brain:
-        """The brain with other values."""
+        """The brain with these values of the searched parameters."""
         return with_values(self.before, self.ranges, values)
 
     @property
     def identity(self) -> dict[str, Any]:
-        """What makes a search what it is: the same, and told the same, it asks for the same candidates."""
+        """What determines a search: with an equal identity and equal losses it proposes the same candidates."""
         worlds = "".join(world.fingerprint(self.study.seed) for world in self.worlds)
         measure = self.study.measure
         measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
@@ -116,47 +114,47 @@ class Plan:
         }
 
 
-def _told(value: Value) -> str:
-    return f"[{', '.join(map(_told, value))}]" if isinstance(value, tuple) else f"{value:.15g}"
+def _value_text(value: Value) -> str:
+    return f"[{', '.join(map(_value_text, value))}]" if isinstance(value, tuple) else f"{value:.15g}"
 
 
 def plan_of(
     study: Study, parameters: Sequence[str] | str, brain: str | None, metric: str, budget: Budget, trials: int
 ) -> Plan:
-    """Hold what is asked for against the study. Raises InputError, naming what is not there and what is."""
+    """Check the request against the study. Raises InputError, naming what the study lacks and what it has."""
     if not 1 <= trials <= MOST_TRIALS:
         raise InputError(f"{option('trials', trials)}: a candidate has 1 to {MOST_TRIALS:,} trials in each world")
-    before = chosen(study, brain)
+    before = brain_to_tune(study, brain)
     ranges = ranges_of(parameters, before)
-    mine = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
-    worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in mine))
+    with_this_brain = (setting for setting in study.settings() if setting.brain.as_written == before.as_written)
+    worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in with_this_brain))
     measures = measures_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
     least = [lows.get(one.name, 0.0) for one in measures]
     return Plan(study, before, worlds, ranges, metric, measures, least, budget, trials)
 
 
-def chosen(study: Study, name: str | None) -> Brain:
-    """The brain of this name, as the study gives it first, or the only one that has parameters.
+def brain_to_tune(study: Study, name: str | None) -> Brain:
+    """The first brain with this name in the study, or the only brain with parameters if `name` is None.
 
-    Raises InputError where there is none, or none to choose.
+    Raises InputError if there is no such brain, or more than one.
     """
     brains = list(dict.fromkeys(setting.brain for setting in study.settings()))
     tunable = list(dict.fromkeys(brain.name for brain in brains if brain.parameters))
     if name is None:
         if len(tunable) != 1:
-            what = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
-            raise InputError(f"{option('brain')}: {what}")
+            problem = f"several brains have parameters, {', '.join(tunable)}: name one" if tunable else _none(brains)
+            raise InputError(f"{option('brain')}: {problem}")
         name = tunable[0]
-    found = next((brain for brain in brains if brain.name == name), None)
-    if found is None:
+    brain = next((brain for brain in brains if brain.name == name), None)
+    if brain is None:
         names = list(dict.fromkeys(brain.name for brain in brains))
         raise InputError(f"{option('brain', name)}: {did_you_mean(name, names)}the study has {', '.join(names)}")
-    if not found.parameters:
-        raise InputError(f"{option('brain', name)}: it has no PARAMETERS, and so nothing to look for")
-    return found
+    if not brain.parameters:
+        raise InputError(f"{option('brain', name)}: it has no PARAMETERS to search")
+    return brain
 
 
 def _none(brains: list[Brain]) -> str:
     names = dict.fromkeys(brain.name for brain in brains)
-    return f"no brain of the study ({', '.join(names)}) has PARAMETERS, and so there is nothing to look for"
+    return f"no brain of the study ({', '.join(names)}) has PARAMETERS to search"

@@ -1,4 +1,4 @@
-"""Where a parameter is looked for: a range, of which every value has a place in [0, 1]."""
+"""Ranges in which parameters are searched; every value of a range has a position in [0, 1]."""
 
 import math
 import re
@@ -14,7 +14,7 @@ from swarmcensus.brains import Brain, length
 Scale = Literal["linear", "log", "whole"]
 FORM = "should be such as prior=1:100, prior=1:100:log or prior=1:100:whole"
 PLACE = re.compile(r"(\w+)(?:\[(\d{1,6})\])?")
-DIGITS = 5  # of a value, or of a linear range's width: as many as a search can mean, and a person reads
+DIGITS = 5  # significant digits of a value, or of a linear range's width: a search is not more precise
 LARGEST = 1e100
 
 
@@ -23,23 +23,23 @@ class Range:
     """The values that a parameter, or one item of a vector, may take."""
 
     name: str
-    item: int | None  # of a vector
+    item: int | None  # the index, if the parameter is a vector
     low: float
     high: float
     scale: Scale = "linear"
 
     @property
-    def place(self) -> str:
-        """What is looked for, as "prior" or "weights[0]"."""
+    def label(self) -> str:
+        """The parameter or item, such as "prior" or "weights[0]"."""
         return self.name if self.item is None else f"{self.name}[{self.item}]"
 
     def __str__(self) -> str:
-        """As it is written."""
+        """The range as it is given, such as "prior=1:100:log"."""
         scale = "" if self.scale == "linear" else f":{self.scale}"
-        return f"{self.place}={self.low:.15g}:{self.high:.15g}{scale}"
+        return f"{self.label}={self.low:.15g}:{self.high:.15g}{scale}"
 
     def value(self, share: float) -> float:
-        """The value at a place in [0, 1], in so many digits as are worth writing."""
+        """The value at a position in [0, 1], rounded to `DIGITS`."""
         if self.scale == "whole":
             count = self.high - self.low + 1
             return self.low + min(math.floor(share * count), count - 1)
@@ -51,7 +51,7 @@ class Range:
         return min(max(found, self.low), self.high)
 
     def share(self, value: float) -> float:
-        """The place of a value, or of the end of the range that is nearest to it."""
+        """The position of a value in [0, 1]; a value outside the range has the position of the nearest end."""
         value = min(max(value, self.low), self.high)
         if self.scale == "whole":
             return (round(value) - self.low + 0.5) / (self.high - self.low + 1)
@@ -61,21 +61,21 @@ class Range:
 
     @property
     def step(self) -> float:
-        """The share that one value of whole numbers takes; 0 of others."""
+        """The distance between the positions of two whole numbers; 0 for other scales."""
         return 1 / (self.high - self.low + 1) if self.scale == "whole" else 0.0
 
 
 def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
-    """The ranges of some of a brain's parameters. Raises InputError, naming the text and what would be right."""
+    """Read ranges of a brain's parameters. Raises InputError, naming the text and what would be right."""
     found: list[Range] = []
     for text in [texts] if isinstance(texts, str) else texts:
         try:
             given = _parsed(str(text))
             _check(given, brain)
-            for one in _items(given, brain):
-                if one.place in [other.place for other in found]:
-                    raise ValueError(f"{one.place} is given twice")
-                found.append(one)
+            for parameter in _items(given, brain):
+                if parameter.label in [other.label for other in found]:
+                    raise ValueError(f"{parameter.label} is given twice")
+                found.append(parameter)
         except ValueError as error:
             raise InputError(f"{option('parameters', text)}: {error}") from None
     if not found:
@@ -84,21 +84,23 @@ def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
 
 
 def start_of(ranges: Iterable[Range], brain: Brain) -> tuple[float, ...]:
-    """The values that a brain has now."""
+    """The brain's present values of these parameters."""
     found = []
-    for one in ranges:
-        value = brain.parameters[one.name]
-        found.append(value[one.item or 0] if isinstance(value, tuple) else value)
+    for parameter in ranges:
+        value = brain.parameters[parameter.name]
+        found.append(value[parameter.item or 0] if isinstance(value, tuple) else value)
     return tuple(found)
 
 
 def with_values(brain: Brain, ranges: Iterable[Range], values: Iterable[float]) -> Brain:
-    """The brain with other values there; all others stay as they are."""
+    """The brain with these values of the parameters; all others stay."""
     changed = dict(brain.parameters)
-    for one, value in zip(ranges, values, strict=True):
-        old = changed[one.name]
-        changed[one.name] = (
-            tuple(value if k == one.item else kept for k, kept in enumerate(old)) if isinstance(old, tuple) else value
+    for parameter, value in zip(ranges, values, strict=True):
+        old = changed[parameter.name]
+        changed[parameter.name] = (
+            tuple(value if k == parameter.item else kept for k, kept in enumerate(old))
+            if isinstance(old, tuple)
+            else value
         )
     return brain.with_parameters(changed)
 
@@ -117,7 +119,7 @@ def _parsed(text: str) -> Range:
     if scale == "log" and low <= 0:
         raise ValueError("on a logarithmic scale both ends should be above 0")
     if scale == "whole" and not (low.is_integer() and high.is_integer()):
-        raise ValueError("of whole numbers both ends should be whole")
+        raise ValueError("on a scale of whole numbers both ends should be whole")
     return Range(named[1], None if named[2] is None else int(named[2]), low, high, scale)  # type: ignore[arg-type]
 
 
@@ -127,12 +129,12 @@ def _number(text: str) -> float:
     except ValueError:
         raise ValueError(FORM) from None
     if not abs(found) <= LARGEST:
-        raise ValueError(f"{text.strip()} is no number to search up to: {LARGEST:g} is the largest")
+        raise ValueError(f"{text.strip()} should be at most {LARGEST:g} in size")
     return found
 
 
 def _items(given: Range, brain: Brain) -> list[Range]:
-    """A range of a vector as a whole is one of each of its items."""
+    """The range itself; a range of a whole vector becomes one for each of its items."""
     long = length(brain.parameters[given.name])
     return [replace(given, item=k) for k in range(long)] if long and given.item is None else [given]
 
@@ -145,12 +147,14 @@ def _known(brain: Brain) -> str:
     return ", ".join(names)
 
 
-def _check(one: Range, brain: Brain) -> None:
-    if one.name not in brain.parameters:
-        hint = did_you_mean(one.name, brain.parameters)
-        raise ValueError(f"the brain {brain.name!r} has no parameter {one.name!r}: {hint}it has {_known(brain)}")
-    long = length(brain.parameters[one.name])
-    if not long and one.item is not None:
-        raise ValueError(f"{one.name} is a number, and has no items")
-    if one.item is not None and one.item >= long:
-        raise ValueError(f"{one.name} is a vector of {long}: its items are {one.name}[0] to {one.name}[{long - 1}]")
+def _check(parameter: Range, brain: Brain) -> None:
+    if parameter.name not in brain.parameters:
+        hint = did_you_mean(parameter.name, brain.parameters)
+        raise ValueError(f"the brain {brain.name!r} has no parameter {parameter.name!r}: {hint}it has {_known(brain)}")
+    long = length(brain.parameters[parameter.name])
+    if not long and parameter.item is not None:
+        raise ValueError(f"{parameter.name} is a number, and has no items")
+    if parameter.item is not None and parameter.item >= long:
+        raise ValueError(
+            f"{parameter.name} is a vector of {long}: its items are {parameter.name}[0] to {parameter.name}[{long - 1}]"
+        )

@@ -1,4 +1,4 @@
-"""Candidates tried: a generation at once, in all worlds, by the threads of this process, and nothing is written."""
+"""Runs candidates on training trials, a generation at a time, in threads, and computes their losses."""
 
 import copy
 from collections.abc import Callable, Sequence
@@ -20,14 +20,23 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
 Floats = NDArray[np.float64]
-FOR_ALL = ("convergence_round", "final_estimate", "true_fill_ratio", "right_option")  # shapes, and what errors are of
-Keep = Callable[[int, Floats], None]  # a candidate's place, its numbers (measure, world, trial): NaN of failed trials
+ALWAYS_NEEDED = (  # variables for shapes, and for the truth that errors refer to
+    "convergence_round", "final_estimate", "true_fill_ratio", "right_option",
+)  # fmt: skip
+FAILED_LOSS = 1.0  # of a trial that failed
+COMPANIONS = {  # for measures that are often equal for different values: the measure that breaks their ties
+    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
+    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
+    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
+}  # fmt: skip
+MOST_WIDTHS = 500.0  # from the middle, beyond which a logistic function is 0 or 1
+Keep = Callable[[int, Floats], None]  # takes a candidate's place and numbers (measure, world, trial); NaN has failed
 
 
 def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measure]:
-    """The measure of this name, and its companion if it has one here.
+    """The measure of this name, and the measure that breaks its ties, if these worlds have it.
 
-    Raises InputError where such worlds have none, or nobody says what is better.
+    Raises InputError if these worlds do not have the measure, or if it does not say whether low or high is better.
     """
     blank = store.dataset(study, worlds, [""] * len(worlds), Values(study, worlds, 1))
     [measure], _ = chosen(blank, [metric])
@@ -36,15 +45,15 @@ def measures_of(study: Study, worlds: list[Setting], metric: str) -> list[Measur
 
 
 class Training:
-    """Worlds in which candidates are tried, with threads that wait for them as long as the block lasts."""
+    """Runs candidates in worlds; the threads live as long as the `with` block."""
 
     def __init__(self, study: Study, worlds: list[Setting], measures: list[Measure], trials: int, jobs: int) -> None:
-        """Each candidate has so many trials in each world."""
+        """Give each candidate `trials` trials in each world."""
         self.study, self.worlds, self.measures, self.trials, self.jobs = study, worlds, measures, trials, jobs
-        self.local = any(one.name in LOCAL for one in measures)
+        self.local = any(measure.name in LOCAL for measure in measures)
 
     def __enter__(self) -> Self:
-        """Begin the threads."""
+        """Create the threads."""
         self._executor = ThreadPoolExecutor(self.jobs, thread_name_prefix="swarmcensus")
         return self
 
@@ -53,7 +62,7 @@ class Training:
         self._executor.shutdown(cancel_futures=True)
 
     def compile(self, show: Callable[[Progress], None]) -> None:
-        """Compile what the worlds need: candidates differ in numbers alone, and need nothing else."""
+        """Compile what the worlds need, once: candidates differ in numbers only."""
         pools.compile_for(
             [(self.study, self.worlds)], lambda note, steps: show(Progress(0, 0, 0.0, 0.0, note, steps=steps))
         )
@@ -65,10 +74,9 @@ class Training:
         return sum(task.cost for task in plan_tasks(self.worlds, every, local, pools.BUNDLE_SECONDS))
 
     def run(self, brains: Sequence[Brain], seed: int, keep: Keep, show: Callable[[Progress], None]) -> list[str]:
-        """Run all candidates on the same trials, and `keep` the numbers of each as soon as it is through, in order.
+        """Run all candidates on the same trials; `keep` is called for each in order, as soon as it is finished.
 
-        What comes back is why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C, when those that
-        were through are kept.
+        Returns why trials failed, a text for each. Raises KeyboardInterrupt after Ctrl-C; finished candidates are kept.
         """
         seeded = copy.copy(self.study)
         seeded.seed = seed
@@ -76,16 +84,18 @@ class Training:
         values = Values(seeded, settings, self.trials, self.local)
         wanted = np.ones((len(settings), self.trials), np.bool_)
         tasks = plan_tasks(settings, wanted, wanted if self.local else None, pools.BUNDLE_SECONDS)
-        tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate through, then the next
+        tasks.sort(key=lambda task: min(task.settings) // len(self.worlds))  # one candidate after the other
         kept = 0
 
         def report(progress: Progress) -> None:
             nonlocal kept
-            through = self._through(state)
-            while kept < len(brains) and through[kept]:
-                several = kept + int(np.argmin(np.append(through[kept:], False)))
-                for place, found in enumerate(self._numbers(seeded, settings, values, kept, several), start=kept):
-                    keep(place, found)
+            finished = self._finished_candidates(state)
+            while kept < len(brains) and finished[kept]:
+                end = kept + int(np.argmin(np.append(finished[kept:], False)))
+                for place, candidate_numbers in enumerate(
+                    self._numbers(seeded, settings, values, kept, end), start=kept
+                ):
+                    keep(place, candidate_numbers)
                     kept = place + 1
             show(progress)
 
@@ -102,40 +112,31 @@ class Training:
             raise KeyboardInterrupt
         return [failure.why for failure in state.failures]
 
-    def _through(self, state: State) -> NDArray[np.bool_]:
-        """Which candidates have no trial left to run, (candidate,)."""
+    def _finished_candidates(self, state: State) -> NDArray[np.bool_]:
+        """Which candidates have run all their trials, (candidate,)."""
         ended = state.values.finished()
         for failure in state.failures:
             ended[failure.setting, failure.trial] = True
         return np.asarray(ended.reshape(-1, len(self.worlds) * self.trials).all(axis=1))
 
     def _numbers(self, study: Study, settings: list[Setting], values: Values, first: int, last: int) -> Floats:
-        """The numbers of candidates from `first` to before `last`, (candidate, measure, world, trial)."""
+        """The numbers of candidates `first` to `last` - 1, (candidate, measure, world, trial)."""
         rows = slice(first * len(self.worlds), last * len(self.worlds))
-        some = copy.copy(values)
-        needed = {*FOR_ALL, *(part for one in self.measures for part in inputs_of(one.name))}
-        some.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
-        mine = settings[rows]
-        data = store.dataset(study, mine, [""] * len(mine), some)
-        found = np.stack([numbers(data, one.name) for one in self.measures])
+        part = copy.copy(values)
+        needed = {*ALWAYS_NEEDED, *(name for measure in self.measures for name in inputs_of(measure.name))}
+        part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
+        part_settings = settings[rows]
+        data = store.dataset(study, part_settings, [""] * len(part_settings), part)
+        found = np.stack([numbers(data, measure.name) for measure in self.measures])
         return found.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
 
 
-WORST = 1.0
-COMPANIONS = {  # of measures that are the same in whole regions of values: which one breaks their ties
-    "consensus_right": "decided_right", "consensus_round": "decided_right", "decided_right": "final_error",
-    "decision_round": "decided", "done_round": "done", "correct": "final_error", "right_side": "final_error",
-    "first_right": "final_error", "swarm_right": "final_error", "time_right": "final_error",
-}  # fmt: skip
-FARTHEST = 500.0  # widths from the middle, beyond which a logistic is 0 or 1
-
-
 def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:
-    """What is usual in each world, (world, 2), of the start's trials (world, trial): a middle and a width.
+    """The scale of each world (world, 2), a middle and a width, from the original brain's trials (world, trial).
 
-    `least` is the smallest number that the measure can be. Of one that is never negative the middle is the median of
-    what is above 0 and finite, and the width 0, for ratios to it count; where there is nothing of the kind it is 1, or
-    of times the world's own length.
+    `least` is the smallest possible number of the measure. If it is not negative, the middle is the median of finite
+    numbers above 0, and the width is 0, because ratios to the middle count; without such numbers it is 1, or the
+    world's number of rounds if the measure is a time. Otherwise they are the median and the mean distance from it.
     """
     scales = np.zeros((len(worlds), 2))
     for k, (row, world) in enumerate(zip(numbers, worlds, strict=True)):
@@ -152,11 +153,11 @@ def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, leas
 
 
 def loss(numbers: Floats, measure: Measure, scales: Floats) -> float:
-    """How bad a candidate's trials (world, trial) are, in [0, 1], lower being better; a NaN has failed.
+    """The loss of a candidate's trials (world, trial), in [0, 1], where lower is better; a NaN is a failed trial.
 
-    A share counts as it is. Of other measures the number v of a trial counts as v / (v + s), with the usual s of its
-    world: 0 is none, 1/2 what is usual, 1 never. One that may be negative counts as the logistic of its distance from
-    what is usual, in usual distances.
+    A share counts as it is. For other measures a trial's number v counts as v / (v + m), with the middle m of its
+    world's scale: 0 stays 0, the middle is 1/2, infinity ("never") is 1. If a measure may be negative, v counts as the
+    logistic function of its distance from the middle, in widths.
     """
     middle, width = scales[:, :1], scales[:, 1:]
     if measure.share:
@@ -164,7 +165,7 @@ def loss(numbers: Floats, measure: Measure, scales: Floats) -> float:
     else:
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = np.where(np.isposinf(numbers), 1.0, numbers / (numbers + middle))
-            off = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -FARTHEST, FARTHEST)
+            off = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -MOST_WIDTHS, MOST_WIDTHS)
         above = np.where(width > 0, 1.0 / (1.0 + np.exp(-off)), ratio)
         bad = above if measure.low else 1.0 - above
-    return float(np.where(np.isnan(numbers), WORST, bad).mean())
+    return float(np.where(np.isnan(numbers), FAILED_LOSS, bad).mean())

@@ -1,4 +1,4 @@
-"""Parameters of a brain that are good in a study's worlds: `sc.tune`."""
+"""Searches for good parameters of a brain in a study's worlds: `sc.tune`."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -14,26 +14,26 @@ from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress
 from swarmcensus.studies.study import Study
 from swarmcensus.tuning.evaluating import check_replaceable, evaluate, evaluation_of
-from swarmcensus.tuning.evidence import Evidence, evidence_of, without_idle
-from swarmcensus.tuning.generations import Ended, search_of, search_on
+from swarmcensus.tuning.evidence import Evidence, evidence_of
+from swarmcensus.tuning.generations import SearchResult, new_search, reset_idle, run_search
 from swarmcensus.tuning.logs import Evaluation, Log
 from swarmcensus.tuning.plans import Plan, budget_of, plan_of
-from swarmcensus.tuning.reports import course_of, notes_of, report, why_unchanged
+from swarmcensus.tuning.reports import course_text, notes_of, report, why_unchanged
 from swarmcensus.tuning.training import Training
 
 
 @dataclass(frozen=True)
 class Tuned:
-    """What a search came to: the brain with the values found, all evaluations, and the evidence."""
+    """The result of a search: the brain with the values found, all evaluations, and the evidence."""
 
     brain: Brain
     before: Brain
-    values: dict[str, float]  # what was looked for, as "prior" or "weights[0]"
+    values: dict[str, float]  # the values found, by parameter or item, such as "prior" or "weights[0]"
     evaluations: list[Evaluation]
     evidence: Evidence
-    course: str  # how the search went and why it ended, a sentence
-    notes: list[str]  # what else should be known of these values, a sentence each
-    text: str  # a study file's fragment, with the evidence as comments
+    course: str  # how the search went and why it ended, in a sentence
+    notes: list[str]  # further sentences on these values
+    text: str  # a fragment of a study file, with the evidence as comments
 
     @property
     def parameters(self) -> dict[str, Value]:
@@ -47,7 +47,7 @@ class Tuned:
 
     @property
     def as_dict(self) -> dict[str, Any]:
-        """What came of it as plain data: values before and after, the verdict, and the comparison pair by pair."""
+        """The result as plain data: values before and after, the verdict, and the comparison pair by pair."""
         found = self.evidence.comparison
         return {
             "brain": self.before.name, "values": self.values, "parameters": self.parameters,
@@ -58,7 +58,7 @@ class Tuned:
         }  # fmt: skip
 
     def __str__(self) -> str:
-        """What came of it, in sentences."""
+        """The evidence and the notes, one sentence a line."""
         return "\n".join([*self.evidence.sentences, *self.notes])
 
 
@@ -76,14 +76,14 @@ def tune(
     progress: Callable[[Progress], None] | None = None,
     say: Callable[[str], None] | None = None,
 ) -> Tuned:
-    """Search for good values of a brain's parameters in a study's worlds, and hold them against what was there.
+    """Search for good values of a brain's parameters in a study's worlds, and compare the result with the original.
 
-    `parameters` are ranges, as ["prior=1:100:log", "weights[0]=0:1"]; `brain` is needed where several of the study's
-    brains have parameters. `budget` is a number of evaluations or a time, as "10 min"; each evaluation has so many
-    `trials` in each world, with seeds of their own. With `out`, a .toml file, the fragment is written there, and beside
-    it the log, .csv, from which the same call goes on, unless `fresh`, and the evaluation's results, .nc, where there
-    are any. `progress` and `say` are as for `run`. Raises InputError, and after Ctrl-C KeyboardInterrupt, when what is
-    done is in the log.
+    `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
+    brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
+    `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
+    study file is written there; beside it are the log (.csv), from which the same call continues unless `fresh`, and
+    the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
+    KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
     study = study if isinstance(study, Study) else Study.load(study)
     plan = plan_of(study, parameters, brain, metric, budget_of(budget), trials)
@@ -91,28 +91,30 @@ def tune(
     if files:
         check_replaceable(files[".nc"])
     show = progress or (lambda _: None)
-    jobs, search = pools.thread_count(jobs), search_of(plan)
+    jobs, search = pools.thread_count(jobs), new_search(plan)
     with (
-        Log(files.get(".csv"), plan.identity, [one.place for one in plan.ranges], plan.losses, fresh) as log,
+        Log(
+            files.get(".csv"), plan.identity, [parameter.label for parameter in plan.ranges], plan.losses, fresh
+        ) as log,
         Training(study, plan.worlds, plan.measures, trials, jobs) as training,
     ):
         if log.evaluations and say:
             say(f"{log.path}: found {counted(len(log.evaluations), 'evaluation')}")
-        ended = search_on(plan, search, log, training, show)
-        values, idle = without_idle(plan, ended.values, training, show)
+        result = run_search(plan, search, log, training, show)
+        values, idle = reset_idle(plan, result.values, training, show)
         tuned = plan.brain_of(values)
-        evidence = _evidence(plan, tuned, ended, files.get(".nc"), jobs, show, say, fresh)
+        evidence = _evidence(plan, tuned, result, files.get(".nc"), jobs, show, say, fresh)
         notes = notes_of(plan, idle)
-        text = report(plan, tuned, ended, evidence, notes, files)
+        text = report(plan, tuned, result, evidence, notes, files)
         if files:
             with whole(files[".toml"]) as beside:
                 beside.write_text(text, encoding="utf-8")
-    found = dict(zip((one.place for one in plan.ranges), values, strict=True))
-    return Tuned(tuned, plan.before, found, ended.evaluations, evidence, course_of(plan, ended), notes, text)
+    found = dict(zip((parameter.label for parameter in plan.ranges), values, strict=True))
+    return Tuned(tuned, plan.before, found, result.evaluations, evidence, course_text(plan, result), notes, text)
 
 
 def files_of(out: str | Path | None) -> dict[str, Path]:
-    """The files of a search by their endings. Raises InputError where they cannot be written."""
+    """The files of a search by suffix. Raises InputError if they cannot be written."""
     if out is None:
         return {}
     if Path(out).suffix != ".toml":
@@ -126,7 +128,7 @@ def files_of(out: str | Path | None) -> dict[str, Path]:
 def _evidence(
     plan: Plan,
     tuned: Brain,
-    ended: Ended,
+    result: SearchResult,
     out: Path | None,
     jobs: int,
     show: Callable[[Progress], None],
@@ -134,7 +136,7 @@ def _evidence(
     fresh: bool,
 ) -> Evidence:
     if tuned == plan.before:
-        return Evidence(plan.told(tuned), plan.told(plan.before), None, None, why_unchanged(plan, ended))
-    study = evaluation_of(plan.study, tuned, plan.told(tuned))
+        return Evidence(plan.label(tuned), plan.label(plan.before), None, None, why_unchanged(plan, result))
+    study = evaluation_of(plan.study, tuned, plan.label(tuned))
     data: Any = evaluate(study, out, jobs, show, say, fresh)
     return evidence_of(data, study.settings(), tuned, plan.before, plan.metric, plan.searched)
