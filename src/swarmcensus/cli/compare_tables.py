@@ -199,8 +199,8 @@ def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
         (head, True, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
     if found.against is not None:
-        for name in (gap_name(one.share), "worst"):
-            out.append((name, True, [_gap(value, one.share) for value in rows[f"{one.name}_{name}"]]))
+        for name in (gap_name(measure.share), "worst"):
+            out.append((name, True, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
     return out
 
 

@@ -171,8 +171,8 @@ class Log:
                 self.evaluations.append(self._parsed(line, number))
             except ValueError:
                 raise InputError(
-                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all that follows, or begin anew "
-                    f"with {option('fresh', True)}"
+                    f"{self.path}, line {number + 4}: damaged or changed: remove it and all lines after it, or begin "
+                    f"anew with {option('fresh', True)}"
                 ) from None
         return end
 

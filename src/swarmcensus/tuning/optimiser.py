@@ -3,8 +3,8 @@
 It proposes a generation of candidates and receives their losses, whose order alone counts. With the same seed and
 losses it proposes the same candidates.
 
-CMA-ES cannot learn from a generation whose candidates all have the same loss (a flat one), but the search goes on. While
-no generation has had candidates that differ in the metric, every other one is drawn from the whole ranges; the search
+CMA-ES cannot learn from a generation whose candidates all have the same loss (a flat one), but the search goes on.
+While no generation has had candidates that differ in the metric, every other one is drawn from the whole ranges; the search
 restarts around its best candidate if that is better than all before. Afterwards a flat generation widens the next.
 """
 
