@@ -17,7 +17,7 @@ from rich.console import Console
 from rich.table import Table
 
 from swarmcensus import Study
-from swarmcensus.metrics import DOOR
+from swarmcensus.metrics import PLUGINS
 from swarmcensus.runs.tasks import metrics_of
 from swarmcensus.simulation.trials import run_batch
 
@@ -67,7 +67,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--quick", action="store_true", help="fewer repeats, and no compiling")
     quick = parser.parse_args().quick
-    asked = {"none": [], **{name: [name] for name in DOOR.shipped}, "all of them": list(DOOR.shipped)}
+    asked = {"none": [], **{name: [name] for name in PLUGINS.shipped}, "all of them": list(PLUGINS.shipped)}
     studies = {what: study_of(names) for what, names in asked.items()}
     least = dict.fromkeys(studies, np.inf)
     for study in studies.values():
@@ -77,7 +77,7 @@ def main():
             least[what] = min(least[what], seconds_of(study))
     table = Table("metrics", "ns a robot and round", "ratio", "compiled in", title=f"ring of {ROBOTS} robots")
     for what, seconds in least.items():
-        compiled = f"{compiled_in(what):.1f} s" if what in DOOR.shipped and not quick else "-"
+        compiled = f"{compiled_in(what):.1f} s" if what in PLUGINS.shipped and not quick else "-"
         cost = 1e9 * seconds / (ROBOTS * ROUNDS * TRIALS)
         table.add_row(what, f"{cost:.1f}", f"{seconds / least['none']:.2f}", compiled)
     Console().print(table)

@@ -3,7 +3,7 @@
 import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains import adversary
-from swarmcensus.metrics.metric import DOOR as METRICS
+from swarmcensus.metrics.metric import PLUGINS as METRICS
 
 EDGES = [[0, 1], [1, 2], [2, 0], [3, 0], [0, 3]]
 NETWORKS = [
@@ -18,7 +18,7 @@ ACCURACIES = [
 BELIEFS = [0.7, "U(0.5, 0.9)", {"error": "N(0, 0.05)"}]
 FILLS = [0.0, 0.1, 0.5, 0.55, 0.85, 1.0]
 TRIALS = 2
-LIARS = tuple(adversary.DOOR.shipped)
+LIARS = tuple(adversary.PLUGINS.shipped)
 
 
 def drawn(rng, brain, liars=LIARS, longest=1500):

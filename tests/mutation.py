@@ -42,7 +42,7 @@ TESTS: dict[str, tuple[str, str]] = {
     "worlds/sensors": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
     "worlds/spreading": (f"{SENSORS} test_draws", "test_sensors test_beliefs statistical/test_theory"),
     "worlds/networks": ("test_networks test_lives test_draws", "test_bad_inputs test_engine"),
-    "worlds/wiring": ("test_networks test_lives test_draws", "test_doors test_engine"),
+    "worlds/wiring": ("test_networks test_lives test_draws", "test_plugins test_engine"),
     "worlds/faults": ("test_draws test_lives", "test_faults"),
     "engine/random": ("test_draws test_random test_lives", "test_engine"),
     "engine/draws": ("test_draws test_random test_lives", "test_engine statistical/test_theory"),

@@ -20,7 +20,7 @@ from tests.second import MEANS, changed, fixed, moving
 from tests.small import FAULTS, GO, SEED, failing, heard_in
 
 MEASURE = Metrics(0.02, 10, (2, 8))
-NAMES = adversary.DOOR.shipped
+NAMES = adversary.PLUGINS.shipped
 
 
 def liars(name, robots=2, **parameters):

@@ -474,7 +474,7 @@ def test_a_floor_is_written_as_it_is_read(floor, tmp_path):
 
 
 def test_a_kind_of_floor_is_a_file_of_its_name(gradient):
-    assert patterns.DOOR.shipped == ("clusters", "half", "image", "stripes", "tiles")
+    assert patterns.PLUGINS.shipped == ("clusters", "half", "image", "stripes", "tiles")
     contents = []
     for floor in every_kind(gradient):
         read = parse_floor(floor, gradient.parent, {})

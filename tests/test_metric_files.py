@@ -19,7 +19,7 @@ from swarmcensus.results.values import EVERY
 from swarmcensus.runs.clusters import payload_of, read_payload
 from swarmcensus.simulation import trials, watches
 
-LIBRARY = metrics.DOOR.shipped
+LIBRARY = metrics.PLUGINS.shipped
 STUDY = """
 seed = 3
 trials = 6

@@ -267,8 +267,8 @@ def test_what_is_refused(value, tmp_path):
 
 
 def test_a_topology_is_a_file_of_its_name(tmp_path):
-    assert wiring.DOOR.shipped == ("full", "line", "moving", "ring", "scale-free")
-    for name in wiring.DOOR.shipped:
+    assert wiring.PLUGINS.shipped == ("full", "line", "moving", "ring", "scale-free")
+    for name in wiring.PLUGINS.shipped:
         topology = parse({"name": name}, tmp_path)
         assert topology == parse(name, tmp_path) == networks.Topology(name)
         assert (topology.form, topology.content, topology.edition) == (name, [name, None, None], "")
@@ -279,7 +279,7 @@ def test_a_topology_is_a_file_of_its_name(tmp_path):
 
 def test_a_file_beside_the_study_comes_before_other_packages(tmp_path, monkeypatch):
     monkeypatch.setattr(plugins, "entry_points", lambda **_: pytest.fail("other packages were looked through"))
-    wiring.DOOR.__dict__.pop("outside", None)
+    wiring.PLUGINS.__dict__.pop("outside", None)
     (tmp_path / "torus").write_text("0,1\n")
     assert parse("torus", tmp_path).edges == ((0, 1),)
     assert networks.parse_topology("links.csv", None, {"links.csv": [(0, 2)]}).edges == ((0, 2),)

@@ -65,4 +65,4 @@ def test_the_first_page_counts_them_rightly():
     first = (PAGE.parents[1] / "README.md").read_text(encoding="utf-8")
     words = {9: "Nine", 29: "Twenty-nine", 32: "Thirty-two"}
     assert f"{words[len(brains.shipped())]} brains ship" in first
-    assert f"{words[len(adversary.DOOR.shipped)]} adversaries" in first
+    assert f"{words[len(adversary.PLUGINS.shipped)]} adversaries" in first

@@ -1,4 +1,4 @@
-"""Doors: how an addition is found by its name, as a file of ours or as another package's entry point."""
+"""Plugins, such as brains and topologies, found by name among shipped files and other packages' entry points."""
 
 from __future__ import annotations
 
@@ -22,33 +22,33 @@ if TYPE_CHECKING:
 
     from pydantic import BaseModel
 
-Keys = tuple[tuple[str, Any], ...]  # an addition's own keys and their values, in the order in which it names them
+Keys = tuple[tuple[str, Any], ...]  # a plugin's own keys and their values, in the order of its signature
 
 
 def entry_points(group: str) -> EntryPoints:
-    """What other packages give of a group; imported when it is asked, for most studies ask for nothing."""
-    from importlib.metadata import entry_points as known
+    """The entry points of a group; importlib.metadata is imported late because most studies do not need it."""
+    from importlib.metadata import entry_points as of_group
 
-    return known(group=group)
+    return of_group(group=group)
 
 
 @dataclass(frozen=True, eq=False)
-class Door:
-    """A kind of addition: where ours lie, and the group of entry points through which others come in.
+class Plugins:
+    """The plugins of one kind: shipped files in one folder, and entry points of other packages in one group.
 
-    A file `scale_free.py` of ours has the name "scale-free". Another package names its own in its metadata:
+    A shipped file `scale_free.py` has the name "scale-free". Another package names its own in its metadata:
     `[project.entry-points."swarmcensus.topologies"]`, `torus = "its_package.torus"`.
     """
 
-    what: str  # in messages: "topology"
-    group: str  # "swarmcensus.topologies"
-    package: str  # in whose folder ours lie: "swarmcensus.worlds.topologies"
-    clashes: dict[str, str] = field(default_factory=dict, repr=False)  # names that two packages give
-    loaded: dict[str, str] = field(default_factory=dict, repr=False)  # hashes of others' files as they were imported
+    kind: str  # in messages: "topology"
+    group: str  # of entry points: "swarmcensus.topologies"
+    package: str  # of the shipped files: "swarmcensus.worlds.topologies"
+    clashes: dict[str, str] = field(default_factory=dict, repr=False)  # names that two other packages use
+    imported_hashes: dict[str, str] = field(default_factory=dict, repr=False)  # of other packages' files, when imported
 
     @functools.cached_property
     def shipped(self) -> tuple[str, ...]:
-        """The names of those that come with swarmcensus."""
+        """The names of the plugins that come with swarmcensus."""
         spec = importlib.util.find_spec(self.package)
         assert spec is not None
         folders = map(Path, spec.submodule_search_locations or ())
@@ -57,85 +57,88 @@ class Door:
 
     @functools.cached_property
     def outside(self) -> Mapping[str, EntryPoint]:
-        """Those of other installed packages by name; ours come first."""
-        found: dict[str, EntryPoint] = {}
+        """The plugins of other installed packages by name, without names that are shipped."""
+        entries: dict[str, EntryPoint] = {}
         for entry in entry_points(group=self.group):
             if entry.name in self.shipped:
                 continue
-            known = found.setdefault(entry.name, entry)
-            if known.value != entry.value:
-                self.clashes[entry.name] = f"{known.value}, {entry.value}"
-        return found
+            first = entries.setdefault(entry.name, entry)
+            if first.value != entry.value:
+                self.clashes[entry.name] = f"{first.value}, {entry.value}"
+        return entries
 
     def entry(self, name: str) -> EntryPoint:
-        """Where another package has it. Raises InputError where two packages do."""
+        """The entry point of another package's plugin. Raises InputError if two packages use the name."""
         entry = self.outside[name]
         if name in self.clashes:
-            raise InputError(f"two packages give a {self.what} named {name!r}: {self.clashes[name]}")
+            raise InputError(f"two packages have a {self.kind} named {name!r}: {self.clashes[name]}")
         return entry
 
     @property
     def names(self) -> list[str]:
-        """The names of all that there are, ours first."""
+        """The names of all plugins, shipped ones first."""
         return [*self.shipped, *sorted(self.outside)]
 
     def __contains__(self, name: object) -> bool:
-        """Whether there is one of this name; other packages are looked through only where it is not ours."""
+        """Whether there is a plugin of this name; other packages are searched only if it is not shipped."""
         return name in self.shipped or name in self.outside
 
-    @functools.cache  # noqa: B019 (doors are few, and live as long as the program)
+    @functools.cache  # noqa: B019 (there are few instances, and they live as long as the program)
     def module(self, name: str) -> Any:
-        """What the name stands for, imported. Raises InputError where it cannot be."""
+        """The plugin itself, imported. Raises InputError if the import fails."""
         if name in self.shipped:
             return importlib.import_module(f"{self.package}.{name.replace('-', '_')}")
         entry = self.entry(name)
         try:
-            found = entry.load()
+            plugin = entry.load()
         except Exception as error:
-            raise InputError(f"{self.what} {name!r}, {entry.value} of {_package(entry)}: {told(error)}") from error
-        self.loaded[name] = _hash(self.path(name))
-        return found
+            where = f"{self.kind} {name!r}, {entry.value} of {_package(entry)}"
+            raise InputError(f"{where}: {error_message(error)}") from error
+        self.imported_hashes[name] = _hash(self.path(name))
+        return plugin
 
     def digest(self, name: str) -> str:
-        """A hash of another package's file, so that results of two editions of it are told apart; of ours nothing.
+        """The hash of another package's file, so that results of its versions differ; empty for a shipped plugin.
 
-        Raises InputError where the file is not what was imported.
+        Raises InputError if the file has changed since it was imported.
         """
         if name in self.shipped:
             return ""
-        found = _hash(self.path(name))
-        if self.loaded.get(name, found) != found:
-            raise InputError(f"{self.what} {name!r}: {self.path(name)} was changed since it was imported: begin anew")
-        return found
+        current = _hash(self.path(name))
+        if self.imported_hashes.get(name, current) != current:
+            raise InputError(
+                f"{self.kind} {name!r}: {self.path(name)} was changed since it was imported: restart Python"
+            )
+        return current
 
-    def giver(self, name: str) -> str:
-        """The package that a name is of."""
+    def provider(self, name: str) -> str:
+        """The name of the package that a plugin comes from."""
         return "swarmcensus" if name in self.shipped else _package(self.outside[name])
 
     def origin(self, name: str) -> dict[str, str]:
-        """Whose another package's addition is, and which edition: `package`, `version`, `sha256`."""
+        """Where another package's plugin comes from: `package`, `version`, `sha256`."""
         distribution = self.outside[name].dist
         version = distribution.version if distribution is not None else ""
         return {
-            "package": self.giver(name),
+            "package": self.provider(name),
             "version": version,
-            "sha256": self.loaded.get(name) or _hash(self.path(name)),
+            "sha256": self.imported_hashes.get(name) or _hash(self.path(name)),
         }
 
     def path(self, name: str) -> Path:
-        """Where its file lies, which is not run. Raises InputError where there is none."""
-        ours = f"{self.package}.{name.replace('-', '_')}"
+        """The path of a plugin's file, found without running it. Raises InputError if there is none."""
+        shipped = f"{self.package}.{name.replace('-', '_')}"
         try:
-            module = ours if name in self.shipped else self.entry(name).module
+            module = shipped if name in self.shipped else self.entry(name).module
             spec = importlib.util.find_spec(module)
         except InputError:
             raise
         except ImportError:
             spec = None
-        except Exception as error:  # what a package's __init__ does, or an entry point that cannot be read
-            raise InputError(f"{self.what} {name!r} of {self.giver(name)}: {told(error)}") from error
+        except Exception as error:  # raised by the package's __init__, or by a malformed entry point
+            raise InputError(f"{self.kind} {name!r} of {self.provider(name)}: {error_message(error)}") from error
         if spec is None or spec.origin is None or not Path(spec.origin).is_file():
-            raise InputError(f"{self.what} {name!r}: {self.giver(name)} names {module}: there is no such file")
+            raise InputError(f"{self.kind} {name!r}: {self.provider(name)} names {module}: there is no such file")
         return Path(spec.origin)
 
 
@@ -149,7 +152,7 @@ def _package(entry: EntryPoint) -> str:
 
 @functools.cache
 def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
-    """A model of a function's keyword-only parameters: what each may be, as it is annotated. Raises InputError."""
+    """A pydantic model of a function's keyword-only parameters and their annotations. Raises InputError."""
     from pydantic import ConfigDict, create_model
 
     config = ConfigDict(
@@ -163,22 +166,22 @@ def keys_of(function: Callable[..., Any]) -> type[BaseModel]:
             if p.kind is p.KEYWORD_ONLY
         }
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # of keys that have the name of a method of pydantic's
+            warnings.simplefilter("ignore", UserWarning)  # about keys named like a method of pydantic's
             return create_model("Keys", __config__=config, **fields)
     except Exception as error:
         name = f"{getattr(function, '__module__', '')}.{getattr(function, '__qualname__', function)}"
-        raise InputError(f"the keys of {name} cannot be told: {told(error)}") from error
+        raise InputError(f"the keys of {name} cannot be read: {error_message(error)}") from error
 
 
 def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any], context: Any = None) -> Keys:
-    """A function's keyword-only arguments, checked, with its defaults. Raises ValueError with what would be right."""
+    """Check values for a function's keyword-only arguments, and add its defaults. Raises ValueError."""
     from pydantic import ValidationError
 
     model = keys_of(function)
     try:
         checked = model.model_validate(dict(given), context=context)
     except ValidationError as error:
-        # what may be a slip of the pen comes first
+        # likely typing errors come first
         first = min(error.errors(), key=lambda e: {"extra_forbidden": 0, "literal_error": 1}.get(e["type"], 2))
         key, known = str(first["loc"][0]), ", ".join(model.model_fields)
         if first["type"] == "extra_forbidden":
@@ -200,15 +203,15 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
 
 
 def defaults_of(function: Callable[..., Any]) -> dict[str, Any]:
-    """The keys of a function that need not be given, and what they then are."""
+    """The default values of a function's optional keys."""
     fields = keys_of(function).model_fields.items()
     return {name: _frozen(field.default) for name, field in fields if not field.is_required()}
 
 
-def told(error: Exception, path: Path | None = None) -> str:
-    """In a line what an addition raised: a ValueError is its own words, anything else a fault of its code.
+def error_message(error: Exception, path: Path | None = None) -> str:
+    """An exception of a plugin in one line: the text of a ValueError, otherwise the type, the text and the line.
 
-    Of its file, `path`, the line is told.
+    The line is given only if `path`, the plugin's file, is.
     """
     if isinstance(error, SyntaxError):
         return f"not Python: {error.msg}, at {error.filename}, line {error.lineno}: {(error.text or '').strip()}"
@@ -218,7 +221,7 @@ def told(error: Exception, path: Path | None = None) -> str:
 
 
 def text_of(value: Any) -> str:
-    """A key's value as datasets show it: of numbers twelve digits, of pictures their name."""
+    """A key's value as datasets show it: numbers with twelve digits, pictures by their name."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, tuple):
@@ -227,7 +230,7 @@ def text_of(value: Any) -> str:
 
 
 def _is_plain(value: Any) -> bool:
-    """Whether it can be part of an address: what has a digest, as pictures do, goes by that."""
+    """Whether a value can be part of a random address; pictures and the like are represented by their digest."""
     if isinstance(value, tuple):
         return all(map(_is_plain, value))
     return value is None or isinstance(value, bool | int | float | str) or hasattr(value, "digest")

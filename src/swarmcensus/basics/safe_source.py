@@ -13,7 +13,7 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
 LARGEST = 2.0**1023  # of a constant: what comes out of arithmetic with such numbers is small enough to be looked at
@@ -32,16 +32,18 @@ ALLOCATES = (
 )  # fmt: skip
 
 
-def find(door: Door, name: str, base: Path | None) -> Path:
+def find(plugins: Plugins, name: str, base: Path | None) -> Path:
     """Where the file of a name lies, or that of a path relative to `base`. Raises InputError where there is none."""
     path = (base or Path()) / name
-    if name in door.shipped or (not path.is_file() and name in door):
-        return door.path(name)
+    if name in plugins.shipped or (not path.is_file() and name in plugins):
+        return plugins.path(name)
     if not path.is_file():
-        known = ", ".join(door.names)
+        known = ", ".join(plugins.names)
         file = path.with_name(f"{path.name}.py")
-        hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, door.names)
-        raise InputError(f"{door.what} {name!r}: {hint}neither a shipped {door.what} ({known}) nor a file at {path}")
+        hint = f"did you mean {name + '.py'!r}? " if file.is_file() else did_you_mean(name, plugins.names)
+        raise InputError(
+            f"{plugins.kind} {name!r}: {hint}neither a shipped {plugins.kind} ({known}) nor a file at {path}"
+        )
     return path
 
 

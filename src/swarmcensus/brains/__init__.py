@@ -8,16 +8,16 @@ Must not know: how brains are compiled, worlds, studies.
 from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.adversary import Adversary
 from swarmcensus.brains.adversary_source import worn
-from swarmcensus.brains.brain import DOOR, Brain, find, load, parse, shipped, unread
+from swarmcensus.brains.brain import PLUGINS, Brain, find, load, parse, shipped, unread
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 from swarmcensus.brains.syntax import BELIEFS
 
 __all__ = [
     "BELIEFS",
-    "DOOR",
     "FUNCTIONS",
     "MAY_HAVE",
+    "PLUGINS",
     "TRACED",
     "Adversary",
     "Brain",

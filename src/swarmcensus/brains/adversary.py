@@ -9,7 +9,7 @@ from typing import Any, ClassVar, NamedTuple
 
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains import syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
 from swarmcensus.brains.contract import functions_in, need
@@ -17,7 +17,7 @@ from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.program import UNREAD, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 
-DOOR = Door("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
+PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
 FUNCTIONS = {"lie": 2}
 MAY_HAVE = {"boast": 2, "forge": 2, "hear": 2, "plot": 1, "jam": 1}
 TELL = ("lie", "boast", "forge", "jam")  # these tell, and change nothing
@@ -50,7 +50,7 @@ def load(name: str | Path, base: Path | None = None) -> Adversary:
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where an adversary's file is. Raises InputError where there is none."""
-    return safe_source.find(DOOR, str(name), base)
+    return safe_source.find(PLUGINS, str(name), base)
 
 
 def parse(source: str, name: str, path: Path) -> Adversary:
@@ -77,13 +77,13 @@ def is_adversary(source: str) -> bool:
 def is_meant(name: str, base: Path | None) -> bool:
     """Whether a name, or the path of a file relative to `base`, is that of an adversary."""
     path = (base or Path()) / name
-    if name not in DOOR.shipped and path.is_file():
+    if name not in PLUGINS.shipped and path.is_file():
         return is_adversary(safe_source.read_source("brain", path))
-    return name in DOOR
+    return name in PLUGINS
 
 
-def refuse_adversary(name: str, base: Path | None, brains: Door) -> None:
-    """Raise InputError where a brain is asked for, of a door or as a file, and an adversary named."""
+def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
+    """Raise InputError if `name`, expected to be a brain, is an adversary."""
     if name in brains.shipped or not is_meant(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:

@@ -9,14 +9,14 @@ from typing import Any, ClassVar
 
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import Contents, contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
 from swarmcensus.brains.program import UNREAD, Program
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
-DOOR = Door("brain", "swarmcensus.brains", "swarmcensus.brains.library")
+PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
 
 
@@ -130,7 +130,7 @@ class Brain(Program):
 
 def shipped() -> list[str]:
     """The names of the brains that come with swarmcensus."""
-    return list(DOOR.shipped)
+    return list(PLUGINS.shipped)
 
 
 def load(name: str | Path, base: Path | None = None) -> Brain:
@@ -138,14 +138,14 @@ def load(name: str | Path, base: Path | None = None) -> Brain:
 
     Raises InputError where the file is not there or breaks the contract.
     """
-    refuse_adversary(str(name), base, DOOR)
+    refuse_adversary(str(name), base, PLUGINS)
     path = find(name, base)
     return parse(safe_source.read_source("brain", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where a brain's file is. Raises InputError where there is none."""
-    return safe_source.find(DOOR, str(name), base)
+    return safe_source.find(PLUGINS, str(name), base)
 
 
 def parse(source: str, name: str, path: Path) -> Brain:

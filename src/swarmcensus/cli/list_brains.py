@@ -13,7 +13,7 @@ from swarmcensus.cli.output import answer, say
 if TYPE_CHECKING:
     from swarmcensus.conformance.suite import Check
 
-PLUGINS = {
+MODULES = {
     "brains": "brains.brain", "adversaries": "brains.adversary", "metrics": "metrics.metric",
     "topologies": "worlds.wiring", "floors": "worlds.patterns", "spreads": "worlds.spreading",
     "figures": "figures.kinds",
@@ -82,7 +82,7 @@ def brain_rows() -> list[Row]:
             "parameters": brain.parameters,
         }
 
-    return [_row(name, details) for name in brains.DOOR.names]
+    return [_row(name, details) for name in brains.PLUGINS.names]
 
 
 def adversary_rows() -> list[Row]:
@@ -93,7 +93,7 @@ def adversary_rows() -> list[Row]:
         liar = adversary.load(name)
         return {"what": (liar.functions.__doc__ or "").strip().partition("\n")[0], "parameters": liar.parameters}
 
-    return [_row(name, details) for name in adversary.DOOR.names]
+    return [_row(name, details) for name in adversary.PLUGINS.names]
 
 
 def _row(name: str, details: Callable[[str], Row]) -> Row:
@@ -154,14 +154,14 @@ MAKERS = ("edges", "links", "score", "paint", "quantile")  # functions whose arg
 
 def add_list_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `list`."""
-    sub.add_argument("kind", nargs="?", metavar="KIND", choices=[*PLUGINS], help=f"one of {', '.join(PLUGINS)}")
+    sub.add_argument("kind", nargs="?", metavar="KIND", choices=[*MODULES], help=f"one of {', '.join(MODULES)}")
 
 
 def choices(options: argparse.Namespace) -> int:
     """List what can be used by name, kind by kind."""
     from swarmcensus.basics.terminal import console, table
 
-    kinds = [options.kind] if options.kind else list(PLUGINS)
+    kinds = [options.kind] if options.kind else list(MODULES)
     if options.json:
         answer("choices", {kind: [_as_dict(row) for row in _rows(kind)] for kind in kinds})
         return 0
@@ -188,11 +188,11 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
     from swarmcensus import brains
     from swarmcensus.brains import adversary
 
-    door = importlib.import_module(f"swarmcensus.{PLUGINS[kind]}").DOOR
-    for name in door.names:
+    plugins = importlib.import_module(f"swarmcensus.{MODULES[kind]}").PLUGINS
+    for name in plugins.names:
         keys = ""
         try:
-            source = door.path(name).read_text(encoding="utf-8-sig")
+            source = plugins.path(name).read_text(encoding="utf-8-sig")
             tree = ast.parse(source)
             text = (ast.get_docstring(tree) or "").partition("\n")[0]
             keys = ", ".join(_keys(tree, (*MAKERS, name.replace("-", "_"))))
@@ -200,10 +200,10 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
                 brain = brains.unread(name, source)
                 keys, text = ", ".join(brain.parameters), text + " Not anonymous." * brain.uses.name
             if kind == "adversaries":
-                keys = ", ".join(adversary.unread(source, name, door.path(name)).parameters)
+                keys = ", ".join(adversary.unread(source, name, plugins.path(name)).parameters)
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
-        yield name, keys, text, door.giver(name)
+        yield name, keys, text, plugins.provider(name)
 
 
 def _keys(tree: ast.Module, makers: Collection[str]) -> Iterator[str]:

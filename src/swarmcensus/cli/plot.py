@@ -100,15 +100,15 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     """The options of a kind as given, or by default. Raises InputError for options that it does not have."""
     from swarmcensus.basics.plugins import keys_of, read_keys
     from swarmcensus.basics.times import Time
-    from swarmcensus.figures.kinds import DOOR, find
+    from swarmcensus.figures.kinds import PLUGINS, find
 
     with _failures(options.kind):
         known = keys_of(draw).model_fields
     given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
     fitting = {
-        name: [k for k in DOOR.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in known
+        name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in known
     }
-    if options.kind in DOOR.shipped:
+    if options.kind in PLUGINS.shipped:
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
         fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}
     for name, kinds in fitting.items():
@@ -143,16 +143,16 @@ def _set(text: str) -> tuple[str, Any]:
 @contextlib.contextmanager
 def _failures(kind: str) -> Iterator[None]:
     """Report an error of another package's kind as one line that names the package."""
-    from swarmcensus.figures.kinds import DOOR
+    from swarmcensus.figures.kinds import PLUGINS
 
     try:
         yield
     except (InputError, OSError, MemoryError):
         raise
     except Exception as error:
-        if kind in DOOR.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
+        if kind in PLUGINS.shipped or os.environ.get("SWARMCENSUS_DEBUG"):
             raise
-        where = DOOR.outside[kind].value
+        where = PLUGINS.outside[kind].value
         raise InputError(f"figure {kind!r}, {where}: {type(error).__name__}: {error}") from error
 
 

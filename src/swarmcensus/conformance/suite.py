@@ -66,11 +66,11 @@ class Mismatch(InputError):
 
 def subject(path: str | Path, wearing: str = "") -> brains.Brain:
     """The brain of a name or file, or that of an adversary which is `wearing` one. Raises InputError."""
-    if str(path) in brains.DOOR or not adversary.is_meant(str(path), None):
+    if str(path) in brains.PLUGINS or not adversary.is_meant(str(path), None):
         if wearing:
             raise InputError(f"--wearing {wearing}: {path} is a brain, and it is adversaries that wear one")
-        hint = did_you_mean(str(path), [*brains.DOOR.names, *adversary.DOOR.names])
-        if str(path) not in brains.DOOR and not Path(path).is_file() and hint:
+        hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
+        if str(path) not in brains.PLUGINS and not Path(path).is_file() and hint:
             raise InputError(f"brain {str(path)!r}: {hint}neither a brain nor an adversary of this name, nor a file")
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or USUAL)

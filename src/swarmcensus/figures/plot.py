@@ -32,7 +32,7 @@ def __getattr__(name: str) -> Callable[..., Any]:
         return importlib.import_module("swarmcensus.figures.files").save  # type: ignore[no-any-return]
     if name.startswith("_"):
         raise AttributeError(f"sc.plot has no {name!r}")
-    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.DOOR), None)
+    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.PLUGINS), None)
     if found is None:
         known = __dir__()
         raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
@@ -41,4 +41,4 @@ def __getattr__(name: str) -> Callable[..., Any]:
 
 def __dir__() -> list[str]:
     """All kinds, and `save`."""
-    return [*(name.replace("-", "_") for name in kinds.DOOR.names), "save"]
+    return [*(name.replace("-", "_") for name in kinds.PLUGINS.names), "save"]

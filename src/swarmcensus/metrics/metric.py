@@ -11,11 +11,11 @@ from typing import Any
 
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 from swarmcensus.vocabulary.coordinates import COORDINATES
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
-DOOR = Door("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
+PLUGINS = Plugins("metric", "swarmcensus.metrics", "swarmcensus.metrics.library")
 FUNCTIONS = {"begin": 1, "watch": 4, "result": 1}
 MAY_HAVE = {"after": 2}  # of the metrics of a swarm
 GIVEN = ("low", "high", "delta", "rounds", "robots")  # what each record holds before `begin`
@@ -88,7 +88,7 @@ def load(name: str | Path, base: Path | None = None) -> Metric:
 
 def find(name: str | Path, base: Path | None = None) -> Path:
     """Where a metric's file is. Raises InputError where there is none."""
-    return safe_source.find(DOOR, str(name), base)
+    return safe_source.find(PLUGINS, str(name), base)
 
 
 @functools.lru_cache(maxsize=256)

@@ -80,10 +80,10 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         known |= {n: brains.parse(given, n, place) for n in names}
         liars |= {n: adversary.parse(given, n, place) for n in theirs}
     for name, source in sources.items():
-        if name not in known and not (run and name in brains.DOOR):
+        if name not in known and not (run and name in brains.PLUGINS):
             known[name] = (run and _found(name, source["source"])) or brains.unread(name, source["source"])
     for name, source in lying.items():
-        if name not in liars and not (run and name in adversary.DOOR):
+        if name not in liars and not (run and name in adversary.PLUGINS):
             here = run and _lies_here("adversary", name, source["source"])
             liars[name] = (adversary.parse if here else adversary.unread)(source["source"], name, Path(name))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
@@ -147,9 +147,9 @@ def metrics_may_run(study: Study, given: Brains = ()) -> None:
         name, here = metric.name, False
         if metric.sha256 in known:
             continue
-        known_here = name in metrics.DOOR
+        known_here = name in metrics.PLUGINS
         if known_here:
-            here = brains.read_source("metric", metrics.DOOR.path(name)) == metric.source
+            here = brains.read_source("metric", metrics.PLUGINS.path(name)) == metric.source
         if here or _lies_here("metric", name, metric.source):
             continue
         if known_here:

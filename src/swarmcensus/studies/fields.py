@@ -99,7 +99,7 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
     base = _context(info, "base", Path())
-    if base is None and str(value) not in brains.DOOR:
+    if base is None and str(value) not in brains.PLUGINS:
         raise ValueError("this brain's source is not here, and no file is opened that is only named here")
     return brains.load(value, base)
 
@@ -110,14 +110,14 @@ def _brain_or_adversary(value: object, info: ValidationInfo) -> BrainOrAdversary
     known, base, name = _context(info, "adversaries", {}), _context(info, "base", Path()), str(value)
     if name in known:
         return known[name]  # type: ignore[no-any-return]
-    is_brain = name in _context(info, "brains", {}) or name in brains.DOOR.shipped
-    if not isinstance(value, str | Path) or is_brain or (base is None and name not in adversary.DOOR):
+    is_brain = name in _context(info, "brains", {}) or name in brains.PLUGINS.shipped
+    if not isinstance(value, str | Path) or is_brain or (base is None and name not in adversary.PLUGINS):
         return _brain(value, info)
     if adversary.is_meant(name, base):
         return adversary.load(name, base)
-    hint = did_you_mean(name, adversary.DOOR.names)
-    if hint and name not in brains.DOOR and not ((base or Path()) / name).is_file():
-        known = ", ".join(adversary.DOOR.names)
+    hint = did_you_mean(name, adversary.PLUGINS.names)
+    if hint and name not in brains.PLUGINS and not ((base or Path()) / name).is_file():
+        known = ", ".join(adversary.PLUGINS.names)
         raise ValueError(f"brain {name!r}: {hint}neither a brain nor an adversary ({known}), nor a file")
     return _brain(value, info)
 
@@ -131,7 +131,7 @@ def _metric(value: object, info: ValidationInfo) -> metrics.Metric:
     if str(value) in known:
         return known[str(value)]  # type: ignore[no-any-return]
     base = _context(info, "base", Path())
-    if base is None and value not in metrics.DOOR:
+    if base is None and value not in metrics.PLUGINS:
         raise ValueError("this metric's source is not here, and no file is opened that is only named here")
     return metrics.load(value, base)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.forms import TEXT, Form, Schema
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 from swarmcensus.basics.times import MOST, WORDS
 from swarmcensus.brains import adversary
 from swarmcensus.brains.fields import LARGEST
@@ -73,13 +73,13 @@ def _change() -> Schema:
     return _table({"from": SHARE, "to": SHARE, "at": when, "until": when}, "from", "to", "at")
 
 
-def _named(*doors: Door) -> Schema:
+def _named(*kinds: Plugins) -> Schema:
     """A name or the path of a file: a misspelt name is marked, for it has no dot and no slash."""
-    return {"anyOf": [{"enum": [name for door in doors for name in door.names]}, FILE]}
+    return {"anyOf": [{"enum": [name for plugins in kinds for name in plugins.names]}, FILE]}
 
 
-def _of_brain(*doors: Door) -> Schema:
-    name = _named(*doors)
+def _of_brain(*kinds: Plugins) -> Schema:
+    name = _named(*kinds)
     number = {"type": "number", "exclusiveMinimum": -LARGEST, "exclusiveMaximum": LARGEST}
     vector = {**LISTED_AT_LEAST_ONE, "items": number}
     values = {"anyOf": [number, {**LISTED_AT_LEAST_ONE, "items": {"anyOf": [number, vector]}}]}
@@ -92,10 +92,10 @@ def _topology() -> Schema:
     edges, directed = {"type": "array", "items": pair}, {"type": "boolean"}
     generator = {"type": "string", "pattern": "_graph$"}
     argument = {"type": ["number", "string", "boolean", "array"]}
-    shipped, outside = [*wiring.DOOR.shipped], [*wiring.DOOR.outside]
+    shipped, outside = [*wiring.PLUGINS.shipped], [*wiring.PLUGINS.outside]
     return {
         "anyOf": [
-            _named(wiring.DOOR),
+            _named(wiring.PLUGINS),
             _table({"name": {**TEXT, "not": {"enum": shipped}}, "edges": edges, "directed": directed}, "name", "edges"),
             _table({"file": TEXT, "directed": directed}, "file"),
             {**_table({"networkx": generator}, "networkx", more=argument), "not": {"required": ["seed"]}},
@@ -107,10 +107,10 @@ def _topology() -> Schema:
 
 def _floor() -> Schema:
     """Kinds by their names, and as tables with their keys; another package's are not imported for a schema."""
-    models = {kind: patterns.keys(kind) for kind in patterns.DOOR.shipped}
+    models = {kind: patterns.keys(kind) for kind in patterns.PLUGINS.shipped}
     bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
     tables = [_keys(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
-    outside = [*patterns.DOOR.outside]
+    outside = [*patterns.PLUGINS.outside]
     others = [_table({kind: {}}, kind, more=True) for kind in outside]
     return {"anyOf": [{"enum": [*bare, *outside]}, *tables, *others]}
 
@@ -123,11 +123,11 @@ def _keys(kind: str, told: dict[str, Any]) -> Schema:
     return _table(keys, *dict.fromkeys([kind, *needed]))
 
 
-BRAIN = Form(lambda _: _of_brain(brains.DOOR))
-BRAIN_OR_ADVERSARY = Form(lambda _: _of_brain(brains.DOOR, adversary.DOOR))
+BRAIN = Form(lambda _: _of_brain(brains.PLUGINS))
+BRAIN_OR_ADVERSARY = Form(lambda _: _of_brain(brains.PLUGINS, adversary.PLUGINS))
 TOPOLOGY = Form(lambda _: _topology())
 FLOOR = Form(lambda _: _floor())
-METRIC = Form(lambda _: _named(metrics.DOOR))
+METRIC = Form(lambda _: _named(metrics.PLUGINS))
 TRUE_ACCURACY = Form(lambda _: {"anyOf": [*_accuracy(), *_drifting()]})
 BELIEF = Form(lambda _: {"anyOf": [*_accuracy(), _error()]})
 FILL_RATIO = Form(lambda _: {"anyOf": [SHARE, _change()]})

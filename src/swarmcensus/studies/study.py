@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from swarmcensus import brains, metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 from swarmcensus.basics.templates import render
 from swarmcensus.brains import Adversary, Brain, adversary
 from swarmcensus.studies.checks import all_settings, check
@@ -151,15 +151,15 @@ class Study:
         spreads = [s for a in self._accuracies for s in a.spreads]
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
-            *((brains.DOOR, brain.name) for brain in self.brains if _of(brains.DOOR, brain)),
-            *((adversary.DOOR, one.name) for one in self.adversaries if _of(adversary.DOOR, one)),
-            *((metrics.DOOR, metric.name) for metric in self.measure.metrics if _of(metrics.DOOR, metric)),
-            *((wiring.DOOR, topology.named) for topology in self.topologies if topology.named),
-            *((patterns.DOOR, floor.kind) for floor in floors),
-            *((spreading.DOOR, spread.kind) for spread in spreads if spread.kind),
+            *((brains.PLUGINS, brain.name) for brain in self.brains if _of(brains.PLUGINS, brain)),
+            *((adversary.PLUGINS, one.name) for one in self.adversaries if _of(adversary.PLUGINS, one)),
+            *((metrics.PLUGINS, metric.name) for metric in self.measure.metrics if _of(metrics.PLUGINS, metric)),
+            *((wiring.PLUGINS, topology.named) for topology in self.topologies if topology.named),
+            *((patterns.PLUGINS, floor.kind) for floor in floors),
+            *((spreading.PLUGINS, spread.kind) for spread in spreads if spread.kind),
         ]
-        others = {(door.what, name): door for door, name in used if name not in door.shipped and name in door}
-        return {f"{what} {name}": door.origin(name) for (what, name), door in others.items()}
+        others = {(p.kind, name): p for p, name in used if name not in p.shipped and name in p}
+        return {f"{kind} {name}": plugins.origin(name) for (kind, name), plugins in others.items()}
 
     @property
     def _accuracies(self) -> list[Accuracy | Misjudgement]:
@@ -193,9 +193,9 @@ class Study:
         return list(dict.fromkeys(every) if self.case else every)
 
 
-def _of(door: Door, one: Brain | Adversary | metrics.Metric) -> bool:
+def _of(plugins: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
     """Whether a brain, adversary or metric is another package's, and no file that has the name of one."""
-    return one.name not in door.shipped and one.name in door and door.path(one.name) == one.path
+    return one.name not in plugins.shipped and one.name in plugins and plugins.path(one.name) == one.path
 
 
 SHOWN_VALUES = 12

@@ -109,7 +109,7 @@ def _offer(
         raise InputError(f"{name}: there is no setting to be watched")
     grids = [grid for study in studies for grid in study.grids]
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
-    plain = [networks.parse_topology(kind, None, {}) for kind in wiring.DOOR.shipped]
+    plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
     named = [topology for study in studies for topology in study.topologies]
     return Offer(
         name=name,
@@ -232,7 +232,7 @@ def _check(setting: Setting, study: Study) -> None:
 
 def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
     """A brain of the study, or one that is installed: never a file, whatever its name."""
-    if name not in offer.brains and name not in brains.DOOR:
+    if name not in offer.brains and name not in brains.PLUGINS:
         meant = did_you_mean(name[:40], names_of(offer))
         raise InputError(
             f"{key} = {name[:40]}: {meant}no brain of this study, nor a shipped one; {option('brain')} names a file"
@@ -242,12 +242,12 @@ def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
 
 def names_of(offer: Offer) -> list[str]:
     """The brains that can be watched."""
-    return list(dict.fromkeys([*offer.brains, *brains.DOOR.names]))
+    return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
 
 
 def _adversary(offer: Offer, name: str) -> Adversary:
-    if name not in offer.adversaries and name not in adversary.DOOR:
-        meant = did_you_mean(name[:40], adversary.DOOR.names)
+    if name not in offer.adversaries and name not in adversary.PLUGINS:
+        meant = did_you_mean(name[:40], adversary.PLUGINS.names)
         raise InputError(f"adversary = {name[:40]}: {meant}no adversary of that name")
     return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
 

@@ -152,7 +152,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
             "beside": ["", *names_of(offer)],
             "topology": list(offer.topologies),
             "floor": list(offer.floors) if setting.body else [],
-            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.DOOR.names])),
+            "adversary": list(dict.fromkeys([*offer.adversaries, *adversary.PLUGINS.names])),
         },
     }
 

@@ -11,7 +11,7 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.worlds import generators
 from swarmcensus.worlds.networks import Topology, parse_topology
-from swarmcensus.worlds.wiring import DOOR
+from swarmcensus.worlds.wiring import PLUGINS
 
 
 class Network(NamedTuple):
@@ -56,9 +56,10 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
         graph = {"name": "graph", "edges": pairs, "directed": directed}
     elif not isinstance(graph, Topology | str | Mapping):
         graph = {"name": "graph", "edges": graph, "directed": directed}
-    if isinstance(graph, str) and graph not in DOOR:
+    if isinstance(graph, str) and graph not in PLUGINS:
         raise ValueError(
-            f"graph = {graph!r}: {did_you_mean(graph, DOOR.names)}topologies with a name are {', '.join(DOOR.names)}"
+            f"graph = {graph!r}: {did_you_mean(graph, PLUGINS.names)}"
+            f"topologies with a name are {', '.join(PLUGINS.names)}"
         )
     topology = parse_topology(graph, None, {})
     if robots is None and topology.edges is not None:

@@ -20,7 +20,7 @@ from swarmcensus.engine.constants import FULL, LISTED, PAIRS
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, read_edges
-from swarmcensus.worlds.wiring import DOOR, Heard, heard
+from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
 MOVING = "moving"  # robots that move hear whom they meet: datasets know them by this name
@@ -67,12 +67,12 @@ class Topology:
     @functools.cached_property
     def moves(self) -> bool:
         """Whether robots move instead."""
-        return bool(self.named) and getattr(DOOR.module(self.named), "MOVES", False)
+        return bool(self.named) and getattr(PLUGINS.module(self.named), "MOVES", False)
 
     @functools.cached_property
     def is_full(self) -> bool:
         """Whether all hear all."""
-        return bool(self.named) and getattr(DOOR.module(self.named), "EVERYONE", False)
+        return bool(self.named) and getattr(PLUGINS.module(self.named), "EVERYONE", False)
 
     @functools.cached_property
     def varies(self) -> bool:
@@ -99,7 +99,7 @@ class Topology:
     @functools.cached_property
     def edition(self) -> str:
         """What else its results depend on: a hash of another package's file."""
-        return DOOR.digest(self.named) if self.named else ""
+        return PLUGINS.digest(self.named) if self.named else ""
 
     @functools.cached_property
     def _digest(self) -> str | None:
@@ -159,9 +159,9 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
     if isinstance(value, Topology):
         return value
     if isinstance(value, str):
-        if value in DOOR.shipped:
+        if value in PLUGINS.shipped:
             return _named(value, {})
-        if value in known or (base is not None and (base / value).is_file()) or value not in DOOR:
+        if value in known or (base is not None and (base / value).is_file()) or value not in PLUGINS:
             return _of_file(value, False, base, known)
         return _named(value, {})
     if isinstance(value, Mapping):
@@ -178,7 +178,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
             raise ValueError("directed is true or false")
         if set(value) - {"directed"} == {"name", "edges"}:
             name = _text("name", value)
-            if name in DOOR.shipped:
+            if name in PLUGINS.shipped:
                 raise ValueError(f"the name {name!r} is taken: call an edge list otherwise")
             return Topology(name, edges_of(value["edges"], directed), directed=directed)
         if set(value) - {"directed"} == {"file"} and isinstance(value["file"], str):
@@ -187,7 +187,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
             return _named(value["name"], {k: v for k, v in value.items() if k != "name"})
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
-        name = f"{name} graph" if name in DOOR.shipped else name
+        name = f"{name} graph" if name in PLUGINS.shipped else name
         return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
     keys = value if isinstance(value, Mapping) else ()
     raise ValueError(f"{first_meant(keys, TABLE_KEYS)}a topology is {_forms()}")
@@ -200,8 +200,8 @@ def _text(key: str, table: Mapping[Any, Any]) -> str:
 
 
 def _named(name: str, given: dict[str, Any]) -> Topology:
-    if name not in DOOR:
-        hint = did_you_mean(name, DOOR.names) or first_meant(given, TABLE_KEYS)
+    if name not in PLUGINS:
+        hint = did_you_mean(name, PLUGINS.names) or first_meant(given, TABLE_KEYS)
         raise ValueError(f"{hint}a topology is {_forms()}")
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)
@@ -209,8 +209,8 @@ def _named(name: str, given: dict[str, Any]) -> Topology:
 
 def _forms() -> str:
     return (
-        f'one of {", ".join(DOOR.names)}, the path of an edge-list CSV file, {{name = "...", edges = [[0, 1], ...]}} '
-        'or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
+        f"one of {', '.join(PLUGINS.names)}, the path of an edge-list CSV file, "
+        '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
     )
 
 
@@ -222,7 +222,7 @@ def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, A
             "these edges are not here, and no file is opened that is only named here; nor is a topology of this name"
         )
     elif not (base / path).is_file():
-        raise ValueError(f"{did_you_mean(path, DOOR.names)}a topology is {_forms()}; there is no file {base / path}")
+        raise ValueError(f"{did_you_mean(path, PLUGINS.names)}a topology is {_forms()}; there is no file {base / path}")
     else:
         pairs = read_edges(base / path, weights=False)
         if not pairs:
@@ -231,4 +231,4 @@ def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, A
 
 
 def _file_name(path: str) -> str:
-    return Path(path).name if Path(path).stem in DOOR.shipped else Path(path).stem
+    return Path(path).name if Path(path).stem in PLUGINS.shipped else Path(path).stem

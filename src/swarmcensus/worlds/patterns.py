@@ -10,7 +10,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import first_meant
-from swarmcensus.basics.plugins import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
+from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from pydantic import BaseModel
     from pydantic.fields import FieldInfo
 
-DOOR = Door("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
+PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Floor:
     @functools.cached_property
     def edition(self) -> str:
         """What else its results depend on: a hash of another package's file."""
-        return DOOR.digest(self.kind)
+        return PLUGINS.digest(self.kind)
 
     @property
     def form(self) -> object:
@@ -105,7 +105,7 @@ class Floor:
         return self._sure(self._asked(lambda: make(arena, chance)), "iuf")
 
     def _given(self, name: str) -> Callable[..., Any] | None:
-        found = getattr(DOOR.module(self.kind), name, None)
+        found = getattr(PLUGINS.module(self.kind), name, None)
         return found and functools.partial(found, **dict(self.keys))
 
     def _asked(self, ask: Callable[[], Any]) -> Any:
@@ -114,7 +114,7 @@ class Floor:
         try:
             return ask()
         except Exception as error:
-            raise self._wrong(told(error, DOOR.path(self.kind))) from error
+            raise self._wrong(error_message(error, PLUGINS.path(self.kind))) from error
 
     def _wrong(self, said: object) -> InputError:
         return InputError(f"floor {self}: {said}")
@@ -135,10 +135,10 @@ class Floor:
 
 
 def _function(kind: str) -> Callable[..., Any]:
-    module = DOOR.module(kind)
+    module = PLUGINS.module(kind)
     found = getattr(module, "paint", None) or getattr(module, "score", None)
     if not callable(found):
-        raise InputError(f"floor {kind!r}, {DOOR.outside[kind].value}: it has no function score")
+        raise InputError(f"floor {kind!r}, {PLUGINS.outside[kind].value}: it has no function score")
     return cast(Callable[..., Any], found)
 
 
@@ -151,9 +151,9 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
         return value
     table = value if isinstance(value, Mapping) else {}
     names = [value] if isinstance(value, str) else list(table)
-    kind = next((name for name in names if name in DOOR), None)
+    kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
-        raise ValueError(f"{first_meant(names, DOOR.names)}a floor is {_forms()}")
+        raise ValueError(f"{first_meant(names, PLUGINS.names)}a floor is {_forms()}")
     function, given = _function(kind), {key: one for key, one in table.items() if key != kind}
     first = next(iter(keys_of(function).model_fields), None)
     if table and (first is None or first in given):
@@ -185,5 +185,5 @@ def _example(field: "FieldInfo") -> str:
 
 
 def _forms() -> str:
-    outside = (f'"{kind}"' for kind in DOOR.names if kind not in DOOR.shipped)  # not imported for a message
-    return f"one of {', '.join([*map(_form, DOOR.shipped), *outside])}"
+    outside = (f'"{kind}"' for kind in PLUGINS.names if kind not in PLUGINS.shipped)  # not imported for a message
+    return f"one of {', '.join([*map(_form, PLUGINS.shipped), *outside])}"

@@ -12,10 +12,10 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.plugins import Door, told
+from swarmcensus.basics.plugins import Plugins, error_message
 from swarmcensus.engine.compiler import compile_world
 
-DOOR = Door("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
+PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
 ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # the least number that a quantile gets, the middle, the largest
 
@@ -49,14 +49,14 @@ class Spread:
     @functools.cached_property
     def edition(self) -> str:
         """What its results depend on beside its text: a hash of another package's file."""
-        return DOOR.digest(self.kind) if self.kind else ""
+        return PLUGINS.digest(self.kind) if self.kind else ""
 
     def draw(self, key: np.ndarray, first_trial: int, trials: int, robots: int) -> np.ndarray:
         """Accuracies (trial, robot), or (trial, 1) where all robots are alike; afresh for each trial."""
         if self.is_number:
             return np.full((trials, 1), self.numbers[0])
         out = np.empty((trials, robots))
-        module = DOOR.module(self.kind)
+        module = PLUGINS.module(self.kind)
         if hasattr(module, "draw") and not self.edition:
             module.draw(key, first_trial, out, *self.numbers)
             return out
@@ -68,14 +68,14 @@ class Spread:
         if self.is_number:
             return np.full((trials, 1), self.numbers[0])
         uniform = np.empty((2, trials, robots))
-        error = None if self.edition else getattr(DOOR.module(self.kind), "error", None)
+        error = None if self.edition else getattr(PLUGINS.module(self.kind), "error", None)
         for part in (0,) if error is None else (0, 1):
             compile_world().spread_uniform(key(part), first_trial, 0.0, 1.0, uniform[part])
         return self._quantile(uniform[0], -1.0) if error is None else error(uniform, *self.numbers)
 
     def check(self, least: float) -> None:
         """Raise ValueError where its numbers mean nothing, or where values are below `least` or above 1."""
-        module = DOOR.module(self.kind)
+        module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
             self._asked(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
         if hasattr(module, "centre") and not self.edition:
@@ -85,7 +85,7 @@ class Spread:
 
     def ends(self) -> tuple[float, float]:
         """The least and the greatest that it gives; of a normal one, which has none but 0 and 1, its mean twice."""
-        module = DOOR.module(self.kind) if self.kind else None
+        module = PLUGINS.module(self.kind) if self.kind else None
         if module is None or (hasattr(module, "centre") and not self.edition):
             middle = float(module.centre(*self.numbers) if module else self.numbers[0])
             return middle, middle
@@ -93,7 +93,7 @@ class Spread:
         return float(values.min()), float(values.max())
 
     def _quantile(self, uniform: np.ndarray, least: float) -> np.ndarray:
-        quantile = DOOR.module(self.kind).quantile
+        quantile = PLUGINS.module(self.kind).quantile
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
@@ -114,7 +114,7 @@ class Spread:
         try:
             return ask()
         except Exception as error:
-            raise InputError(f"{head}{told(error, DOOR.path(self.kind))}") from error
+            raise InputError(f"{head}{error_message(error, PLUGINS.path(self.kind))}") from error
 
 
 def bounds(least: float) -> str:
@@ -124,7 +124,7 @@ def bounds(least: float) -> str:
 
 def forms() -> str:
     """What an accuracy may be, for messages."""
-    heads = [*map(_head, DOOR.shipped), *(f"{name}(...)" for name in DOOR.outside)]  # not imported for a message
+    heads = [*map(_head, PLUGINS.shipped), *(f"{name}(...)" for name in PLUGINS.outside)]  # not imported for a message
     spreads = ", ".join(f'"{head}"' for head in heads)
     return f"a sensor accuracy is a number in [0, 1], {spreads} or {{black = ..., white = ...}}"
 
@@ -133,9 +133,9 @@ def pattern() -> str:
     """What the text of a spread matches, for schemas: a name, and as many numbers as it takes."""
     number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*"
     shipped = (
-        rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in DOOR.shipped
+        rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
     )
-    outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in DOOR.outside)  # not imported for a schema
+    outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
     return rf"\s*({'|'.join([*shipped, *outside])})\s*"
 
 
@@ -159,10 +159,10 @@ def parse_spread(value: object, accuracy: bool = True) -> Spread:
 
 
 def _named(name: str, inside: str) -> Spread:
-    letters = {_letter(kind): kind for kind in DOOR.shipped}
+    letters = {_letter(kind): kind for kind in PLUGINS.shipped}
     kind = letters.get(name, name)
-    if kind not in DOOR:
-        raise ValueError(f"{did_you_mean(name, [*letters, *DOOR.names])}{forms()}")
+    if kind not in PLUGINS:
+        raise ValueError(f"{did_you_mean(name, [*letters, *PLUGINS.names])}{forms()}")
     try:
         numbers = tuple(map(float, inside.split(","))) if inside.strip() else ()
     except ValueError:
@@ -178,7 +178,7 @@ def _named(name: str, inside: str) -> Spread:
 
 @functools.cache
 def _letter(kind: str) -> str:
-    return DOOR.module(kind).LETTER if kind in DOOR.shipped else kind
+    return PLUGINS.module(kind).LETTER if kind in PLUGINS.shipped else kind
 
 
 def _head(kind: str) -> str:
@@ -187,9 +187,9 @@ def _head(kind: str) -> str:
 
 @functools.cache
 def _parameters(kind: str) -> list[inspect.Parameter]:
-    module = DOOR.module(kind)
+    module = PLUGINS.module(kind)
     if hasattr(module, "quantile"):
         return list(inspect.signature(module.quantile).parameters.values())[1:]
-    if kind not in DOOR.shipped:
-        raise InputError(f"spread {kind!r}, {DOOR.outside[kind].value}: it has no function quantile")
+    if kind not in PLUGINS.shipped:
+        raise InputError(f"spread {kind!r}, {PLUGINS.outside[kind].value}: it has no function quantile")
     return list(inspect.signature(module.centre).parameters.values())

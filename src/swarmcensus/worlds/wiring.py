@@ -9,10 +9,10 @@ import numpy as np
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.plugins import Door, Keys, defaults_of, keys_of, read_keys, text_of, told
+from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.chance import Chance
 
-DOOR = Door("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")
+PLUGINS = Plugins("topology", "swarmcensus.topologies", "swarmcensus.worlds.topologies")
 TAKEN = {"name", "edges", "file", "networkx", "directed"}  # keys of other forms of topologies
 Heard = tuple[np.ndarray, np.ndarray]  # receivers and senders, sorted by them
 
@@ -22,11 +22,11 @@ def _no_edges() -> None:
 
 
 def _function(name: str) -> Callable[..., Any]:
-    module = DOOR.module(name)
-    if name in DOOR.shipped:
+    module = PLUGINS.module(name)
+    if name in PLUGINS.shipped:
         return getattr(module, "edges", getattr(module, "links", _no_edges))  # type: ignore[no-any-return]
     if not callable(getattr(module, "edges", None)):
-        raise InputError(f"topology {name!r}, {DOOR.outside[name].value}: it has no function edges")
+        raise InputError(f"topology {name!r}, {PLUGINS.outside[name].value}: it has no function edges")
     return module.edges  # type: ignore[no-any-return]
 
 
@@ -50,7 +50,7 @@ def varies(name: str) -> bool:
 
 def check(name: str, keys: Keys, robots: int) -> None:
     """Raise ValueError where the topology's own file refuses a swarm of this size."""
-    refuse = getattr(DOOR.module(name), "check", None)
+    refuse = getattr(PLUGINS.module(name), "check", None)
     if refuse is not None:
         _asked(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
@@ -68,8 +68,8 @@ def check_repeats(name: str, keys: Keys, robots: int) -> None:
 
 def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
     """Who hears whom, trial by trial; chance is None where all have one graph. Raises InputError where one fails."""
-    module, function, own = DOOR.module(name), _function(name), dict(keys)
-    if name in DOOR.shipped and hasattr(module, "links"):
+    module, function, own = PLUGINS.module(name), _function(name), dict(keys)
+    if name in PLUGINS.shipped and hasattr(module, "links"):
         return [function(robots, chance, **own) for chance in chances]
     directed = getattr(module, "DIRECTED", False)
 
@@ -86,7 +86,7 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: o
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
         raise InputError(
-            f"topology {name!r} of {counted(robots, 'robot')}{own}: {told(error, DOOR.path(name))}"
+            f"topology {name!r} of {counted(robots, 'robot')}{own}: {error_message(error, PLUGINS.path(name))}"
         ) from error
 
 

@@ -12,23 +12,23 @@ from typing import Any
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.basics.plugins import Door
+from swarmcensus.basics.plugins import Plugins
 
 Kind = inspect.Parameter
-DOOR = Door("figure", "swarmcensus.figures", __name__)
+PLUGINS = Plugins("figure", "swarmcensus.figures", __name__)
 
 
 def find(name: str) -> Callable[..., Any]:
     """The function that draws a kind. Raises InputError where there is none, or none that can be called as one."""
-    if name not in DOOR:
-        known = DOOR.names
+    if name not in PLUGINS:
+        known = PLUGINS.names
         raise InputError(f"no figure {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
-    found = DOOR.module(name)
+    found = PLUGINS.module(name)
     function: Callable[..., Any] | None = found
     if isinstance(found, ModuleType):
         function = getattr(found, name.replace("-", "_"), None)
     if not callable(function) or not _is_kind(function):
-        where = DOOR.outside[name].value
+        where = PLUGINS.outside[name].value
         raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")
     return function
 

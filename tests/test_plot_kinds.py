@@ -1,4 +1,4 @@
-"""`sc.plot` and `plot --kind`: one door, ours and other packages' kinds; and `lines`, whose numbers are the data's."""
+"""`sc.plot` and `plot --kind`: shipped kinds and other packages' kinds; and `lines`, whose numbers are the data's."""
 
 import inspect
 import itertools
@@ -19,7 +19,7 @@ from PIL import Image
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
-from swarmcensus.figures.kinds import DOOR, find
+from swarmcensus.figures.kinds import PLUGINS, find
 from swarmcensus.figures.kinds.lines import stretches
 from swarmcensus.figures.looks import looks_of
 from swarmcensus.results.selecting import TooMuch
@@ -126,11 +126,11 @@ def intervals(axes, label):
     return np.array([segment[:, 1] for segment in found.get_segments() if len(segment)])
 
 
-# ---- the door
+# ---- finding a kind
 
 
 def test_all_kinds_of_ours_are_found_in_their_folder():
-    assert list(DOOR.shipped) == OURS
+    assert list(PLUGINS.shipped) == OURS
     assert dir(sc.plot) == sorted([*OURS, "save"])
     for name in OURS:
         draw = getattr(sc.plot, name)
@@ -187,7 +187,7 @@ WRONG = [
     ("fails", [], "figure 'fails', others_figures:fails: KeyError: 'no such"),
     ("nothing", [], "figure 'nothing' returned NoneType: should be a matplotlib Figure"),
     ("awry", [], "figure 'awry', others_figures:awry: should be a function of results and keyword-only options"),
-    ("unknown", [], "the keys of others_figures.unknown cannot be told: NameError"),
+    ("unknown", [], "the keys of others_figures.unknown cannot be read: NameError"),
     ("gone", [], "figure 'gone', others_figures_gone of others-figures: ModuleNotFoundError"),
 ]
 

@@ -38,7 +38,15 @@ EXAMPLES = {
     "beta": "A sensor spread",
     "violins": "A figure",
 }  # files, and their sections
-DOORS = [brains.DOOR, adversary.DOOR, metrics.DOOR, wiring.DOOR, patterns.DOOR, spreading.DOOR, kinds.DOOR]
+ALL_PLUGINS = [
+    brains.PLUGINS,
+    adversary.PLUGINS,
+    metrics.PLUGINS,
+    wiring.PLUGINS,
+    patterns.PLUGINS,
+    spreading.PLUGINS,
+    kinds.PLUGINS,
+]
 
 # ---- the package
 
@@ -152,10 +160,10 @@ def package(tmp_path_factory):
 
 
 def forget():
-    """What doors know of other packages, which are now others."""
-    for door in DOORS:
-        door.__dict__.pop("outside", None)
-        door.clashes.clear()
+    """Forget the entry points of other packages, because other ones are installed now."""
+    for kind in ALL_PLUGINS:
+        kind.__dict__.pop("outside", None)
+        kind.clashes.clear()
 
 
 @pytest.fixture
@@ -238,7 +246,7 @@ def leaf(folder):
 @pytest.fixture(scope="module")
 def done(package, tmp_path_factory):
     """A folder with three studies and their results, made from the command line."""
-    folder = tmp_path_factory.mktemp("doors")
+    folder = tmp_path_factory.mktemp("plugins")
     leaf(folder)
     for name, text in (("fixed", FIXED), ("moving", MOVING), ("measured", MEASURED)):
         (folder / f"{name}.toml").write_text(text)
@@ -418,7 +426,7 @@ WRONG = [
     ("topology", '"dice"', "its edges are others when they are asked for again: what differs from trial"),
     ("topology", '"typo"', "topology 'typo' of 12 robots: NameError: name 'robot' is not defined, at "),
     ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
-    ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be told: NameError"),
+    ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be read: NameError"),
     # floors
     ("floor", '"hill"', "did you mean 'hills'? a floor is one of {clusters = 0.2}, "),
     ("floor", '{hills = "x"}', "floor hills: length = 'x': should be a valid number"),
@@ -600,14 +608,14 @@ def test_an_adversary_of_another_package_lies_and_is_remembered(installed, tmp_p
     before = path.read_text()
     try:
         path.write_text(before.replace("0.5", "0.6"))
-        adversary.DOOR.loaded.clear()
+        adversary.PLUGINS.imported_hashes.clear()
         with pytest.raises(sc.InputError, match="adversary 'grey': its source has changed since"):
             sc.replay(data, 0, 0)
     finally:
         path.write_text(before)
 
 
-# ---- every door
+# ---- every kind of plugin
 
 
 def test_all_that_there_is_to_choose_from_is_listed_and_none_of_it_is_run(package):
@@ -649,7 +657,7 @@ def test_ours_come_first_and_two_packages_with_one_name_are_told_apart(tmp_path,
     swarm = {"robots": 5, "accuracy": 0.7}
     (ring,) = sc.Study(trials=1, swarm=swarm, world={"topology": "ring", "fill_ratio": 0.5}).settings()
     assert len(ring.links(1, 0, 1).senders) == 10
-    with pytest.raises(sc.InputError, match=r"two packages give a topology named 'torus': one\.mine, other\.mine"):
+    with pytest.raises(sc.InputError, match=r"two packages have a topology named 'torus': one\.mine, other\.mine"):
         sc.Study(trials=1, swarm=swarm, world={"topology": "torus", "fill_ratio": 0.5})
     forget()
 
