@@ -39,8 +39,8 @@ def test_constants_may_be_plain_arithmetic():
 def test_a_link_stays_and_its_target_is_written(tmp_path):
     (tmp_path / "there").mkdir()
     (tmp_path / "x.csv").symlink_to(tmp_path / "there" / "y.csv")
-    with files.whole(tmp_path / "x.csv") as beside:
-        beside.write_text("new")
+    with files.atomic_write(tmp_path / "x.csv") as temporary:
+        temporary.write_text("new")
     assert (tmp_path / "x.csv").is_symlink()
     assert (tmp_path / "there" / "y.csv").read_text() == "new"
     assert os.listdir(tmp_path / "there") == ["y.csv"]
@@ -69,8 +69,8 @@ def test_what_cannot_be_written_stays_as_it_is(kind, small_file, tmp_path, capsy
 
 def test_an_interrupted_writer_leaves_nothing(tmp_path):
     def write():
-        with files.whole(tmp_path / "x.csv") as beside:
-            beside.write_text("half")
+        with files.atomic_write(tmp_path / "x.csv") as temporary:
+            temporary.write_text("half")
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -181,6 +181,6 @@ def test_a_study_file_without_an_end(capsys):
 )
 def test_a_full_disk_is_told_in_one_line(error, tmp_path):
     said = r"^cannot write .*x\.nc: No space left on device$"
-    with pytest.raises(sc.InputError, match=said), files.whole(tmp_path / "x.nc"):
+    with pytest.raises(sc.InputError, match=said), files.atomic_write(tmp_path / "x.nc"):
         raise error
     assert list(tmp_path.iterdir()) == []

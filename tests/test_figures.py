@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.options import of_a_shell
+from swarmcensus.basics.options import shell_options
 from swarmcensus.figures import plot as figures
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.figures.kinds.decisions import decisions_grid
@@ -544,11 +544,11 @@ def test_heatmap_names_what_varies_and_how_to_select():
     selected = eval(str(caught.value).partition("settings, as ")[2], {"results": both})
     assert set(selected.topology.values) == {"ring"}
     figures.heatmap(selected)
-    with of_a_shell(["where"]), pytest.raises(TooMuch, match=r"""--where 'topology == "ring"'$"""):
+    with shell_options(["where"]), pytest.raises(TooMuch, match=r"""--where 'topology == "ring"'$"""):
         figures.heatmap(both)
     more = xr.concat([both, both.assign_coords(robots=("setting", [9] * both.sizes["setting"]))], "setting")
     with (
-        of_a_shell(["where"]),
+        shell_options(["where"]),
         pytest.raises(TooMuch, match=r"topology \(ring, full\), robots \(8, 9\) vary too") as caught,
     ):
         figures.heatmap(more)
@@ -632,7 +632,7 @@ def test_sixteen_panels_make_four_columns_and_twenty_five_are_too_many():
         many = xr.concat([part.assign_coords(topology=("setting", [t, t])) for t in "ab" for part in parts], "setting")
         with pytest.raises(TooMuch, match="24 panels, not 26") as caught:
             grid(panels_of(many))
-        with of_a_shell(["where"]), pytest.raises(TooMuch, match=r"--where 'fill_ratio == 0.1'$"):
+        with shell_options(["where"]), pytest.raises(TooMuch, match=r"--where 'fill_ratio == 0.1'$"):
             grid(panels_of(many))
         assert "--where" not in str(caught.value)
         chosen = eval(str(caught.value).partition("settings, as ")[2], {"results": many})

@@ -2,7 +2,7 @@
 
 import pytest
 
-from swarmcensus.basics.formatting import told_apart
+from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.lettering import shortened, width_of, wrapped
 
 NAMES = "watts_strogatz_graph(k=4,p=0.1), my_quite_long_brain_name_of_2024.py, N = 10, f = 0.55"
@@ -44,9 +44,9 @@ def test_of_too_many_lines_the_longest_parts_give_way():
 
 
 def test_numbers_have_as_many_digits_as_tell_them_apart():
-    assert told_apart(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
-    assert told_apart([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
-    assert told_apart(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
-    assert told_apart([0.1, 0.1]) == ["0.1", "0.1"]
-    assert told_apart([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
-    assert told_apart([]) == []
+    assert distinct_texts(["0.7999999999999999", "0.6", "U(0.5499999999999999,0.95)"]) == ["0.8", "0.6", "U(0.55,0.95)"]
+    assert distinct_texts([0.12345671, 0.12345672, 1.0]) == ["0.12345671", "0.12345672", "1"]
+    assert distinct_texts(["0.500", "b=0.6"]) == ["0.5", "b=0.6"]
+    assert distinct_texts([0.1, 0.1]) == ["0.1", "0.1"]
+    assert distinct_texts([0.3, 0.1 + 0.2]) == ["0.29999999999999999", "0.30000000000000004"]
+    assert distinct_texts([]) == []

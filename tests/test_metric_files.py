@@ -12,7 +12,7 @@ import xarray as xr
 import swarmcensus as sc
 from swarmcensus import brains, metrics
 from swarmcensus.basics.bins import right_bin
-from swarmcensus.basics.errors import uncoloured
+from swarmcensus.basics.errors import without_colours
 from swarmcensus.cli.commands import main
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.results.values import EVERY
@@ -517,7 +517,7 @@ def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
 def test_numbas_colours_are_left_out_of_what_is_told():
     """As where colorama is installed."""
     text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
-    assert watches._told(uncoloured(text)) == "Cannot cast Literal to float64"
+    assert watches._told(without_colours(text)) == "Cannot cast Literal to float64"
 
 
 def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.options import of_a_shell, option
+from swarmcensus.basics.options import option, shell_options
 from swarmcensus.cli.commands import main
 from tests.conftest import SMALL
 from tests.test_comparing import made_up
@@ -21,10 +21,10 @@ def test_an_option_is_written_as_it_would_be_given():
         "out=",
         "fresh=True",
     ]
-    with of_a_shell(["against", "error_limit", "out", "fresh"]):
+    with shell_options(["against", "error_limit", "out", "fresh"]):
         told = [option("against", "a b"), option("error_limit", 2), option("out"), option("fresh", True)]
     assert told == ["--against 'a b'", "--error-limit 2", "--out", "--fresh"]
-    with of_a_shell(["metric", "set"]):
+    with shell_options(["metric", "set"]):
         told = [option("metric", "correct"), option("against", "swift")]
     assert told == ["--metric correct", "--set against=swift"]
     assert option("out") == "out="

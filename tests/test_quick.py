@@ -11,7 +11,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.basics.fork import beside
+from swarmcensus.basics.fork import in_background
 from swarmcensus.cli.commands import main
 from swarmcensus.engine import codegen, compiler
 from swarmcensus.engine.constants import PHASES
@@ -223,16 +223,16 @@ def test_a_brain_that_does_not_compile_is_named_with_its_line(sound, broken, tmp
 def test_work_is_done_beside_and_its_result_or_error_comes_back():
     code = """
         import os
-        from swarmcensus.basics.fork import beside
+        from swarmcensus.basics.fork import in_background
         here = os.getpid()
         def fails():
             raise ValueError("no")
-        assert beside(os.getpid)() not in (here, None)
+        assert in_background(os.getpid)() not in (here, None)
         try:
-            beside(fails)()
+            in_background(fails)()
         except ValueError as error:
             print(error)
-        print(beside(lambda: os._exit(1) if os.getpid() != here else "here")())  # a copy that dies
+        print(in_background(lambda: os._exit(1) if os.getpid() != here else "here")())  # a copy that dies
     """
     done = python(code)
     assert (done.returncode, done.stdout.split()) == (0, ["no", "here"]), done.stderr
@@ -244,7 +244,7 @@ def test_beside_others_it_is_done_when_waited_for():
     other.start()
     try:
         seen = []
-        ended = beside(lambda: seen.append(os.getpid()))
+        ended = in_background(lambda: seen.append(os.getpid()))
         assert seen == []
         ended()
         assert seen == [os.getpid()]
@@ -257,9 +257,9 @@ def test_a_worker_of_somebody_s_pool_copies_nothing():
     """Which may have no children of its own; nor is anything done where the system refuses one."""
     code = """
         import multiprocessing, os
-        from swarmcensus.basics.fork import beside
+        from swarmcensus.basics.fork import in_background
         def same(_):
-            return beside(os.getpid)() == os.getpid()
+            return in_background(os.getpid)() == os.getpid()
         with multiprocessing.get_context("fork").Pool(1) as pool:
             print(pool.map(same, [0]))
         def refused():

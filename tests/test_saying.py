@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import swarmcensus as sc
-from swarmcensus.basics.documents import plain
+from swarmcensus.basics.documents import json_value
 from swarmcensus.cli import commands
 from swarmcensus.cli.commands import main
 
@@ -64,7 +64,7 @@ def both(said):
 
 
 def test_numbers_that_json_lacks_are_words():
-    assert plain({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
+    assert json_value({"a": np.array([np.inf, -np.inf, np.nan, -2.0]), "b": -np.inf}) == {
         "a": ["infinity", "-infinity", None, -2.0],
         "b": "-infinity",
     }

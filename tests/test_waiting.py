@@ -79,7 +79,7 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
     """Networks are compiled here, robots that move in a copy of the process where there is one, else here too."""
     compiled, told = [], []
 
-    def beside(work, meanwhile):
+    def in_background(work, meanwhile):
         if not copied:
             return work
 
@@ -116,7 +116,7 @@ def test_who_waits_for_a_copy_is_called_meanwhile(monkeypatch):
     monkeypatch.setattr(fork, "WAIT_SECONDS", 0.01)
     monkeypatch.setattr(threading, "active_count", lambda: 1)
     calls = []
-    ended = fork.beside(lambda: time.sleep(0.2) or 7, lambda: calls.append(1))
+    ended = fork.in_background(lambda: time.sleep(0.2) or 7, lambda: calls.append(1))
     assert ended() == 7
     if sys.platform == "linux" and os.cpu_count() > 1:
         assert calls

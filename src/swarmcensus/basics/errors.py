@@ -25,7 +25,7 @@ class Interrupted(KeyboardInterrupt):
         self.total = total
 
 
-def uncoloured(error: object) -> str:
+def without_colours(error: object) -> str:
     """What an error says, without the colours that Numba gives it where colorama is installed."""
     return re.sub(r"\x1b\[[0-9;]*m", "", str(error))
 
@@ -39,7 +39,7 @@ def line_of(error: BaseException, path: Path) -> str:
     return ""
 
 
-def worded(message: str) -> str:
+def pydantic_message(message: str) -> str:
     """What pydantic says is wrong with a value, in our words: "should be less than 1,000"."""
     said = message.removeprefix("Value error, ").replace("Input should", "should")
     return re.sub(r"(?<=than |l to )\d{4,}", lambda found: f"{int(found[0]):,}", said)

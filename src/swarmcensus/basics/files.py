@@ -13,7 +13,7 @@ from swarmcensus.basics.options import option
 
 
 @contextlib.contextmanager
-def whole(path: str | Path) -> Iterator[Path]:
+def atomic_write(path: str | Path) -> Iterator[Path]:
     """A temporary path beside `path` that takes its name once the block ends well; a link's target, its target's.
 
     Raises InputError where the place cannot be written, or is a device, a pipe or a folder.

@@ -12,7 +12,7 @@ Result = TypeVar("Result")
 WAIT_SECONDS = 0.5
 
 
-def beside(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
+def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
     """Begin some work, and return what waits for it and gives its result, or raises what it raised.
 
     While it waits it calls `meanwhile` now and then.

@@ -10,7 +10,7 @@ EXACT = 17  # digits that tell any two numbers apart
 DECIMAL = re.compile(r"\d*\.\d+(?:e[-+]?\d+)?")
 
 
-def told_apart(values: Iterable[float | str], digits: int = 4) -> list[str]:
+def distinct_texts(values: Iterable[float | str], digits: int = 4) -> list[str]:
     """Numbers, or texts with numbers in them, in so many significant digits, or as few more as tell them apart.
 
     In texts only decimals are touched, and only to become shorter: "U(0.5499999999999999,0.95)" is "U(0.55,0.95)".
@@ -29,7 +29,7 @@ def _rounded(value: float | str, digits: int) -> str:
     return DECIMAL.sub(lambda found: min(found[0], f"{float(found[0]):.{digits}g}", key=len), value)
 
 
-def places(width: float, digits: int = 2) -> int:
+def decimals_for(width: float, digits: int = 2) -> int:
     """How many decimals show so many digits of an interval's width."""
     return min(max(digits - 1 - math.floor(math.log10(width)), 0), 9) if 0 < width < math.inf else 3
 

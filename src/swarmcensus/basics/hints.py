@@ -45,12 +45,12 @@ def did_you_mean(name: str, known: Iterable[str]) -> str:
     return f"did you mean {names[found[0]]!r}? " if found else ""
 
 
-def first_meant(names: Iterable[object], known: Collection[str]) -> str:
+def did_you_mean_any(names: Iterable[object], known: Collection[str]) -> str:
     """The same of the first of several names that is not known and like one that is."""
     return next(filter(None, (did_you_mean(str(name), known) for name in names if name not in known)), "")
 
 
-def file_meant(path: str | Path) -> str:
+def did_you_mean_file(path: str | Path) -> str:
     """Such as "did you mean 'first.nc'? " where a file that is not there has a name like one beside it of its kind."""
     path = Path(path)
     try:

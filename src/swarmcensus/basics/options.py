@@ -9,7 +9,7 @@ _OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=Non
 
 
 @contextlib.contextmanager
-def of_a_shell(options: Collection[str]) -> Iterator[None]:
+def shell_options(options: Collection[str]) -> Iterator[None]:
     """While the block lasts, a shell asks, by a command that has these options."""
     before = _OPTIONS.set(options)
     try:

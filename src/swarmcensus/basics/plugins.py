@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
-from swarmcensus.basics.errors import InputError, line_of, worded
+from swarmcensus.basics.errors import InputError, line_of, pydantic_message
 from swarmcensus.basics.hints import did_you_mean
 
 if TYPE_CHECKING:
@@ -189,7 +189,7 @@ def read_keys(what: str, function: Callable[..., Any], given: Mapping[str, Any],
             raise ValueError(f"{what} has no key {key}: {has}") from None
         if first["type"] == "missing":
             raise ValueError(f"{what} needs the key {key}") from None
-        message = worded(first["msg"])
+        message = pydantic_message(first["msg"])
         if first["type"] == "literal_error":
             hint = did_you_mean(str(first["input"]), re.findall("'(.*?)'", first["ctx"]["expected"]))
             message += f": {hint.rstrip()}" if hint else ""

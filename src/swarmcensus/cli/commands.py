@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.basics.errors import STOPPED, InputError, Interrupted
-from swarmcensus.basics.options import of_a_shell
+from swarmcensus.basics.options import shell_options
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli import (
     compare,
@@ -43,7 +43,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the exit code is 0, 2 for bad input, 130 after Ctrl-C."""
     options = _cached_parser().parse_args(arguments)
     try:
-        with of_a_shell(vars(options)), speaking(options):
+        with shell_options(vars(options)), speaking(options):
             _look_for_results(options)
             code = int(options.run(options) or 0)
             sys.stdout.flush()  # a full disk is reported here

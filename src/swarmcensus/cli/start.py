@@ -38,7 +38,7 @@ def add_new_options(sub: argparse.ArgumentParser) -> None:
 
 def new(options: argparse.Namespace) -> int:
     """Write a commented study or brain to start from."""
-    from swarmcensus.basics.files import whole
+    from swarmcensus.basics.files import atomic_write
 
     starter = Path(__file__).parent / "starters" / STARTERS[options.what]
     out = options.file or _free(Path(f"my_{starter.name}"))
@@ -46,8 +46,8 @@ def new(options: argparse.Namespace) -> int:
         raise InputError(f"{out}: a {options.what} is a {starter.suffix} file")
     _not_there(out)
     text = starter.read_text(encoding="utf-8").replace("THIS_FILE", out.name)
-    with whole(out) as beside:
-        beside.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
+    with atomic_write(out) as temporary:
+        temporary.write_text(text.replace('name   = "mine"', f'name   = "{_plain(out.stem)}"'), encoding="utf-8")
     wrote(f"{out}: next, swarmcensus {NEXT[options.what]} {shlex.quote(str(out))}")
     return 0
 
@@ -108,19 +108,19 @@ def _copy(study: Path, out: Path) -> None:
     """Copy a study and the files that it uses to one folder, and adapt their names in the study."""
     if out.suffix != ".toml":
         raise InputError(f"--out {out}: a study is a .toml file")
-    from swarmcensus.basics.files import whole
+    from swarmcensus.basics.files import atomic_write
 
     text = study.read_text(encoding="utf-8")
     _not_there(out)
     copies = {name: _free(out.parent / Path(name).name, study.parent / name) for name in _files_of(study)}
     missing = {name: copy for name, copy in copies.items() if not copy.exists()}
     for name, copy in missing.items():
-        with whole(copy) as beside:
-            shutil.copyfile(study.parent / name, beside)
+        with atomic_write(copy) as temporary:
+            shutil.copyfile(study.parent / name, temporary)
     for name, copy in copies.items():
         text = text.replace(f'"{name}"', f'"{copy.name}"')
-    with whole(out) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with atomic_write(out) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     wrote(out)
     for name, copy in missing.items():
         usual = Path(name).name

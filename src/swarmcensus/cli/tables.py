@@ -13,7 +13,7 @@ import xarray as xr
 from rich.table import Table
 from rich.text import Text
 
-from swarmcensus.basics.formatting import counted, grouped, places, rounded
+from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
 from swarmcensus.basics.terminal import UNFOLDED, console, table
 from swarmcensus.cli.output import answer
 from swarmcensus.cli.source import MOST_ROWS
@@ -133,7 +133,7 @@ def _numbers(data: xr.Dataset, frame: Any, below: bool = False) -> dict[str, lis
     if frame["failed"].any():
         numbers["failed"] = [f"{n:,}" for n in frame["failed"]]
     if "half_width" in frame:
-        decimals = places(frame["half_width"].min())
+        decimals = decimals_for(frame["half_width"].min())
         numbers["+-"] = ["-" if np.isnan(width) else f"{width:.{decimals}f}" for width in frame["half_width"]]
     return numbers
 
@@ -157,7 +157,7 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
-    usual = max(places(widths.median(), digits), int(times > 1.0))  # decimals, unless a narrow interval needs more
+    usual = max(decimals_for(widths.median(), digits), int(times > 1.0))  # decimals, unless a narrow interval needs more
     if name not in TIMES:  # values of a metric may be whole, infinite, or equal up to rounding
         finite = ends[0][np.isfinite(ends[0])]
         usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)
@@ -167,7 +167,7 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
             form = f".{DECIMALS[name]}f" if name in DECIMALS else ",.5g"
             texts.append(("-" if np.isnan(value) else f"{value:{form}}", ""))
         else:
-            finest = min(places(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
+            finest = min(decimals_for(high - low, digits) - 1, MOST_DECIMALS) if np.isfinite(high - low) else 0
             texts.append(rounded(value, low, high, max(usual, finest)))
     head = f"{name} %" if times > 1.0 else name
     if not any(interval for _, interval in texts):

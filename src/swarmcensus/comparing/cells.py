@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.basics.formatting import places, rounded
+from swarmcensus.basics.formatting import decimals_for, rounded
 from swarmcensus.comparing.pair_tests import pairs_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.measures import Measure
@@ -70,9 +70,9 @@ def numbers(
         widths = times * (high - low)
     widths = widths[np.isfinite(widths)]
     digits = 1 if measure.unit in ("rounds", "observations") else 2
-    decimals = (
-        min(max(places(float(np.median(widths)), digits), int(measure.share)), MOST_DECIMALS) if widths.size else 4
-    )
+    decimals = 4
+    if widths.size:
+        decimals = min(max(decimals_for(float(np.median(widths)), digits), int(measure.share)), MOST_DECIMALS)
     known = values[np.isfinite(values)]
     if not widths.size and (times * known == np.rint(times * known)).all():
         decimals = int(measure.share)

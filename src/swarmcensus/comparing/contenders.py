@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.formatting import counted, told_apart
+from swarmcensus.basics.formatting import counted, distinct_texts
 from swarmcensus.basics.options import option
 from swarmcensus.results.summaries import restated
 
@@ -124,7 +124,7 @@ def _contender_names(
             values = data[name].values[rows].tolist()
             if len(set(map(repr, values))) > 1 or name in shown.get(brain, ()):
                 distinct = list(dict.fromkeys(values))
-                text = dict(zip(distinct, told_apart(distinct), strict=True))
+                text = dict(zip(distinct, distinct_texts(distinct), strict=True))
                 for k, value in zip(rows, values, strict=True):
                     names[k] += f" {name}={text.get(value, value)}"
     return names

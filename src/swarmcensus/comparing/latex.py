@@ -2,7 +2,7 @@ r"""A comparison as a LaTeX table (package booktabs), to be included in a paper 
 
 from pathlib import Path
 
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.comparing.cells import MARKS, Cell, columns, legend, rows_of
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.results.summaries import is_idle
@@ -52,8 +52,8 @@ def latex(standings: Standings, worlds: int | None = None) -> str:
 
 def write_latex(standings: Standings, path: str | Path) -> None:
     """Write the table of all worlds, whole or not at all. Raises InputError."""
-    with whole(path) as beside:
-        beside.write_text(latex(standings), encoding="utf-8")
+    with atomic_write(path) as temporary:
+        temporary.write_text(latex(standings), encoding="utf-8")
 
 
 def _cell(cell: Cell) -> str:

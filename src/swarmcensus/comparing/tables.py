@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.comparing.pair_tests import pairs_of, world_ranks
 from swarmcensus.comparing.standings import AGAINST, RANKED, Standings
 
@@ -109,8 +109,8 @@ def duels(standings: Standings) -> Any:
 def write_csv(standings: Standings, path: str | Path) -> int:
     """Write `pairs` as CSV, whole or not at all, and return the number of rows. Raises InputError."""
     frame = pairs(standings)
-    with whole(path) as beside:
-        frame.to_csv(beside, index=False, lineterminator="\n")
+    with atomic_write(path) as temporary:
+        frame.to_csv(temporary, index=False, lineterminator="\n")
     return len(frame)
 
 

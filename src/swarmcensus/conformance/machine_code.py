@@ -10,7 +10,7 @@ import numba
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import uncoloured
+from swarmcensus.basics.errors import without_colours
 from swarmcensus.brains import FUNCTIONS, Brain, Vector, numbers
 from swarmcensus.conformance.contract_checks import is_wish
 from swarmcensus.conformance.sample_minds import ACCURACIES, SEED, Fault
@@ -40,7 +40,7 @@ def compiles(brain: Brain) -> None:
     except MemoryError:
         raise
     except Exception as error:
-        lines = [line.strip() for line in uncoloured(error).splitlines() if line.strip()]
+        lines = [line.strip() for line in without_colours(error).splitlines() if line.strip()]
         said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
         where = [line for line in lines if line.startswith("File") and "brain.py" in line]
         line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""

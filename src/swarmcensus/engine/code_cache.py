@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 from filelock import FileLock, Timeout
 
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 
 HERE = Path(__file__).parent
 SOURCES = (
@@ -219,8 +219,8 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
     def save_sealed(signature: Any, result: Any) -> None:
         save(signature, result)
         if files():
-            with whole(seal) as beside:
-                beside.write_text(digest(), encoding="ascii")
+            with atomic_write(seal) as temporary:
+                temporary.write_text(digest(), encoding="ascii")
 
     compile_it = made.compile
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.errors import uncoloured
+from swarmcensus.basics.errors import without_colours
 from swarmcensus.brains import Brain, numbers
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
@@ -96,7 +96,7 @@ def _compiled(brain: Brain, use: str, exact: bool, mixed: bool) -> Any:
     except MemoryError:
         raise
     except Exception as error:
-        raise NotCompiled(brain, uncoloured(error)) from error
+        raise NotCompiled(brain, without_colours(error)) from error
     if not_compiled():
         return np.array(found, object)
     return np.array([address or 0 for address in found], np.uint64)

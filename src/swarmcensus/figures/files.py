@@ -10,7 +10,7 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 
 # matplotlib's settings are global: threads that save at the same time take turns.
 _settings = threading.Lock()
@@ -35,6 +35,6 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[
     paths = {path.with_name(f"{path.name}.{one}"): one for one in formats or ("png", "svg")}
     for place, one in paths.items():
         undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(one)
-        with whole(place) as beside, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
-            figure.savefig(beside, format=one, dpi=150, metadata=undated)
+        with atomic_write(place) as temporary, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
+            figure.savefig(temporary, format=one, dpi=150, metadata=undated)
     return list(paths)

@@ -12,7 +12,7 @@ from matplotlib import patheffects
 from matplotlib.colors import to_hex
 from matplotlib.lines import Line2D
 
-from swarmcensus.basics.formatting import told_apart
+from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.lettering import shortened
 from swarmcensus.vocabulary.coordinates import title_of
 
@@ -60,7 +60,7 @@ def looks_of(values: Iterable[str], marker: str, of: str = "accuracy") -> dict[s
     others = [text for text in distinct if text not in numbers]
     if of.endswith("accuracy"):
         others.sort()
-    names = dict(zip([*numbers, *others], map(_grouped, told_apart([*numbers, *others])), strict=True))
+    names = dict(zip([*numbers, *others], map(_grouped, distinct_texts([*numbers, *others])), strict=True))
     looks = {
         text: Look(names[text], names[text].removeprefix(OFF).removeprefix("0") or "0", colour, marker)
         for text, colour in zip(numbers, palette(len(numbers)), strict=True)

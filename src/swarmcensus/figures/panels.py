@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import xarray as xr
 
-from swarmcensus.basics.formatting import told_apart
+from swarmcensus.basics.formatting import distinct_texts
 from swarmcensus.figures.coordinates import varies
 from swarmcensus.results.selecting import TooMuch, require
 from swarmcensus.vocabulary.coordinates import caption_form, idle_caption
@@ -81,7 +81,7 @@ def _written(name: str, values: list[Any]) -> dict[Any, str]:
     distinct = [value for value in dict.fromkeys(values) if value is not None]
     form = caption_form(name)
     numbers = name.endswith("accuracy") or all(isinstance(value, float) for value in distinct)
-    texts = told_apart(distinct, 6) if numbers and ":" not in form else distinct
+    texts = distinct_texts(distinct, 6) if numbers and ":" not in form else distinct
     return {value: form.format(text) for value, text in zip(distinct, texts, strict=True)}
 
 

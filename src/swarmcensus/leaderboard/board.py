@@ -11,7 +11,7 @@ import xarray as xr
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_own, check_writable, data_path, shipped_study, whole
+from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
 from swarmcensus.leaderboard.losses import Losses, losses_of
 from swarmcensus.leaderboard.page import TITLE, page
 from swarmcensus.leaderboard.scores import COLUMNS, Scores, scores_of
@@ -79,9 +79,9 @@ def leaderboard(
               for word in (option, str(value))]  # fmt: skip
     shipped = studies[OFFICIAL]
     _draw(scores, own, out / FIGURE)
-    with whole(out / PAGE) as beside:
+    with atomic_write(out / PAGE) as temporary:
         text = page(scores, losses, shlex.join(words), shipped.seed, shipped.trials, FIGURE)
-        beside.write_text(text, encoding="utf-8")
+        temporary.write_text(text, encoding="utf-8")
     return Board(data, scores, losses, out / PAGE)
 
 

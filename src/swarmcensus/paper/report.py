@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import xarray as xr
 
-from swarmcensus.basics.formatting import places, rounded
+from swarmcensus.basics.formatting import decimals_for, rounded
 from swarmcensus.basics.version import __version__
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, UNMEASURED, YES, Detail, Outcome
 from swarmcensus.statistics import intervals
@@ -27,7 +27,7 @@ def measured(detail: Detail) -> tuple[str, str]:
     if detail.interval is None:
         return f"{detail.value:.3g}", ""
     low, high = detail.interval
-    return rounded(detail.value, low, high, places(high - low))
+    return rounded(detail.value, low, high, decimals_for(high - low))
 
 
 def kind(outcome: Outcome) -> str:

@@ -13,8 +13,8 @@ from pathlib import Path
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_own, check_writable, data_path, shipped_study, whole
-from swarmcensus.basics.fork import beside
+from swarmcensus.basics.files import atomic_write, check_own, check_writable, data_path, shipped_study
+from swarmcensus.basics.fork import in_background
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.paper import claims, page, report
 from swarmcensus.paper.evaluations import PAPER, Evaluation, evaluation
@@ -164,7 +164,7 @@ def _drawn(
         return save(drawn, stem)
 
     tasks = list(zip(figures, stems, strict=True))
-    others = beside(lambda: [draw(*task) for task in tasks[1::2]])
+    others = in_background(lambda: [draw(*task) for task in tasks[1::2]])
     files: list[list[Path]] = [[]] * len(tasks)
     files[::2] = [draw(*task) for task in tasks[::2]]
     files[1::2] = others()
@@ -172,5 +172,5 @@ def _drawn(
 
 
 def _write(path: Path, text: str) -> None:
-    with whole(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")

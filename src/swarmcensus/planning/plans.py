@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, Literal
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.basics.options import in_shell, option
 from swarmcensus.planning.mission import Mission
 from swarmcensus.planning.predictions import Start
@@ -102,8 +102,8 @@ class Plan:
             for row in rows:
                 lines += ["", "[[rows]]", *(f"{key} = {to_toml_value(value)}" for key, value in row.items())]
             text = "\n".join(lines) + "\n"
-        with whole(path) as beside:
-            beside.write_text(text, encoding="utf-8")
+        with atomic_write(path) as temporary:
+            temporary.write_text(text, encoding="utf-8")
 
 
 def check_lines(mission: Mission) -> None:

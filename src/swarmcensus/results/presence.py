@@ -4,7 +4,7 @@ import os
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import file_meant
+from swarmcensus.basics.hints import did_you_mean_file
 
 
 def folder_of(out: Path) -> Path:
@@ -18,5 +18,5 @@ def check_there(path: Path) -> None:
     if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"
-    hint = file_meant(path) if not path.exists() else ""
+    hint = did_you_mean_file(path) if not path.exists() else ""
     raise InputError(f"results file {path}: {what}{': ' * bool(hint)}{hint.rstrip()}")

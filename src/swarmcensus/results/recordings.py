@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.formatting import counted
 from swarmcensus.worlds.edge_lists import is_header, read_edges
 
@@ -99,7 +99,7 @@ def _accuracy_rows(path: Path) -> list[list[float]]:
 
 def write_rows(path: str | Path, header: list[str], rows: np.ndarray) -> None:
     """Write whole numbers as a CSV file, NaN as an empty cell. Raises InputError."""
-    with whole(path) as beside, beside.open("w", newline="", encoding="utf-8") as file:
+    with atomic_write(path) as temporary, temporary.open("w", newline="", encoding="utf-8") as file:
         writer = csv.writer(file, lineterminator="\n")
         writer.writerow(header)
         writer.writerows(["" if np.isnan(v) else int(v) for v in row] for row in rows)
@@ -124,7 +124,8 @@ def write_trace(trace: xr.Dataset, path: str | Path) -> None:
         if "position" in trace:
             for axis in ("x", "y"):
                 flat[f"position_{axis}"] = trace["position"].sel(axis=axis, drop=True)
-        with whole(path) as beside:
-            flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"]).to_csv(beside)
+        with atomic_write(path) as temporary:
+            frame = flat.drop_vars(["axis", "part"], errors="ignore").to_dataframe(dim_order=["round", "robot"])
+            frame.to_csv(temporary)
     else:
         raise InputError(f"{path}: a trace is written as .csv or .nc")

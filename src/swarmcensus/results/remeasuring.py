@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.errors import InputError, worded
+from swarmcensus.basics.errors import InputError, pydantic_message
 from swarmcensus.metrics import parse
 from swarmcensus.results.values import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
@@ -89,7 +89,7 @@ def _check(asked: dict[str, float]) -> None:
     except ValidationError as error:
         first = error.errors()[0]
         key = str(first["loc"][0])
-        raise InputError(f"{key} = {asked[key]!r}: {worded(first['msg'])}") from None
+        raise InputError(f"{key} = {asked[key]!r}: {pydantic_message(first['msg'])}") from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:

@@ -24,7 +24,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import is_leftover, remove_leftovers, whole
+from swarmcensus.basics.files import atomic_write, is_leftover, remove_leftovers
 from swarmcensus.basics.options import option
 from swarmcensus.results.presence import folder_of as folder_of
 from swarmcensus.results.values import EVERY, Columns, Piece, shapes
@@ -197,8 +197,8 @@ class Parts:
             "host": socket.gethostname(),
             "since": time.strftime("%Y-%m-%d %H:%M:%S"),
         }
-        with whole(self.folder / "run.json") as beside:
-            beside.write_text(json.dumps(state, indent=1), encoding="utf-8")
+        with atomic_write(self.folder / "run.json") as temporary:
+            temporary.write_text(json.dumps(state, indent=1), encoding="utf-8")
 
     def found(self) -> Iterator[tuple[Path, Shard | None]]:
         """Yield every shard, None for a damaged one. Raises InputError for a shard of another run."""
@@ -240,7 +240,7 @@ class Parts:
                 packed.seek(0)
                 name = f"{self._next:06d}-{hashlib.file_digest(packed, blank_hash).hexdigest()}.npz"
                 packed.seek(0)
-                with whole(self.folder / name) as beside, beside.open("wb") as file:
+                with atomic_write(self.folder / name) as temporary, temporary.open("wb") as file:
                     shutil.copyfileobj(packed, file)
         except OSError as error:
             raise InputError(f"cannot write {self.folder}: {error.strerror or error}") from error

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from xarray.backends import H5NetCDFStore
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import reason, whole
+from swarmcensus.basics.files import atomic_write, reason
 from swarmcensus.basics.version import __version__
 from swarmcensus.results import structure
 from swarmcensus.results.presence import check_there
@@ -165,8 +165,8 @@ def save(data: xr.Dataset, path: str | Path) -> None:
     encoding = dict.fromkeys(integers, packed)
     try:
         with (
-            whole(path) as beside,
-            _Remembering(beside, "w", track_order=True) as file,
+            atomic_write(path) as temporary,
+            _Remembering(temporary, "w", track_order=True) as file,
             h5netcdf.File(file, "w") as netcdf,
         ):
             data.dump_to_store(H5NetCDFStore(netcdf), encoding=encoding)
@@ -294,12 +294,12 @@ def frame(data: xr.Dataset) -> Any:
 def export(data: xr.Dataset, path: str | Path, kind: str) -> int:
     """Write results in long form as "csv" or "parquet", and return the number of rows. Raises InputError."""
     table = frame(data)
-    with whole(path) as beside:
+    with atomic_write(path) as temporary:
         if kind == "csv":
-            table.to_csv(beside, index=False)
+            table.to_csv(temporary, index=False)
         else:
             try:
-                table.to_parquet(beside, index=False)
+                table.to_parquet(temporary, index=False)
             except ImportError:
                 raise InputError("parquet needs pyarrow: pip install 'swarmcensus[parquet]'") from None
     return len(table)

@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.basics.documents import plain
+from swarmcensus.basics.documents import json_value
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
@@ -133,7 +133,7 @@ def as_dict(stored: xr.Dataset, data: xr.Dataset, checkpoint: int | None = None)
     rule = data["half_width"].attrs.get("rule") if "half_width" in data else None
     return {
         "title": str(data.attrs["title"]),
-        **{key: plain(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
+        **{key: json_value(data.attrs[key]) for key in ("seed", "delta", "bins", "truth", "swarmcensus_version")},
         "asked_anew": asked_anew(stored),
         "rule": rule,
         "level": LEVEL,
@@ -150,13 +150,13 @@ def _nested(row: dict[str, Any]) -> dict[str, Any]:
     out: dict[str, Any] = {}
     for name, value in row.items():
         if f"{name}_low" in row:
-            ends = [plain(row[f"{name}_low"]), plain(row[f"{name}_high"])]
+            ends = [json_value(row[f"{name}_low"]), json_value(row[f"{name}_high"])]
             what = "mean" if measures.is_share(name) else "median"
-            out[name] = {what: plain(value), "interval": None if None in ends else ends}
+            out[name] = {what: json_value(value), "interval": None if None in ends else ends}
         elif name == "checkpoint":
             out[name] = None if value < 0 else value
         elif name.removesuffix("_low").removesuffix("_high") not in out:
-            out[name] = plain(value)
+            out[name] = json_value(value)
     return out
 
 

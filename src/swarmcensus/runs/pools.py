@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.fork import beside
+from swarmcensus.basics.fork import in_background
 from swarmcensus.engine import code_cache, compiler
 from swarmcensus.engine.compiler import IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.runs.tasks import Bundle, Outcome, Task, metrics_of, run_bundle
@@ -119,7 +119,7 @@ def compile_for(studies: Iterable[tuple[Study, list[Setting]]], show: Callable[[
         _run_all(moving)
 
     alone = not moving or len(moving) == len(new) or not code_cache.keeps()
-    ended = compile_moving if alone else beside(compile_moving, report_rest)
+    ended = compile_moving if alone else in_background(compile_moving, report_rest)
     if ended is not compile_moving:
         here, in_copy = deque(pair for pair in new if not pair[0].body), deque(moving)
     while here:

@@ -15,7 +15,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.hints import first_meant
+from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.basics.options import option
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import read_toml
@@ -63,7 +63,7 @@ class Queue(BaseModel):
         named = {k: v for k, v in named.items() if v is not None}
         unknown = sorted(set(named) - takes)
         if unknown:
-            hint = first_meant(unknown, takes)
+            hint = did_you_mean_any(unknown, takes)
             raise ValueError(f"{self.system} takes no {', '.join(unknown)}{': ' * bool(hint)}{hint.rstrip()}")
         common: dict[str, Any] = {
             "cores": self.cores, "processes": self.cores, "memory": self.memory, "interface": self.interface,

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from swarmcensus.basics.bins import right_bin, right_bins
-from swarmcensus.basics.errors import InputError, line_of, uncoloured
+from swarmcensus.basics.errors import InputError, line_of, without_colours
 from swarmcensus.basics.formatting import counted
 from swarmcensus.engine.compiler import blank_record, compile_metric
 from swarmcensus.metrics import GIVEN, Metric
@@ -51,7 +51,7 @@ class Watch:
         except MetricFails:
             raise
         except Exception as error:
-            text = uncoloured(error).strip()
+            text = without_colours(error).strip()
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
                 what = f"it cannot be compiled: {_told(text)}"

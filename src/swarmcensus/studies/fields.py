@@ -9,7 +9,7 @@ from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag,
 
 from swarmcensus import brains, metrics
 from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Form, Several
-from swarmcensus.basics.hints import did_you_mean, first_meant
+from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.basics.times import OR_TIME, TIME
 from swarmcensus.brains import adversary
 from swarmcensus.studies.forms import (
@@ -72,7 +72,7 @@ def _swept(value: object, info: ValidationInfo, read: Callable[[object, Validati
         return [read(value, info)]
     if "file" not in value:
         raise ValueError(
-            f"{first_meant(value, ['file'])}file is missing: a brain with parameters is a table such as "
+            f"{did_you_mean_any(value, ['file'])}file is missing: a brain with parameters is a table such as "
             '{file = "my_brain.py", prior = [1, 10]}'
         )
     brain = read(value["file"], info)

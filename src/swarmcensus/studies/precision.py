@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 from swarmcensus.basics.forms import Form
-from swarmcensus.basics.hints import first_meant
+from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.statistics import intervals
 from swarmcensus.vocabulary.quantities import PER_TRIAL, QUANTITIES, stored
 
@@ -66,7 +66,7 @@ class Until(BaseModel):
         good = found is not None and found["variable"] in VARIABLES
         good = good and (found["variable"] == "correct") == (found["checkpoint"] is not None)  # type: ignore[index]
         if not good or not self._number(found["width"]) > 0.0:  # type: ignore[index]
-            hint = first_meant(re.findall("[A-Za-z_]+", self.until), WORDS)
+            hint = did_you_mean_any(re.findall("[A-Za-z_]+", self.until), WORDS)
             raise ValueError(f"until = {self.until!r}: {hint}should be such as {FORM}")
         if self.at_most < self.at_least:
             raise ValueError(f"at_most = {self.at_most} is less than at_least = {self.at_least}")

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from swarmcensus.basics.errors import worded
+from swarmcensus.basics.errors import pydantic_message
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
 from swarmcensus.studies.fields import (
@@ -207,7 +207,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
         return f"{name}: unknown key {key}: {hint}known here: {', '.join(known)}{more}"
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
-    message = worded(first["msg"])
+    message = pydantic_message(first["msg"])
     message = message.replace("should be a valid boolean", "should be true or false")
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
     message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)

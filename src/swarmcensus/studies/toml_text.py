@@ -12,7 +12,7 @@ from pydantic import BaseModel
 
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import file_meant
+from swarmcensus.basics.hints import did_you_mean_file
 from swarmcensus.metrics import Metric
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.networks import Topology, parse_topology
@@ -33,7 +33,7 @@ def text_of_file(path: str | Path, where: str) -> str:
             raise InputError(f"{where}: over {LARGEST // 1_000_000} MB: should be text that a person wrote")
         return found.decode("utf-8-sig").replace("\r\n", "\n").replace("\r", "\n")
     except OSError as error:
-        hint = file_meant(path) if isinstance(error, FileNotFoundError) else ""
+        hint = did_you_mean_file(path) if isinstance(error, FileNotFoundError) else ""
         why = f"{error.strerror or error}{': ' * bool(hint)}{hint.rstrip()}"
         raise InputError(f"{where}: cannot be read: {why}") from error
     except ValueError as error:

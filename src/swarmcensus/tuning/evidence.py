@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.formatting import counted, grouped, places, rounded
+from swarmcensus.basics.formatting import counted, grouped, decimals_for, rounded
 from swarmcensus.brains import Brain
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import Comparison, compare_dataset
@@ -92,7 +92,7 @@ class Evidence:
         difference = times * row["difference"] + 0.0
         unit = " percentage points" if measure.share else f" {measure.unit}" if measure.unit != "1" else ""
         if np.isfinite([difference, *ends]).all():
-            text = " ".join(rounded(difference, ends[0], ends[1], places(ends[1] - ends[0])))
+            text = " ".join(rounded(difference, ends[0], ends[1], decimals_for(ends[1] - ends[0])))
         else:
             text = f"{difference:.3g}"
         superiority = row["superiority"] if self._first else 1 - row["superiority"]

@@ -18,7 +18,7 @@ from filelock import FileLock, Timeout
 from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, remove_leftovers, whole
+from swarmcensus.basics.files import atomic_write, check_writable, remove_leftovers
 from swarmcensus.basics.options import option
 
 FORMAT = "# swarmcensus tune 2 "
@@ -82,8 +82,8 @@ class Log:
         try:
             kept = 0 if self.fresh or not self.path.exists() else self._read(self.path.read_bytes())
             if kept == 0:
-                with whole(self.path) as beside:
-                    beside.write_text(self._head(), encoding="utf-8")
+                with atomic_write(self.path) as temporary:
+                    temporary.write_text(self._head(), encoding="utf-8")
             self._file = self.path.open("r+b")
             if kept:
                 self._file.truncate(kept)

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.options import option
 from swarmcensus.brains import Brain, Value
@@ -81,7 +81,7 @@ def tune(
     `parameters` are ranges, such as ["prior=1:100:log", "weights[0]=0:1"]. `brain` is needed if several of the study's
     brains have parameters. `budget` is a number of evaluations, or a time such as "10 min". Each evaluation runs
     `trials` trials in each world, with seeds that the study does not use. With `out`, a .toml file, a fragment of a
-    study file is written there; beside it are the log (.csv), from which the same call continues unless `fresh`, and
+    study file is written there; temporary it are the log (.csv), from which the same call continues unless `fresh`, and
     the results of the evaluation (.nc), if there is one. `progress` and `say` are as for `run`. Raises InputError, and
     KeyboardInterrupt after Ctrl-C, when finished evaluations are in the log.
     """
@@ -107,8 +107,8 @@ def tune(
         notes = notes_of(plan, idle)
         text = report(plan, tuned, result, evidence, notes, files)
         if files:
-            with whole(files[".toml"]) as beside:
-                beside.write_text(text, encoding="utf-8")
+            with atomic_write(files[".toml"]) as temporary:
+                temporary.write_text(text, encoding="utf-8")
     found = dict(zip((parameter.label for parameter in plan.ranges), values, strict=True))
     return Tuned(tuned, plan.before, found, result.evaluations, evidence, course_text(plan, result), notes, text)
 

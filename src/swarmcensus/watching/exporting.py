@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import whole
+from swarmcensus.basics.files import atomic_write
 from swarmcensus.basics.formatting import counted
 from swarmcensus.watching.offers import Offer, wanted
 from swarmcensus.watching.pages import recorded_page
@@ -63,8 +63,8 @@ def export(
         "played": dict(played or {}),
     }
     text = recorded_page(recording)
-    with whole(path) as beside:
-        beside.write_text(text, encoding="utf-8")
+    with atomic_write(path) as temporary:
+        temporary.write_text(text, encoding="utf-8")
     return len(text.encode())
 
 

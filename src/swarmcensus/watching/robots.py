@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.documents import plain
+from swarmcensus.basics.documents import json_value
 from swarmcensus.brains.fields import slots
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.living import Stretch
@@ -27,10 +27,10 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         "tick": tick,
         "brain": brain.told,
         "honest": bool(show.honest[robot]),
-        "estimate": plain(stretch.estimates[row, robot]),
+        "estimate": json_value(stretch.estimates[row, robot]),
         "truth": float(show.truths(np.array([tick]))[0]),
         "sensor": {"b": b, "w": w, "believed_b": believed_b, "believed_w": believed_w},
-        "fields": {name: plain(value[0, robot]) for name, value in fields.items()},
+        "fields": {name: json_value(value[0, robot]) for name, value in fields.items()},
         "adds": adds(show),
         **last_heard(show, stretch, row, robot),
     }
@@ -39,8 +39,8 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         x, y, heading = map(float, stretch.poses[row, robot])
         told |= {"x": x, "y": y, "heading": heading}
         told |= {
-            "tile": plain(stretch.colours[row, robot]),
-            "reading": None if ended else plain(stretch.readings[row, robot]),
+            "tile": json_value(stretch.colours[row, robot]),
+            "reading": None if ended else json_value(stretch.readings[row, robot]),
         }
     elif tick > 0 and show.blacks.size:
         told |= {
@@ -70,7 +70,7 @@ def heard_in(show: Show, stretch: Stretch, row: int, robot: int) -> list[dict[st
     brain = show.setting.brain
     names = slots({name: brain.lengths[name] for name in brain.sums} if adds(show) else brain.message)
     return [
-        {"from": int(sender), "said": dict(zip(names, map(plain, stretch.said[row, sender]), strict=False))}
+        {"from": int(sender), "said": dict(zip(names, map(json_value, stretch.said[row, sender]), strict=False))}
         for sender in senders[here]
     ]
 

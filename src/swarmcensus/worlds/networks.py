@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from swarmcensus.basics.hints import did_you_mean, first_meant
+from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.basics.plugins import Keys
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
@@ -190,7 +190,7 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         name = f"{name} graph" if name in PLUGINS.shipped else name
         return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
     keys = value if isinstance(value, Mapping) else ()
-    raise ValueError(f"{first_meant(keys, TABLE_KEYS)}a topology is {_forms()}")
+    raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}a topology is {_forms()}")
 
 
 def _text(key: str, table: Mapping[Any, Any]) -> str:
@@ -201,7 +201,7 @@ def _text(key: str, table: Mapping[Any, Any]) -> str:
 
 def _named(name: str, given: dict[str, Any]) -> Topology:
     if name not in PLUGINS:
-        hint = did_you_mean(name, PLUGINS.names) or first_meant(given, TABLE_KEYS)
+        hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
         raise ValueError(f"{hint}a topology is {_forms()}")
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)

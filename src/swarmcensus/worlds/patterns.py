@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.hints import first_meant
+from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
 from swarmcensus.worlds.chance import Chance
@@ -153,7 +153,7 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
     names = [value] if isinstance(value, str) else list(table)
     kind = next((name for name in names if name in PLUGINS), None)
     if kind is None:
-        raise ValueError(f"{first_meant(names, PLUGINS.names)}a floor is {_forms()}")
+        raise ValueError(f"{did_you_mean_any(names, PLUGINS.names)}a floor is {_forms()}")
     function, given = _function(kind), {key: one for key, one in table.items() if key != kind}
     first = next(iter(keys_of(function).model_fields), None)
     if table and (first is None or first in given):

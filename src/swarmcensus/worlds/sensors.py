@@ -12,7 +12,7 @@ from typing import Self
 
 import numpy as np
 
-from swarmcensus.basics.hints import did_you_mean, first_meant
+from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.engine.addresses import address
 from swarmcensus.worlds.spreading import Spread, parse_spread
 
@@ -153,7 +153,8 @@ def parse_accuracy(value: object) -> Accuracy:
     if isinstance(value, Mapping):
         if set(value) != {"black", "white"}:
             raise ValueError(
-                f"{first_meant(value, TABLE_KEYS)}an accuracy table has the keys black and white, or start and drift"
+                f"{did_you_mean_any(value, TABLE_KEYS)}"
+                "an accuracy table has the keys black and white, or start and drift"
             )
         if any(isinstance(side, Mapping) for side in value.values()):
             raise ValueError(
@@ -172,7 +173,9 @@ def parse_assumed(value: object) -> Accuracy | Misjudgement:
     if isinstance(value, Mapping) and ("start" in value or "drift" in value):
         raise ValueError("a belief does not drift: robots believe in one accuracy, or in the first of their own")
     if isinstance(value, Mapping) and set(value) != {"black", "white"}:
-        raise ValueError(f"{first_meant(value, BELIEF_KEYS)}a table of beliefs has the keys black and white, or error")
+        raise ValueError(
+            f"{did_you_mean_any(value, BELIEF_KEYS)}a table of beliefs has the keys black and white, or error"
+        )
     return parse_accuracy(value)
 
 

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.files import check_writable, whole
+from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.figures import scenes
 from swarmcensus.figures.arena_margins import BLACK_TILE, ESTIMATES, LINK, RANGE, WHITE_TILE
 from swarmcensus.figures.kinds.arena import Arena
@@ -112,11 +112,11 @@ def write_film(
     ticks = stretch(path, known, first=first, last=last, every=every, fps=fps)
     ffmpeg = ffmpeg_for(path)
     frames = _drawn(arena, ticks, MP4_DPI if ffmpeg else GIF_DPI, progress)
-    with whole(path) as beside, contextlib.closing(frames):
+    with atomic_write(path) as temporary, contextlib.closing(frames):
         if ffmpeg:
-            _write_mp4(ffmpeg, beside, frames, len(ticks), fps)
+            _write_mp4(ffmpeg, temporary, frames, len(ticks), fps)
         else:
-            _write_gif(beside, frames, fps)
+            _write_gif(temporary, frames, fps)
     return len(ticks)
 
 
@@ -228,10 +228,10 @@ def _drawn(
             progress(done, len(ticks))
 
 
-def _write_mp4(ffmpeg: Any, beside: Path, frames: Iterator[Frame], count: int, fps: int) -> None:
+def _write_mp4(ffmpeg: Any, temporary: Path, frames: Iterator[Frame], count: int, fps: int) -> None:
     first = next(frames)
     writer = ffmpeg.write_frames(
-        str(beside), first.shape[1::-1], fps=fps, codec="libx264", quality=None, macro_block_size=2,
+        str(temporary), first.shape[1::-1], fps=fps, codec="libx264", quality=None, macro_block_size=2,
         pix_fmt_in="rgba", pix_fmt_out="yuv420p", ffmpeg_log_level="fatal",
         output_params=["-preset", "veryfast", "-crf", QUALITY, "-movflags", "+faststart"],
     )  # fmt: skip
@@ -244,7 +244,7 @@ def _write_mp4(ffmpeg: Any, beside: Path, frames: Iterator[Frame], count: int, f
                 raise OSError("ffmpeg stopped") from None
     # The writer does not tell whether its last frames went down well, as where a disk is full.
     try:
-        written, _ = ffmpeg.count_frames_and_secs(beside)
+        written, _ = ffmpeg.count_frames_and_secs(temporary)
     except RuntimeError:
         written = 0
     if written != count:
@@ -263,11 +263,11 @@ def _palette() -> Image.Image:
     return image
 
 
-def _write_gif(beside: Path, frames: Iterator[Frame], fps: int) -> None:
+def _write_gif(temporary: Path, frames: Iterator[Frame], fps: int) -> None:
     palette = _palette()
     reduced = (Image.fromarray(f[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
     # `optimize` leaves out the dots that do not change: a tenth of the size
-    with beside.open("wb") as file:
+    with temporary.open("wb") as file:
         next(reduced).save(
             file, format="GIF", save_all=True, append_images=reduced, duration=10 * round(100 / fps), loop=0,
             optimize=True,
