@@ -276,7 +276,7 @@ def test_what_does_not_go_together_is_told(lies, source, said):
         ('MEMORY = {"p": 1.0}\nPARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    return x\n', "is in MEMORY too"),
         ("MEMORY = 3\n\n\ndef lie(me, x):\n    return x\n", "MEMORY should be a dict"),
         ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is taken by the engine"),
-        ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import math alone"),
+        ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
     ],
 )
 def test_what_is_no_adversary_is_told(source, said):

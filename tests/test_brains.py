@@ -242,8 +242,8 @@ class TestContract:
             (("MEMORY = {", "class Diary: pass\nMEMORY = {"), "constants and small functions"),
             (("MEMORY = {", "print('hello')\nMEMORY = {"), "constants and small functions"),
             (("MEMORY = {", "X = 1 / 0\nMEMORY = {"), "a constant has no value: division by zero"),
-            (("MEMORY = {", "X = {{}: 1.0}\nMEMORY = {"), "a key of a dict is a number or a text"),
-            (("MEMORY = {", "X = {({},): 1.0}\nMEMORY = {"), "a key of a dict is a number or a text"),
+            (("MEMORY = {", "X = {{}: 1.0}\nMEMORY = {"), "keys of a dict should be numbers or texts"),
+            (("MEMORY = {", "X = {({},): 1.0}\nMEMORY = {"), "keys of a dict should be numbers or texts"),
         ],
     )
     def test_faults_are_named(self, change, said, tmp_path):

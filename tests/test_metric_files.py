@@ -319,14 +319,14 @@ BAD = {
     "field": (MINE.replace("return my.last", "return my.lost"), "line 16: result uses lost, which begin does not set"),
     "given": (MINE.replace("my.last = 0.0", "my.rounds = 0.0"), "line 8: begin sets rounds, which is given"),
     "nothing": (MINE.replace("return my.last", "return"), "line 15: result returns no number"),
-    "unknown": (MINE.replace("= estimate", "= estimat"), "watch uses estimat, which is nowhere set: did you mean 'est"),
+    "unknown": (MINE.replace("= estimate", "= estimat"), "watch uses estimat, which is not defined: did you mean 'est"),
     "better": (MINE.replace("def begin", "BETTER = 'less'\n\n\ndef begin"), "BETTER = 'less': should be \"low\" or"),
     "label": (MINE.replace("def begin", f"LABEL = '{'x' * 25}'\n\n\ndef begin"), "LABEL should be a text of up to 24"),
     "bounds": (MINE.replace("def begin", "BOUNDS = (1, 0)\n\n\ndef begin"), "BOUNDS should be two numbers"),
-    "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import math alone"),
+    "imports": ("import os\n" + MINE, "line 1: imports os: a metric may import only math"),
     "calls": (MINE.replace("= estimate", "= open('x')"), "line 12: watch calls open: a metric may call its own"),
     "syntax": (MINE.replace("def begin(my):", "def begin(my)"), "line 7: not Python"),
-    "list": (MINE.replace("= estimate", "= [estimate]"), "line 12: List in watch: a metric allocates"),
+    "list": (MINE.replace("= estimate", "= [estimate]"), "line 12: List in watch: a metric may not allocate"),
 }
 
 
@@ -510,7 +510,7 @@ def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
     (tmp_path / "good.py").write_text(caught)
     assert metrics.load("good.py", tmp_path).fields == ("last",)
     (tmp_path / "bad.py").write_text(MINE.replace("my.last = estimate", "slope = 1.0").replace("my.last\n", "slope\n"))
-    with pytest.raises(sc.InputError, match="result uses slope, which is nowhere set"):
+    with pytest.raises(sc.InputError, match="result uses slope, which is not defined"):
         metrics.load("bad.py", tmp_path)
 
 

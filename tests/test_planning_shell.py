@@ -99,7 +99,7 @@ ONE_WAY = '{name = "relay", edges = [[0, 1], [1, 2]], directed = true}'
         (("half_width = 0.05", 'half_width = 0.05\nright = "majority"'), [], "and not both"),
         (("robots = 10", ""), [], "free: should have robots, or minutes, or both"),
         ((), ["--out", "p.nc"], "--out p.nc: a plan is written as .json or .toml"),
-        ((), ["--out", "m.toml"], "cannot write m.toml: it is what is read"),
+        ((), ["--out", "m.toml"], "cannot write m.toml: it is an input"),
         ((), ["--plot", "p.gif"], "--plot p.gif: a figure is written as .png, .svg or .pdf"),
         ((), ["--body", "speed"], "--body speed: should be such as speed=0.1"),
         ((), ["--body", "speed=fast"], "--body speed=fast: should be a number"),

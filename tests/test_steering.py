@@ -311,7 +311,7 @@ LONG = pytest.mark.long  # each takes a second, and there are many
         pytest.param("def steer(me):\n    return 1.0 / me.t, 0.0", "ZeroDivisionError", marks=LONG),
         ("def steer(me, left):\n    return None", "steer takes 2 arguments: 1 are right"),
         ("steer = 0.14", "steer is 0.14, not a function"),
-        ("steer = None", "a constant is a number"),
+        ("steer = None", "a constant should be a number"),
     ],
 )
 def test_what_is_wrong_with_steer_is_named(steer, said, tmp_path, untraced):

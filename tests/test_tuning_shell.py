@@ -98,7 +98,7 @@ def test_it_writes_a_fragment_a_log_and_results(here, capsys):
         (["--budget", "0 s"], "--budget '0 s': should be"),
         (["--trials", "1000000"], "--trials 1000000: a candidate has 1 to 100,000 trials"),
         (["--out", "a.nc"], "--out a.nc: the values found are written as .toml"),
-        (["--out", "s.toml"], "cannot write s.toml: it is what is read"),
+        (["--out", "s.toml"], "cannot write s.toml: it is an input"),
     ],
 )
 def test_what_cannot_be_is_said_in_one_sentence(changed, said, here, capsys):

@@ -95,7 +95,7 @@ def test_each_kind_of_swarm_that_is_compiled_counts_once(copied, monkeypatch):
         world={"topology": ["full", "ring", "moving"], "density": 1, "fill_ratio": 0.55},
     )  # fmt: skip
     moving = [(name, True) for name in NAMES]
-    monkeypatch.setattr(pools, "beside", beside)
+    monkeypatch.setattr(pools, "in_background", in_background)
     monkeypatch.setattr(pools.code_cache, "keeps", lambda: True)
     monkeypatch.setattr(pools, "_is_compiled", lambda setting, _: (setting.brain.name, bool(setting.body)) in compiled)
     monkeypatch.setattr(

@@ -1,4 +1,4 @@
-"""What every room uses: errors, files, plugins, hints, times, numbers as text, bins, the terminal.
+"""Small helpers for all packages: errors, files, plugins, hints, times, numbers as text, bins, the terminal.
 
 In: plain values.
 Out: plain values, text, InputError.

@@ -1,4 +1,4 @@
-"""Bins of the fill ratio, among which robots decide."""
+"""The bins of the fill ratio that robots decide between."""
 
 import functools
 
@@ -7,7 +7,9 @@ import numpy as np
 
 @functools.lru_cache(maxsize=1024)
 def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
-    """The half-open interval of estimates that decide for the bin of `fill_ratio`; infinite at the ends.
+    """The half-open interval of estimates that decide for the bin of `fill_ratio`.
+
+    The first interval begins at minus infinity, and the last one ends at infinity.
 
     Bins are [0, 1/B), [1/B, 2/B), ..., and the last one is closed. Paper, Sec. IV-A.
     """
@@ -20,5 +22,5 @@ def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
 
 
 def right_bins(fill_ratios: np.ndarray, bins: int) -> np.ndarray:
-    """The same of several fill ratios, (fill ratio, 2)."""
+    """`right_bin` of several fill ratios, (fill ratio, 2)."""
     return np.array([right_bin(float(f), bins) for f in fill_ratios]).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""Work beside one's own, in a copy of this process: for what Python does one by one, as drawing or compiling."""
+"""Background work in a forked process, for work that holds Python's lock, such as drawing or compiling."""
 
 import multiprocessing
 import os
@@ -13,49 +13,49 @@ WAIT_SECONDS = 0.5
 
 
 def in_background(work: Callable[[], Result], meanwhile: Callable[[], object] = lambda: None) -> Callable[[], Result]:
-    """Begin some work, and return what waits for it and gives its result, or raises what it raised.
+    """Start some work; returns a function that waits for it, and returns its result or raises its error.
 
-    While it waits it calls `meanwhile` now and then.
-    Where a process cannot safely be copied, or there is one core, the work is done only then, here: threads that
-    others started may hold locks that no copy would ever see opened.
+    While waiting, the function calls `meanwhile` every half second. With one core, or if this process cannot safely be
+    forked, the function does the work itself: locks of other threads would stay locked in the copy.
     """
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1
-    alone = threading.active_count() == 1 and not multiprocessing.current_process().daemon  # which may have no children
-    if sys.platform != "linux" or cores < 2 or not alone:
+    # daemonic processes may have no children
+    can_fork = threading.active_count() == 1 and not multiprocessing.current_process().daemon
+    if sys.platform != "linux" or cores < 2 or not can_fork:
         return work
     context = multiprocessing.get_context("fork")
-    mine, its = context.Pipe(duplex=False)
-    copy = context.Process(target=_tell, args=(work, its), daemon=True)  # it ends where this process does
+    receiver, sender = context.Pipe(duplex=False)
+    copy = context.Process(target=_send_result, args=(work, sender), daemon=True)  # ends with this process
     try:
         copy.start()
     except OSError:  # no more processes, or too little memory
-        mine.close()
+        receiver.close()
         return work
     finally:
-        its.close()
+        sender.close()
 
-    def ended() -> Result:
+    def wait() -> Result:
         try:
-            while not mine.poll(WAIT_SECONDS):
+            while not receiver.poll(WAIT_SECONDS):
                 meanwhile()
-            good, result = mine.recv()
-        except (EOFError, pickle.UnpicklingError):  # it was killed
+            succeeded, result = receiver.recv()
+        except (EOFError, pickle.UnpicklingError):  # the copy was killed
             return work()
         finally:
-            mine.close()
+            receiver.close()
             copy.join()
-        if good:
+        if succeeded:
             return result  # type: ignore[no-any-return]
         raise result
 
-    return ended
+    return wait
 
 
-def _tell(work: Callable[[], Any], to: Any) -> None:
+def _send_result(work: Callable[[], Any], sender: Any) -> None:
     try:
-        told = True, work()
-    except KeyboardInterrupt:  # the process that waits was told too
+        outcome = True, work()
+    except KeyboardInterrupt:  # the waiting process is interrupted too
         return
     except Exception as error:
-        told = False, error
-    to.send(told)
+        outcome = False, error
+    sender.send(outcome)

@@ -1,4 +1,4 @@
-"""What a value may look like in a file beside what its type says: one value for a list; and JSON schemas of it."""
+"""Alternative forms of values in study files, such as one value in place of a list, and their JSON schemas."""
 
 from collections.abc import Callable
 from typing import Annotated, Any, TypeVar
@@ -10,19 +10,19 @@ TEXT: Schema = {"type": "string", "minLength": 1}
 
 
 class Form:
-    """A mark in an `Annotated` type: its JSON schema, made of that of the type inside, which is asked for if needed."""
+    """A mark in an `Annotated` type that replaces its JSON schema."""
 
-    def __init__(self, made: Callable[[Callable[[], Schema]], Schema]) -> None:
-        """Keep what makes the schema; it is called when one is asked for."""
-        self.made = made
+    def __init__(self, schema: Callable[[Callable[[], Schema]], Schema]) -> None:
+        """Keep `schema`, which makes the new schema from a function that returns the schema of the inner type."""
+        self.schema = schema
 
     def __get_pydantic_json_schema__(self, core: Any, handler: Callable[[Any], Schema]) -> Schema:
-        """As pydantic asks for it."""
-        return self.made(lambda: handler(core))
+        """The schema, as pydantic calls for it."""
+        return self.schema(lambda: handler(core))
 
 
 def or_else(*others: Schema) -> Form:
-    """The type itself, or one of others."""
+    """A mark for a schema that is the type itself, or one of `others`."""
     return Form(lambda inner: {"anyOf": [inner(), *others]})
 
 
@@ -36,7 +36,10 @@ def _one_or_several(inner: Callable[[], Schema]) -> Schema:
 
 
 T = TypeVar("T")
-LISTED, ONE_OR_SEVERAL = BeforeValidator(_listed), Form(_one_or_several)  # of a list that may be its one value
+LISTED, ONE_OR_SEVERAL = (
+    BeforeValidator(_listed),
+    Form(_one_or_several),
+)  # a list, or its only value
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
 # a number of robots, or a fraction of them
 ROBOTS = Form(lambda _: {"anyOf": [{"type": "integer", "minimum": 0}, {"type": "number", "minimum": 0, "maximum": 1}]})

@@ -1,4 +1,4 @@
-"""What was probably meant by a name that is not known."""
+"""Suggestions for unknown names: "did you mean ...?"."""
 
 import re
 from collections.abc import Collection, Iterable
@@ -22,42 +22,43 @@ OTHER_WORDS = {
     "ticks": ("iterations", "length", "steps", "time"),
     "topology": ("graph", "net", "network"),
     "trials": ("repeats", "repetitions", "replicates", "reps", "runs"),
-}  # what people write who know the paper's letters, or another program
-PART = 0.8  # how like a part of a name should be
+}  # letters of the paper, and names that other programs use
+PART = 0.8  # how similar a part of a name should be, from 0 to 1
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Such as "did you mean 'trials'? " for a name like one of the known, or another word for it; else nothing.
+    """Such as "did you mean 'trials'? " for a name that resembles a known one or is a synonym of it; otherwise empty.
 
-    Case, dashes and spaces do not count. There is a blank at the end, for what the known names are.
+    Case, dashes and spaces are ignored. The text ends with a blank, because a list of the known names follows.
     """
     import difflib
 
-    names = {_plain(one): one for one in known}
+    names = {_plain(known_name): known_name for known_name in known}
     plain = _plain(name)
     words = {plain, f"{plain}s", plain.removesuffix("s")}
-    found = [one for one in names if plain == one or words & {*OTHER_WORDS.get(one, ())}]
-    found += [one for one in names if len(plain) > 2 and one.startswith(plain)]
-    parts = {part: one for one in names for part in re.split(r"[_/.]", one)}  # as of "final_error" and "paper/local"
-    like = [(one, one) for one in difflib.get_close_matches(plain, names, n=1)]
-    like += [(one, parts[one]) for one in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
-    found += [whole for _, whole in sorted(like, key=lambda one: -difflib.SequenceMatcher(None, plain, one[0]).ratio())]
-    return f"did you mean {names[found[0]]!r}? " if found else ""
+    matches = [n for n in names if plain == n or words & {*OTHER_WORDS.get(n, ())}]
+    matches += [n for n in names if len(plain) > 2 and n.startswith(plain)]
+    parts = {part: n for n in names for part in re.split(r"[_/.]", n)}  # such as of "final_error" and "paper/local"
+    similar = [(n, n) for n in difflib.get_close_matches(plain, names, n=1)]
+    similar += [(part, parts[part]) for part in difflib.get_close_matches(plain, parts, n=1, cutoff=PART)]
+    similar.sort(key=lambda pair: -difflib.SequenceMatcher(None, plain, pair[0]).ratio())
+    matches += [n for _, n in similar]
+    return f"did you mean {names[matches[0]]!r}? " if matches else ""
 
 
 def did_you_mean_any(names: Iterable[object], known: Collection[str]) -> str:
-    """The same of the first of several names that is not known and like one that is."""
+    """`did_you_mean` for the first unknown name that resembles a known one."""
     return next(filter(None, (did_you_mean(str(name), known) for name in names if name not in known)), "")
 
 
 def did_you_mean_file(path: str | Path) -> str:
-    """Such as "did you mean 'first.nc'? " where a file that is not there has a name like one beside it of its kind."""
+    """Such as "did you mean 'first.nc'? " for a missing file, if one beside it has its suffix and a similar name."""
     path = Path(path)
     try:
-        beside = {one.stem: one for one in path.parent.iterdir() if one.suffix == path.suffix and one.is_file()}
+        stems = [file.stem for file in path.parent.iterdir() if file.suffix == path.suffix and file.is_file()]
     except OSError:
         return ""
-    return did_you_mean(path.stem, beside).replace("'? ", f"{path.suffix}'? ")
+    return did_you_mean(path.stem, stems).replace("'? ", f"{path.suffix}'? ")
 
 
 def _plain(name: str) -> str:

@@ -1,4 +1,4 @@
-"""How messages call what was asked for: as an option of a shell's command, or as an argument of a Python function."""
+"""Names of options in messages: `--against` for the command line, `against=` for Python."""
 
 import contextlib
 import shlex
@@ -10,7 +10,7 @@ _OPTIONS: ContextVar[Collection[str] | None] = ContextVar("options", default=Non
 
 @contextlib.contextmanager
 def shell_options(options: Collection[str]) -> Iterator[None]:
-    """While the block lasts, a shell asks, by a command that has these options."""
+    """In this block, messages are for the command line; `options` are those of the current command."""
     before = _OPTIONS.set(options)
     try:
         yield
@@ -19,14 +19,14 @@ def shell_options(options: Collection[str]) -> Iterator[None]:
 
 
 def in_shell() -> bool:
-    """Whether a shell asks."""
+    """Whether messages are for the command line."""
     return _OPTIONS.get() is not None
 
 
 def option(name: str, value: object = None) -> str:
-    """An option as whoever asks would write it: `--against swift`, or `against='swift'`; True is a flag.
+    """An option as the user would write it: `--against swift`, or `against='swift'` in Python; True is a flag.
 
-    What a command has no option for, one that draws is given by `--set against=swift`.
+    If the command has no such option, but draws figures, the text is `--set against=swift`.
     """
     options = _OPTIONS.get()
     if options is None:

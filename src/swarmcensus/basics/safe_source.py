@@ -1,4 +1,4 @@
-"""What a plain file may hold: a brain's or a metric's. Constants and small functions, so that a robot can run it."""
+"""The Python that brain, adversary and metric files may use: constants and small functions that a robot can run."""
 
 import ast
 import builtins
@@ -16,14 +16,15 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.plugins import Plugins
 
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
-LARGEST = 2.0**1023  # of a constant: what comes out of arithmetic with such numbers is small enough to be looked at
-LONGEST = 10_000  # items of a tuple that is repeated
+LARGEST = 2.0**1023  # constant; keeps arithmetic with constants quick
+LONGEST = 10_000  # repeated tuple
 ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,
 }  # fmt: skip
 SEVERAL = ast.Tuple | ast.List
 SIGNS: dict[type, Callable[[Any], Any]] = {ast.UAdd: operator.pos, ast.USub: operator.neg, ast.Not: operator.not_}
+IMPORTS = ast.Import | ast.ImportFrom
 TOP_LEVEL = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.Assign, ast.Expr)
 ALLOCATES = (
     ast.List, ast.Dict, ast.Set, ast.ListComp, ast.DictComp, ast.SetComp, ast.GeneratorExp, ast.Lambda,
@@ -33,7 +34,7 @@ ALLOCATES = (
 
 
 def find(plugins: Plugins, name: str, base: Path | None) -> Path:
-    """Where the file of a name lies, or that of a path relative to `base`. Raises InputError where there is none."""
+    """The file of a plugin's name, or of a path relative to `base`. Raises InputError if there is none."""
     path = (base or Path()) / name
     if name in plugins.shipped or (not path.is_file() and name in plugins):
         return plugins.path(name)
@@ -48,7 +49,7 @@ def find(plugins: Plugins, name: str, base: Path | None) -> Path:
 
 
 def read_source(kind: str, path: Path) -> str:
-    """The source of a file of this kind ("brain"), which is not run. Raises InputError."""
+    """Read the source of a file of this kind, such as "brain", without running it. Raises InputError."""
     try:
         return path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
@@ -60,8 +61,8 @@ def digest(source: str) -> str:
     return hashlib.sha256(source.encode()).hexdigest()
 
 
-def checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
-    """A source as a tree that holds what it may, and its constants; nothing of it is run. Raises InputError."""
+def parse_checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, Any]]:
+    """Parse and check a source without running it; returns its syntax tree and its constants. Raises InputError."""
     try:
         tree = ast.parse(source, filename=str(path))
     except (SyntaxError, ValueError, RecursionError, MemoryError) as error:
@@ -74,8 +75,8 @@ def checked(source: str, kind: str, path: Path) -> tuple[ast.Module, dict[str, A
         raise InputError(f"{kind} file {path}: its brackets or operators are nested too deep") from None
 
 
-def loaded(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
-    """The file as a module, run by CPython. Raises InputError."""
+def run(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
+    """Run a file in CPython; returns its module. Raises InputError."""
     module = types.ModuleType(kind)
     module.__file__ = str(path)
     try:
@@ -86,71 +87,74 @@ def loaded(tree: ast.Module, kind: str, path: Path) -> types.ModuleType:
 
 
 def _check_syntax(tree: ast.Module, kind: str, path: Path) -> dict[str, Any]:
-    def bad(node: ast.stmt | ast.expr, what: str) -> InputError:
+    """Check what a file holds; returns its constants. Raises InputError."""
+
+    def error(node: ast.stmt | ast.expr, what: str) -> InputError:
         return InputError(f"{kind} file {path}, line {node.lineno}: {what}")
 
-    one = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
-    own = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
-    known = {*own, *CALLS, *(t.id for n in tree.body if isinstance(n, ast.Assign) for t in n.targets
-                             if isinstance(t, ast.Name))}  # fmt: skip
-    known |= {a.asname or a.name for n in tree.body if isinstance(n, ast.Import | ast.ImportFrom) for a in n.names}
+    a_kind = f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+    functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
+    assigned = [target for node in tree.body if isinstance(node, ast.Assign) for target in node.targets]
+    imported = [alias for node in tree.body if isinstance(node, IMPORTS) for alias in node.names]
+    known = {*functions, *CALLS, *(target.id for target in assigned if isinstance(target, ast.Name))}
+    known |= {alias.asname or alias.name for alias in imported}
     known |= set(dir(math)) if "*" in known else set()
     constants: dict[str, Any] = {}
     for node in tree.body:
         if not isinstance(node, TOP_LEVEL) or (isinstance(node, ast.Expr) and not isinstance(node.value, ast.Constant)):
-            raise bad(node, f"{one} file holds constants and small functions, nothing else")
-        modules = (
-            [a.name for a in node.names]
-            if isinstance(node, ast.Import)
-            else [node.module]
-            if isinstance(node, ast.ImportFrom)
-            else []
-        )
-        if any(m != "math" for m in modules):
-            raise bad(node, f"imports {', '.join(map(str, modules))}: {one} may import math alone")
-        if isinstance(node, ast.Import | ast.ImportFrom):
+            raise error(node, f"{a_kind} file holds only constants and small functions")
+        if isinstance(node, IMPORTS):
+            modules = [node.module] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
+            if any(module != "math" for module in modules):
+                raise error(node, f"imports {', '.join(map(str, modules))}: {a_kind} may import only math")
             constants |= _imported(node)
         if isinstance(node, ast.Assign):
             if not all(isinstance(target, ast.Name) for target in node.targets):
-                raise bad(node, "a constant has one plain name")
+                raise error(node, "a constant needs one plain name")
             try:
                 value = _constant(node.value, constants)
-            except ArithmeticError as error:
-                raise bad(node, f"a constant has no value: {error}") from None
-            except ValueError as error:
-                raise bad(node, str(error)) from None
+            except ArithmeticError as fault:
+                raise error(node, f"a constant has no value: {fault}") from None
+            except ValueError as fault:
+                raise error(node, str(fault)) from None
             constants |= {target.id: value for target in node.targets if isinstance(target, ast.Name)}
         if isinstance(node, ast.FunctionDef):
-            if node.decorator_list:
-                raise bad(node, f"{node.name} has a decorator: {one}'s functions are plain")
-            given = node.args
-            if given.defaults or given.kw_defaults or given.vararg or given.kwarg or getattr(node, "type_params", None):
-                raise bad(node, f"{node.name} has arguments that may be left out: {one}'s functions are plain")
-            every = [*given.posonlyargs, *given.args]
-            if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in every), node.returns)):
-                raise bad(node, f"{node.name} has an annotation that is no plain name")
-            notes = [n for a in ast.walk(node) if isinstance(a, ast.AnnAssign) for n in ast.walk(a.annotation)]
-            here = {a.arg for a in (*every, *given.kwonlyargs)} | {name for n in ast.walk(node) for name in set_by(n)}
-            for inner in (n for statement in node.body for n in ast.walk(statement)):
-                if isinstance(inner, ast.Name) and isinstance(inner.ctx, ast.Load) and inner.id not in known | here:
-                    if hasattr(builtins, inner.id) or inner in notes:
-                        continue  # told below, if it is called; annotations are not looked at
-                    hint = did_you_mean(inner.id, known | here)
-                    raise bad(inner, f"{node.name} uses {inner.id}, which is nowhere set: {hint}".rstrip(": "))
-                if isinstance(inner, ALLOCATES):
-                    name = type(inner).__name__
-                    raise bad(inner, f"{name} in {node.name}: {one} allocates and defines nothing")  # type: ignore[arg-type]
-                if isinstance(inner, ast.Call) and not _may_call(inner.func, own):
-                    raise bad(
-                        inner,
-                        f"{node.name} calls {ast.unparse(inner.func)}: {one} may call its own functions, math's, "
-                        f"and {', '.join(CALLS)}",
-                    )
+            _check_function(node, functions, known, a_kind, error)
     return constants
 
 
+def _check_function(
+    function: ast.FunctionDef, functions: set[str], known: set[str], a_kind: str, error: Callable[..., InputError]
+) -> None:
+    """Check one function; `functions` are those of its file, and `known` are the names that the file defines."""
+    name, arguments = function.name, function.args
+    if function.decorator_list:
+        raise error(function, f"{name} has a decorator: functions of {a_kind} are plain")
+    optional = arguments.defaults or arguments.kw_defaults or arguments.vararg or arguments.kwarg
+    if optional or getattr(function, "type_params", None):
+        raise error(function, f"{name} has optional arguments: functions of {a_kind} are plain")
+    positional = [*arguments.posonlyargs, *arguments.args]
+    if any(not isinstance(a, ast.Name | None) for a in (*(a.annotation for a in positional), function.returns)):
+        raise error(function, f"{name} has an annotation that is not a plain name")
+    annotated = [node for node in ast.walk(function) if isinstance(node, ast.AnnAssign)]
+    annotations = [part for node in annotated for part in ast.walk(node.annotation)]
+    local = {argument.arg for argument in (*positional, *arguments.kwonlyargs)}
+    local |= {assigned for node in ast.walk(function) for assigned in names_set_by(node)}
+    for node in (node for statement in function.body for node in ast.walk(statement)):
+        if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id not in known | local:
+            if hasattr(builtins, node.id) or node in annotations:
+                continue  # calls are checked below; annotations are not checked
+            hint = did_you_mean(node.id, known | local)
+            raise error(node, f"{name} uses {node.id}, which is not defined: {hint}".rstrip(": "))
+        if isinstance(node, ALLOCATES):
+            raise error(node, f"{type(node).__name__} in {name}: {a_kind} may not allocate or define anything")
+        if isinstance(node, ast.Call) and not _may_call(node.func, functions):
+            may = f"{a_kind} may call its own functions, math's, and {', '.join(CALLS)}"
+            raise error(node, f"{name} calls {ast.unparse(node.func)}: {may}")
+
+
 def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
-    """The names that an import of math gives."""
+    """The names that an import of math defines, and their values."""
     if isinstance(node, ast.Import):
         return {alias.asname or alias.name: math for alias in node.names}
     names = {alias.asname or alias.name: alias.name for alias in node.names}
@@ -160,7 +164,7 @@ def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, Any]:
 
 
 def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
-    """The value of a constant, found without running it, so that no file takes long to load. Raises ValueError."""
+    """The value of a constant, evaluated here so that no file takes long to load. Raises ValueError."""
     value: Any = None
     if isinstance(node, ast.Constant):
         value = node.value
@@ -173,14 +177,14 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
     elif isinstance(node, ast.Dict) and None not in node.keys:
         keys = [_constant(key, known) for key in node.keys]
         if not all(isinstance(key, int | float | str) for key in keys):
-            raise ValueError("a key of a dict is a number or a text")
-        return dict(zip(keys, (_constant(one, known) for one in node.values), strict=True))
+            raise ValueError("keys of a dict should be numbers or texts")
+        return dict(zip(keys, (_constant(item, known) for item in node.values), strict=True))
     elif isinstance(node, ast.UnaryOp) and type(node.op) in SIGNS:
         value = SIGNS[type(node.op)](_number(node.operand, known))
     elif isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mult) and isinstance(node.left, SEVERAL):
         times = _number(node.right, known)
         if not isinstance(times, int) or not 0 <= times * len(node.left.elts) <= LONGEST:
-            raise ValueError(f"a tuple is repeated a whole number of times, to {LONGEST} items at the most")
+            raise ValueError(f"a tuple may be repeated a whole number of times, to {LONGEST:,} items at most")
         return tuple(_constant(item, known) for item in node.left.elts) * times
     elif isinstance(node, ast.BinOp) and type(node.op) in ARITHMETIC:
         left, right = _number(node.left, known), _number(node.right, known)
@@ -188,7 +192,9 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
             raise ValueError("a constant is too large")
         value = ARITHMETIC[type(node.op)](left, right)
     if not isinstance(value, int | float | str):
-        raise ValueError("a constant is a number, a text, a tuple or dict of such, or plain arithmetic with numbers")
+        raise ValueError(
+            "a constant should be a number, a text, a tuple or dict of them, or plain arithmetic with numbers"
+        )
     if isinstance(value, int) and abs(value) > LARGEST:
         raise ValueError("a constant is too large")
     return value
@@ -197,20 +203,22 @@ def _constant(node: ast.expr | None, known: dict[str, Any]) -> Any:
 def _number(node: ast.expr, known: dict[str, Any]) -> Any:
     value = _constant(node, known)
     if not isinstance(value, int | float):
-        raise ValueError("plain arithmetic is with numbers")
+        raise ValueError("arithmetic of constants needs numbers")
     return value
 
 
-def _may_call(function: ast.expr, own: set[str]) -> bool:
+def _may_call(function: ast.expr, functions: set[str]) -> bool:
     if isinstance(function, ast.Attribute):
         return isinstance(function.value, ast.Name) and function.value.id == "math"
     if isinstance(function, ast.Lambda):
-        return True  # refused as such
-    return isinstance(function, ast.Name) and (function.id in own or function.id in CALLS or hasattr(math, function.id))
+        return True  # refused because it is a lambda
+    return isinstance(function, ast.Name) and (
+        function.id in functions or function.id in CALLS or hasattr(math, function.id)
+    )
 
 
-def set_by(node: ast.AST) -> Iterator[str]:
-    """The names that a piece of a function gives values to."""
+def names_set_by(node: ast.AST) -> Iterator[str]:
+    """The names that a syntax node assigns to."""
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store):
         yield node.id
     elif isinstance(node, ast.MatchAs | ast.MatchStar) and node.name:
@@ -220,5 +228,5 @@ def set_by(node: ast.AST) -> Iterator[str]:
 
 
 def is_name(value: object) -> bool:
-    """Whether a value can name a field."""
+    """Whether a value can be the name of a field."""
     return isinstance(value, str) and value.isidentifier() and not keyword.iskeyword(value)

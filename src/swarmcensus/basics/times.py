@@ -1,4 +1,4 @@
-"""Times with a unit, such as "17 min": robots that move live by a clock, which ticks every so many seconds."""
+"""Times with a unit, such as "17 min", and their conversion to ticks, the time steps of moving robots."""
 
 import math
 import re
@@ -12,13 +12,13 @@ from swarmcensus.basics.forms import Schema, or_else
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 WRITTEN = r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
-NEAR = 1e-9  # of a number of ticks: how far from a whole one is rounding
+NEAR = 1e-9  # relative: a number of ticks this near to a whole one is whole
 MOST = 2**31 - 1
 
 
 @dataclass(frozen=True)
 class Time:
-    """A time as a study gives it: a number of seconds, minutes or hours."""
+    """A time in a study: a number of seconds, minutes or hours."""
 
     number: float
     unit: str
@@ -28,7 +28,7 @@ class Time:
         return f"{self.number:.12g} {self.unit}"
 
     def ticks(self, tick: float, least: int = 1) -> int:
-        """How many ticks of so many seconds. Raises ValueError, naming the nearest, where that is no whole number."""
+        """The number of ticks of `tick` seconds. Raises ValueError, naming the nearest, unless it is whole."""
         count = self.number * UNITS[self.unit] / tick
         if not count <= MOST:
             raise ValueError(f"that is {count:.3g} ticks: {MOST:,} at the most")
@@ -43,10 +43,10 @@ class Time:
 
 def parse_time(text: str) -> Time:
     """Read a time such as "90 s", "17 min" or "1.5 h". Raises ValueError."""
-    found = re.fullmatch(WRITTEN, text)
-    if found is None:
+    match = re.fullmatch(WRITTEN, text)
+    if match is None:
         raise ValueError('should be a whole number, or a time such as "17 min" (s, min or h)')
-    return Time(float(found[1]), found[2])
+    return Time(float(match[1]), match[2])
 
 
 def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
@@ -55,15 +55,15 @@ def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
     return parse_time(value) if isinstance(value, str) else whole(value)
 
 
-OR_TIME = WrapValidator(_time_or)  # of a whole number that may be a time, until its ticks are known
-WORDS: Schema = {"type": "string", "pattern": f"^{WRITTEN}$"}  # as a time is written, for schemas
-TIME = or_else(WORDS)  # beside a number
+OR_TIME = WrapValidator(_time_or)  # a whole number, or a time until its ticks are known
+WORDS: Schema = {"type": "string", "pattern": f"^{WRITTEN}$"}  # the JSON schema of a time
+TIME = or_else(WORDS)  # in place of a number
 
 
 def in_ticks(value: Any, tick: float | None, key: str, least: int = 1) -> int:
-    """A whole number as it is, a time in ticks, `least` or more; `tick` is None where rounds are counted.
+    """A time in ticks; a whole number is returned as it is. `tick` is None for studies that count rounds.
 
-    Raises ValueError.
+    Raises ValueError unless a time is a whole number of ticks, at least `least`.
     """
     if not isinstance(value, Time):
         return int(value)

@@ -56,7 +56,7 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 def parse(source: str, name: str, path: Path) -> Adversary:
     """Check an adversary's source against its contract and run it once. Raises InputError."""
     tree, says = _checked(source, path)
-    return Adversary(name, path, source, says, safe_source.loaded(tree, "adversary", path))
+    return Adversary(name, path, source, says, safe_source.run(tree, "adversary", path))
 
 
 def unread(source: str, name: str, path: Path) -> Adversary:
@@ -94,7 +94,7 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
 
 
 def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
-    tree, constants = safe_source.checked(source, "adversary", path)
+    tree, constants = safe_source.parse_checked(source, "adversary", path)
     try:
         return tree, _contents(tree, constants)
     except syntax.Wrong as wrong:

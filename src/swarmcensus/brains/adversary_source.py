@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.safe_source import set_by
+from swarmcensus.basics.safe_source import names_set_by
 from swarmcensus.brains.adversary import Adversary
 from swarmcensus.brains.brain import Brain, parse, unread
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
@@ -251,7 +251,7 @@ class Renamed(ast.NodeTransformer):
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
         """Rename what a function names."""
         self.local = {one.arg for one in ast.walk(node) if isinstance(one, ast.arg)}
-        self.local |= {name for one in ast.walk(node) for name in set_by(one)}
+        self.local |= {name for one in ast.walk(node) for name in names_set_by(one)}
         self.generic_visit(node)
         self.local = set()
         return node

@@ -151,13 +151,13 @@ def find(name: str | Path, base: Path | None = None) -> Path:
 def parse(source: str, name: str, path: Path) -> Brain:
     """Check a brain's source against the contract and run it once. Raises InputError."""
     tree, says = _read(source, path)
-    return Brain(name, path, source, says, safe_source.loaded(tree, "brain", path))
+    return Brain(name, path, source, says, safe_source.run(tree, "brain", path))
 
 
 @functools.lru_cache(maxsize=32)
 def _read(source: str, path: Path) -> tuple[ast.Module, Contents]:
     """What a source holds and says. The check takes tens of milliseconds, and each study asks for the same few."""
-    tree, constants = safe_source.checked(source, "brain", path)
+    tree, constants = safe_source.parse_checked(source, "brain", path)
     return tree, contents(tree, constants, path)
 
 

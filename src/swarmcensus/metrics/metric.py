@@ -58,7 +58,7 @@ class Metric:
     @functools.cached_property
     def functions(self) -> types.ModuleType:
         """The file itself, run by CPython. Raises InputError."""
-        return safe_source.loaded(safe_source.checked(self.source, "metric", self.path)[0], "metric", self.path)
+        return safe_source.run(safe_source.parse_checked(self.source, "metric", self.path)[0], "metric", self.path)
 
     @functools.cached_property
     def _record(self) -> type:
@@ -98,7 +98,7 @@ def parse(source: str, name: str, path: Path) -> Metric:
     def bad(what: str, node: ast.stmt | ast.expr | None = None) -> InputError:
         return InputError(f"metric file {path}{f', line {node.lineno}' if node else ''}: {what}")
 
-    tree, constants = safe_source.checked(source, "metric", path)
+    tree, constants = safe_source.parse_checked(source, "metric", path)
     functions = {node.name: node for node in tree.body if isinstance(node, ast.FunctionDef)}
     for known, arity in (FUNCTIONS | MAY_HAVE).items():
         if known not in functions:
