@@ -237,7 +237,7 @@ def test_resamples_draw_trials_with_return_and_are_the_same_every_time():
     assert (counts.sum(axis=1) == 30).all()
     np.testing.assert_array_equal(counts, intervals.resample(30))
     assert np.mean(counts[1:] == 0) == pytest.approx((29 / 30) ** 30, abs=0.01)
-    with pytest.raises(ValueError, match="nothing to draw"):
+    with pytest.raises(ValueError, match="should be 1 or more"):
         intervals.resample(0)
 
 

@@ -1,14 +1,14 @@
-"""The correction of p-values for being many. Holm, "A simple sequentially rejective multiple test procedure", 1979."""
+"""Correction of p-values for multiple tests. Holm, "A simple sequentially rejective multiple test procedure", 1979."""
 
 import numpy as np
 from numpy.typing import NDArray
 
 
 def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The p-values, of any shape, for which all that are at most 0.05 hold together in 95 % of cases; NaN stay NaN.
+    """Holm's corrected p-values, in the shape of `p`; NaN stays NaN and does not count as a test.
 
-    However the tests depend on one another, and whichever of their hypotheses are true, the chance that any true one is
-    among those at most a level is at most that level. NaN is no test and is not corrected for.
+    The chance that any true null hypothesis has a corrected p-value of `a` or less is at most `a`, whatever the
+    dependence between the tests.
     """
     flat = p.ravel()
     known = np.flatnonzero(~np.isnan(flat))
@@ -20,8 +20,8 @@ def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def fewest_trials(tests: int, level: float) -> int:
-    """How many trials a sign-flip test needs at the least to tell anything apart among so many tests, by Holm.
+    """The fewest trials with which one of `tests` sign-flip tests can reach `level` after Holm's correction.
 
-    All of n differences have one sign by chance in 2 of 2^n cases.
+    All n differences have the same sign by chance in 2 of 2^n cases.
     """
     return int(np.ceil(1 + np.log2(max(tests, 1) / level)))

@@ -1,10 +1,10 @@
-"""95 % intervals over trials: of one setting in closed form, of what compares settings by bootstrap.
+"""95 % intervals over trials: in closed form for one setting, by bootstrap for comparisons of settings.
 
-The robots of a trial share a network and hear one another, so their values are correlated and a trial is the unit:
-that which counts as one observation, and that which is drawn again. One draw serves all settings at once: trial 7 of
-two settings shares what their addresses share (readings where only topology or brain differ; graphs and heterogeneous
-sensors nearly always), and drawing trials jointly is right whether they share much or nothing. Efron and Tibshirani,
-"An Introduction to the Bootstrap", chapters 8 and 13 (percentile intervals).
+The robots of a trial share a network and hear one another, so their values are correlated. The trial is therefore the
+unit of observation and of resampling. All settings are resampled jointly, because the same trial of two settings shares
+random numbers: readings if only the topology or brain differs, graphs and sensor accuracies nearly always. Joint
+resampling is right whether they share much or nothing. Percentile intervals: Efron and Tibshirani, "An Introduction to
+the Bootstrap", chapters 8 and 13.
 """
 
 import math
@@ -19,18 +19,18 @@ RESAMPLES = 1000
 LEVEL = 0.95
 SEED = 2023
 FEWEST = 6  # with fewer trials, all lie on one side of the true median in more than 1 of 20 cases: 2 / 2^5
-ROUNDING = 1e-12  # relative: values that differ by less are equal
+ROUNDING = 1e-12  # relative; values that differ by less are equal
 
 Floats = NDArray[np.float64]
 
 
 def resample(trials: int, resamples: int = RESAMPLES, seed: int = SEED) -> Floats:
-    """How often each trial counts, (1 + resample, trial): row 0 is the sample itself, the others draw with return.
+    """How often each trial counts, (1 + resample, trial): row 0 is the sample, the others are drawn with replacement.
 
-    The same arguments give the same numbers. Raises ValueError for fewer than one trial.
+    The same arguments always give the same numbers. Raises ValueError without any trial.
     """
     if trials < 1:
-        raise ValueError(f"trials = {trials}: there is nothing to draw from")
+        raise ValueError(f"trials = {trials}: should be 1 or more")
     drawn = np.random.default_rng(seed).multinomial(trials, np.full(trials, 1 / trials), size=resamples)
     return np.concatenate([np.ones((1, trials)), drawn])
 
@@ -38,24 +38,25 @@ def resample(trials: int, resamples: int = RESAMPLES, seed: int = SEED) -> Float
 def medians(values: Floats, counts: Floats) -> Floats:
     """The median over all trials and robots of `values` (trial, robot), for each row of `counts` (resample, trial).
 
-    Values are sorted once and a resample weighs them: its median is where its weights add up to a half. Which block of
-    values that is in is found by bisection, for all resamples at once, then the place within the block. With blocks as
-    long as there are trials, memory is O(values + resamples x trials). Values must not be NaN.
+    The values are sorted once, and each resample weighs them; its median is where the weights add up to a half. The
+    block of values that holds the median is found by bisection for all resamples at once, then the place within the
+    block. Blocks have as many values as there are trials, so memory is O(values + resamples x trials). Values must not
+    be NaN.
     """
     trials, robots = values.shape
     order = np.argsort(values, axis=None, kind="stable")
-    ordered, of_trial = values.ravel()[order], (order // robots).reshape(robots, trials)  # a block a row
-    among = np.array([np.bincount(block, minlength=trials) for block in of_trial], dtype=np.float64)
-    seen = np.cumsum(among, axis=0)
+    ordered, of_trial = values.ravel()[order], (order // robots).reshape(robots, trials)  # one block per row
+    in_block = np.array([np.bincount(block, minlength=trials) for block in of_trial], dtype=np.float64)
+    up_to_block = np.cumsum(in_block, axis=0)
     rows = np.arange(len(counts))
 
     def ranked(rank: int) -> Floats:
         low, high = np.zeros(len(counts), np.intp), np.full(len(counts), robots - 1)
         for _ in range(robots.bit_length()):
             middle = (low + high) // 2
-            beyond = np.einsum("ij,ij->i", counts, seen[middle]) > rank  # whole numbers: exact
+            beyond = np.einsum("ij,ij->i", counts, up_to_block[middle]) > rank  # whole numbers: exact
             low, high = np.where(beyond, low, middle + 1), np.where(beyond, middle, high)
-        before = np.einsum("ij,ij->i", counts, seen[low] - among[low])
+        before = np.einsum("ij,ij->i", counts, up_to_block[low] - in_block[low])
         within = np.cumsum(counts[rows[:, np.newaxis], of_trial[low]], axis=1)
         return np.asarray(ordered[low * trials + np.argmax(before[:, np.newaxis] + within > rank, axis=1)])
 
@@ -68,9 +69,9 @@ def means(values: Floats, counts: Floats) -> Floats:
 
 
 def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, float]:
-    """The value and its percentile interval: row 0 of a statistic (1 + resample,), and the middle of the others.
+    """The value of a statistic (1 + resample,), which is its row 0, and the percentile interval of the other rows.
 
-    NaN where any resample is NaN.
+    The interval is NaN if any resample is NaN.
     """
     tail = (1 - level) / 2
     low, high = np.quantile(statistic[1:], [tail, 1 - tail])
@@ -78,13 +79,13 @@ def interval(statistic: Floats, level: float = LEVEL) -> tuple[float, float, flo
 
 
 def share_interval(hits: int, tries: int) -> tuple[float, float, float]:
-    """The share hits / tries and its 95 % score interval, which says something of 30 in 30 too. Wilson, 1927."""
+    """The share hits / tries and its 95 % score interval, which has a width for 30 in 30 too. Wilson, 1927."""
     share, z2 = hits / tries, 1.959963984540054**2
     return share, _wilson(share, tries, z2, -1), _wilson(share, tries, z2, 1)
 
 
 class Estimate(NamedTuple):
-    """A statistic of trials, and the ends of its interval: NaN where too few trials, or none, tell."""
+    """A statistic of trials and the ends of its interval; NaN where there are too few trials."""
 
     value: float
     low: float
@@ -97,10 +98,10 @@ UNKNOWN = Estimate(math.nan, math.nan, math.nan)
 def estimate(values: Floats, statistic: str, share: bool = False, level: float = LEVEL) -> Estimate:
     """The "median" or "mean" over trials and robots of `values` (trial, robot), and its interval over trials.
 
-    With `share`, values are shares in [0, 1], or 0 and 1, and their mean is a proportion. No interval has the width 0:
-    where trials are equal, docs/intervals.md says what stands in for the spread that was not seen. The interval is NaN
-    for fewer than 6 trials and for an infinite mean, and the value too where one is missing. Time is O(n log n) and
-    memory O(n) for n values. Raises ValueError for another statistic.
+    With `share`, values are shares in [0, 1], and their mean is a proportion. No interval has width 0;
+    docs/intervals.md says what replaces the spread if all trials are equal. The interval is NaN for fewer than 6 trials
+    and for an infinite mean. If a value is missing, the statistic is NaN too. Time is O(n log n) and memory O(n) for n
+    values. Raises ValueError for another statistic.
     """
     if statistic not in ("median", "mean"):
         raise ValueError(f"statistic = {statistic!r}: should be 'median' or 'mean'")
@@ -116,21 +117,21 @@ def estimate(values: Floats, statistic: str, share: bool = False, level: float =
 
 
 def pooled(values: Floats) -> Floats | None:
-    """What (setting, trial, robot) holds of each trial that has been run, (trial, robots of all settings).
+    """The values (setting, trial, robot) of completed trials as (trial, robots of all settings).
 
-    Trial 7 of two settings shares what their addresses share, so that it counts once, with the robots of both. None
-    where nothing has been run, or some settings lack trials that others have.
+    The same trial of two settings shares random numbers, so it counts as one trial with the robots of both. None if no
+    trial is complete, or some settings lack trials that others have.
     """
-    found = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
-    there = ~np.isnan(found)
-    kept = found[np.ix_(there.any(axis=1), there.any(axis=0))]
+    by_trial = np.moveaxis(values, 1, 0).reshape(values.shape[1], -1)
+    known = ~np.isnan(by_trial)
+    kept = by_trial[np.ix_(known.any(axis=1), known.any(axis=0))]
     return kept if kept.size and not np.isnan(kept).any() else None
 
 
 def estimate_pooled(values: Floats, statistic: str, share: bool = False) -> Estimate:
-    """The statistic of all numbers of (setting, trial, robot), NaN left out, and its interval over trials.
+    """The statistic of all values (setting, trial, robot) that are not NaN, and its interval over trials.
 
-    The interval is NaN where settings lack trials that others have.
+    The interval is NaN if some settings lack trials that others have.
     """
     kept = pooled(values)
     if kept is not None:
@@ -142,11 +143,11 @@ def estimate_pooled(values: Floats, statistic: str, share: bool = False) -> Esti
 
 
 def expected_share(by_trial: Floats) -> float:
-    """The share to expect in trials to come, from its means by trial (trial,), where it had a part in choosing them.
+    """The share to expect in future trials, from the means per trial (trial,), corrected for selection by these trials.
 
-    It is (x + 1/2) / (n + 1) where x of n independent tries are right, the mean with Jeffreys's prior, and 1 where all
-    are. A time at which this reaches p has a share of p on average: docs/planning.md says why. It is of 6 trials or
-    more.
+    With x of n independent tries right, it is the mean (x + 1/2) / (n + 1) of the posterior with Jeffreys' prior, and 1
+    if all are right. A time chosen because this reaches p has a share of p on average; docs/planning.md says why. Needs
+    6 trials or more.
     """
     share = float(by_trial.mean())
     if share == 1.0:
@@ -156,31 +157,34 @@ def expected_share(by_trial: Floats) -> float:
 
 
 def _normal(level: float) -> float:
-    """How many standard errors to both sides hold the middle `level` of a normal distribution."""
+    """Half the width of an interval of probability `level` of a normal distribution, in standard errors."""
     return NormalDist().inv_cdf((1 + level) / 2)
 
 
 def student(trials: int, level: float) -> float:
-    """How many standard errors hold the middle `level` where the error is estimated from so many trials, 3 or more:
-    Student's t, to three digits. Gaver and Kafadar, 1984."""
+    """Half the width of an interval of probability `level` of Student's t, in standard errors, for 3 or more trials.
+
+    Correct to three digits. Gaver and Kafadar, 1984.
+    """
     freedom = trials - 1
     return math.sqrt(freedom * math.expm1(_normal(level) ** 2 * (freedom - 1.5) / (freedom - 1) ** 2))
 
 
 def _unseen(trials: int, level: float) -> float:
-    """The largest share of trials that may differ from the others and yet not be among so many."""
+    """The largest share of differing trials that may go unseen in `trials` trials at this level."""
     return -math.expm1(math.log1p(-level) / trials)
 
 
 def _equal(values: Floats) -> bool:
-    """Whether they differ by no more than rounding does."""
+    """Whether values differ only by rounding."""
     least, most = float(values.min()), float(values.max())
     return most - least <= ROUNDING * max(-least, most)
 
 
 def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
-    """Student's interval of the mean of (trial,), both ends moved by its skewness. Hall, 1992, "On the removal of
-    skewness by transformation", with Student's quantiles in place of the normal ones.
+    """Student's interval of the mean of (trial,), with both ends corrected for skewness.
+
+    Hall, 1992, "On the removal of skewness by transformation", with Student's quantiles in place of the normal ones.
     """
     trials, mean = len(by_trial), float(by_trial.mean())
     if _equal(by_trial):
@@ -189,11 +193,11 @@ def _mean_ends(by_trial: Floats, level: float) -> tuple[float, float]:
     error = float(by_trial.std(ddof=1)) / math.sqrt(trials)
     skew = float(((by_trial - mean) ** 3).mean() / by_trial.std() ** 3) / math.sqrt(trials)
 
-    def straight(errors: float) -> float:
+    def transformed(errors: float) -> float:
         return 3 / skew * (float(np.cbrt(1 + skew * (errors - skew / 6))) - 1) if abs(skew) > 1e-6 else errors
 
-    beyond = student(trials, level)
-    return mean - straight(beyond) * error, mean - straight(-beyond) * error
+    half = student(trials, level)
+    return mean - transformed(half) * error, mean - transformed(-half) * error
 
 
 def _wilson(share: float, tries: float, z2: float, side: int) -> float:
@@ -204,25 +208,27 @@ def _wilson(share: float, tries: float, z2: float, side: int) -> float:
 
 
 def tries_of(by_trial: Floats, level: float) -> float:
-    """How many independent tries tell as much of a share as its means by trial (trial,), no fewer than the trials.
+    """The number of independent tries that determine a share as well as its means per trial (trial,) do.
 
-    Robots that err together count as one try, those that err alone as one each: tries = trials / design effect,
-    the variance of a trial over that of a single try (Kish, 1965). That is known no better than the trials are many
-    that make up the variance, and is drawn to 1, its largest value, where these are few.
+    It is at least the number of trials: robots that all err together count as one try, robots that err independently as
+    one each. tries = trials / design effect, where the effect is the variance of a trial over that of a single try
+    (Kish, 1965). If only few trials contribute to the variance, the effect is uncertain and is shrunk towards 1, its
+    largest value.
     """
     trials, share = len(by_trial), float(by_trial.mean())
     if _equal(by_trial):
         return trials
     squares = (by_trial - share) ** 2
     total = float(squares.sum())
-    bearing = total**2 / float((squares**2).sum())  # so many trials of the mean square make up the variance
-    effect: float = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (bearing / (bearing + 1))
+    contributing = total**2 / float((squares**2).sum())  # the effective number of trials in the variance
+    effect: float = min(1.0, total / (trials - 1) / (share * (1 - share))) ** (contributing / (contributing + 1))
     return trials * max(1.0, (_normal(level) / student(trials, level)) ** 2 / effect)
 
 
 def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:
-    """Wilson's interval of the mean of a share (trial,), with both ends moved outwards for tries being whole and for
-    the skewness of their number (Cai, 2005): nearly the exact one of Clopper and Pearson, near 0 and 1 too.
+    """Wilson's interval of the mean of a share (trial,), with corrections for continuity and skewness (Cai, 2005).
+
+    It is nearly the exact interval of Clopper and Pearson, near 0 and 1 too.
     """
     share, tries, z2 = float(by_trial.mean()), tries_of(by_trial, level), _normal(level) ** 2
     lean = (z2 - 1) / 6 * (2 * share - 1)
@@ -232,7 +238,7 @@ def _share_ends(by_trial: Floats, level: float) -> tuple[float, float]:
 
 
 def _median_ends(values: Floats, level: float) -> tuple[float, float]:
-    """All m for which the shares of values below m, and up to m, are not clearly on one side of 1/2. Woodruff, 1952."""
+    """All m for which the shares of values below m and up to m do not differ clearly from 1/2. Woodruff, 1952."""
     ordered, z = np.sort(values, axis=None), _normal(level)
 
     def clearly_less(share: NDArray[np.bool_]) -> bool:
@@ -243,9 +249,8 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
     half = ordered.size // 2
     low = ordered[_first(0, half, lambda k: not clearly_less(values <= ordered[k]))]
     high = ordered[_first(half, ordered.size, lambda k: clearly_less(values >= ordered[k])) - 1]
-    if math.isfinite(high) and _equal(
-        np.array([low, high])
-    ):  # many values are equal: between them and the next ones nothing was seen
+    if math.isfinite(high) and _equal(np.array([low, high])):
+        # many values are equal, and the median may lie anywhere up to half way to the next ones
         gaps = np.abs(ordered - low)
         gaps = gaps[(gaps > ROUNDING * abs(low)) & np.isfinite(gaps)]
         room = gaps.min() / 2 if gaps.size else _unseen(len(values), level)
@@ -254,7 +259,7 @@ def _median_ends(values: Floats, level: float) -> tuple[float, float]:
 
 
 def _first(start: int, end: int, holds: Callable[[int], bool]) -> int:
-    """The first of start .. end - 1 for which something holds that goes on to hold; `end` if there is none."""
+    """The first of start .. end - 1 for which `holds`, which then holds for all later ones; `end` if there is none."""
     while start < end:
         middle = (start + end) // 2
         start, end = (start, middle) if holds(middle) else (middle + 1, end)

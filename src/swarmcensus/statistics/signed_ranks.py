@@ -1,8 +1,7 @@
-"""The paired signed-rank test of many pairs at once: exact with ties, zeros and infinities.
+"""The paired signed-rank test for many samples at once, exact also with ties, zeros and infinite values.
 
-Wilcoxon, "Individual comparisons by ranking methods", 1945; zeros as Pratt, "Remarks on zeros and ties in the Wilcoxon
-signed rank procedures", 1959; the rank-biserial correlation of matched pairs as Kerby, "The simple difference formula",
-2014.
+Wilcoxon, "Individual comparisons by ranking methods", 1945. Zeros: Pratt, "Remarks on zeros and ties in the Wilcoxon
+signed rank procedures", 1959. Matched rank-biserial correlation: Kerby, "The simple difference formula", 2014.
 """
 
 import math
@@ -14,18 +13,19 @@ from numpy.typing import NDArray
 
 from swarmcensus.statistics.intervals import ROUNDING
 
-EXACT = 64  # differences that are not 0, up to which p is exact; the count of sign patterns is then 2^64
-FEW_BITS = 2.0**30  # of a difference: those that agree to nine digits are tied, whatever rounding left of the others
+EXACT = 64  # p is exact up to this number of non-zero differences, for which there are 2^64 sign patterns
+KEPT_BITS = 2.0**30  # of a difference; differences that agree to nine digits are tied
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
 
 
 class SignedRanks(NamedTuple):
-    """What the signed-rank test says of differences, each array of the shape of all axes but the last.
+    """Results of the signed-rank test; each array has the shape of the differences without their last axis.
 
-    `below`, `equal` and `above` count the trials whose difference is less than 0, 0 and more; `balance` is the matched
-    rank-biserial correlation in [-1, 1], above 0 where differences mostly are, and 0 without any; `p` is two-sided.
+    `below`, `equal` and `above` count the trials whose difference is negative, zero and positive. `balance` is the
+    matched rank-biserial correlation in [-1, 1]: positive if differences mostly are, 0 if there are none. `p` is
+    two-sided.
     """
 
     below: Counts
@@ -35,28 +35,25 @@ class SignedRanks(NamedTuple):
     p: Floats
 
 
-def differences(one: Floats, other: Floats) -> Floats:
-    """What `one` exceeds `other` by, in each place: 0 where they differ by rounding or both are the same infinity.
-
-    NaN where either is.
-    """
+def differences(first: Floats, second: Floats) -> Floats:
+    """`first - second`: 0 where they differ by rounding or are the same infinity, NaN where either is NaN."""
     with np.errstate(invalid="ignore"):
-        off = one - other
-        alike = (one == other) | (np.abs(off) <= ROUNDING * np.maximum(np.abs(one), np.abs(other)))
-    alike &= (np.isfinite(one) & np.isfinite(other)) | (one == other)
-    return np.where(alike, 0.0, off)
+        difference = first - second
+        equal = (first == second) | (np.abs(difference) <= ROUNDING * np.maximum(np.abs(first), np.abs(second)))
+    equal &= (np.isfinite(first) & np.isfinite(second)) | (first == second)
+    return np.where(equal, 0.0, difference)
 
 
 def midranks(values: Floats) -> Floats:
-    """The ranks from 1 along the last axis; equal values share the mean of theirs, and NaN have NaN."""
+    """Ranks from 1 along the last axis; equal values share the mean of their ranks, and NaN has rank NaN."""
     order = np.argsort(values, axis=-1, kind="stable")
     ordered = np.take_along_axis(values, order, axis=-1)
-    new = np.ones(values.shape, np.bool_)
-    new[..., 1:] = ordered[..., 1:] != ordered[..., :-1]
+    starts = np.ones(values.shape, np.bool_)  # the first of equal values
+    starts[..., 1:] = ordered[..., 1:] != ordered[..., :-1]
     place = np.broadcast_to(np.arange(values.shape[-1]), values.shape)
-    first = np.maximum.accumulate(np.where(new, place, 0), axis=-1)
-    ends = np.ones(values.shape, np.bool_)
-    ends[..., :-1] = new[..., 1:]
+    first = np.maximum.accumulate(np.where(starts, place, 0), axis=-1)
+    ends = np.ones(values.shape, np.bool_)  # the last of equal values
+    ends[..., :-1] = starts[..., 1:]
     backwards = np.where(ends, place, values.shape[-1])[..., ::-1]
     last = np.minimum.accumulate(backwards, axis=-1)[..., ::-1]
     ranks = np.empty(values.shape)
@@ -65,17 +62,17 @@ def midranks(values: Floats) -> Floats:
 
 
 def signed_ranks(off: Floats) -> SignedRanks:
-    """The test that differences `off` (..., trial) are as likely above 0 as below, by as much; NaN are left out.
+    """The two-sided test that differences `off` (..., trial) are symmetric about 0; NaN is ignored.
 
-    The null hypothesis is that each difference might as well have had the other sign, as it might where two contenders
-    are exchangeable in every trial; p counts the sign patterns whose rank sums are as far apart as those seen, or
-    farther. Zeros are ranked and then left out (Pratt). Beyond 64 differences p is that of the normal distribution,
-    with a correction for continuity. Without a difference p is 1.
+    The null hypothesis is that the sign of each difference is random, as it is if two contenders are exchangeable in
+    every trial. The p-value is the share of sign patterns whose rank sums are at least as far apart as the observed
+    ones. Zeros are ranked and then dropped (Pratt). For more than 64 non-zero differences, the p-value is that of the
+    normal approximation with continuity correction. Without any difference it is 1.
     """
     flat = off.reshape(math.prod(off.shape[:-1]), off.shape[-1])
     mantissa, exponent = np.frexp(np.abs(flat))
-    sizes = np.ldexp(np.rint(mantissa * FEW_BITS), exponent)  # so that ties of decimal numbers stay ties
-    weights = np.rint(2 * np.nan_to_num(midranks(sizes))).astype(np.int64)  # whole: ranks may be halves
+    sizes = np.ldexp(np.rint(mantissa * KEPT_BITS), exponent)  # ties of decimal numbers stay ties
+    weights = np.rint(2 * np.nan_to_num(midranks(sizes))).astype(np.int64)  # twice the ranks, which may be halves
     weights[(flat == 0) | np.isnan(flat)] = 0
     above = np.where(flat > 0, weights, 0).sum(axis=1)
     total = weights.sum(axis=1)
@@ -88,29 +85,32 @@ def signed_ranks(off: Floats) -> SignedRanks:
 
 
 def _tails(weights: Counts, least: Counts) -> Floats:
-    """The chance that weights (row, trial), each taken or not by a coin's toss, add up to `least` (row,) or less."""
+    """The chance that a random subset of the weights (row, trial) of a row has a sum of `least` (row,) or less.
+
+    Each weight is in the subset with probability 1/2.
+    """
     tails = np.ones(len(weights))
     many = (weights > 0).sum(axis=1) > EXACT
     if many.any():
         middle, spread = weights[many].sum(axis=1) / 2, np.sqrt((weights[many] ** 2).sum(axis=1)) / 2
-        step = np.gcd.reduce(weights[many], axis=1) / 2  # half of what the sum moves by
+        step = np.gcd.reduce(weights[many], axis=1) / 2  # half the smallest step between sums
         z = np.minimum(least[many] + step - middle, 0.0) / spread
-        tails[many] = [NormalDist().cdf(one) for one in z.tolist()]
+        tails[many] = [NormalDist().cdf(score) for score in z.tolist()]
     few = np.flatnonzero(~many & (weights > 0).any(axis=1))
     if not few.size:
         return tails
-    kinds, which = np.unique(np.sort(weights[few], axis=1), axis=0, return_inverse=True)
+    distinct, which = np.unique(np.sort(weights[few], axis=1), axis=0, return_inverse=True)
     which = which.ravel()
-    by_kind = np.argsort(which, kind="stable")
-    starts = np.searchsorted(which[by_kind], np.arange(len(kinds) + 1))
-    for kind, row in enumerate(kinds):
-        mine = few[by_kind[starts[kind] : starts[kind + 1]]]
-        tails[mine] = _exact(row[row > 0], least[mine])
+    grouped = np.argsort(which, kind="stable")
+    starts = np.searchsorted(which[grouped], np.arange(len(distinct) + 1))
+    for k, row in enumerate(distinct):
+        rows = few[grouped[starts[k] : starts[k + 1]]]
+        tails[rows] = _exact(row[row > 0], least[rows])
     return tails
 
 
 def _exact(weights: Counts, least: Counts) -> Floats:
-    """The same of one row's weights, in rising order and none of them 0, for several sums."""
+    """`_tails` for one row of positive weights in rising order, and several sums `least`."""
     unit = int(np.gcd.reduce(weights))
     reach = int(least.max()) // unit + 1
     ways = np.zeros(reach)
