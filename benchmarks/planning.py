@@ -99,8 +99,8 @@ class Again(NamedTuple):
 
 def again(mission, row, trials, jobs):
     """Run it again."""
-    brain = next(one for one in mission.brains if one.told == row.brain)
-    lie = next((one for one in mission.lies if one.told == row.lie), None)
+    brain = next(one for one in mission.brains if one.label == row.brain)
+    lie = next((one for one in mission.lies if one.label == row.lie), None)
     case = Case(row.fill_ratio, lie)
 
     def shares(robots, minutes):

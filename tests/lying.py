@@ -85,4 +85,4 @@ def adversary_of(source, name="liar.py"):
 def worn(name, by="minimalistic", **parameters):
     """The brain of a shipped adversary and a brain."""
     used = brains.load(by) if isinstance(by, str) else by
-    return brains.worn(adversary.load(name).with_parameters(parameters), used)
+    return brains.lying_brain(adversary.load(name).with_parameters(parameters), used)

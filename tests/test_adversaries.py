@@ -193,7 +193,7 @@ def test_who_is_silent_is_silent_as_a_liar_too():
 
 def test_lies_stay_in_range_and_confidence_above_0():
     wild = adversary_of("def lie(me, x):\n    return 7.0 * x - 3.0\n\n\ndef boast(me, c):\n    return -c\n")
-    used = brains.worn(wild, brains.load("minimalistic"))
+    used = brains.lying_brain(wild, brains.load("minimalistic"))
     assert used.functions.broadcast(robot(used, 7, 10)) == (1.0, 0.0)
     assert used.functions.broadcast(robot(used, 3, 10)) == (0.0, 0.0)
 
@@ -210,7 +210,7 @@ def test_names_and_imports_of_both_do_not_clash():
         "def lie(it, x):\n    pi = it.n / OPTIONS_\n    return pi * seen(it, x) + it.said + floor(0.5)\n\n\n"
         "def plot(it):\n    it.t += 1.0\n    it.belief[0] = it.t\n    it.said = tau - tau\n"
     )
-    used = brains.worn(lies, brain(RICH.replace("me.", "me.") + "\n\n# liar_ honest_\n"))
+    used = brains.lying_brain(lies, brain(RICH.replace("me.", "me.") + "\n\n# liar_ honest_\n"))
     assert {"t", "liar__t", "liar__belief", "belief"} <= used.memory.keys()
     assert used.parameters == {"liar__n": 2.0}
     me = robot(used, 4, 4)
@@ -292,7 +292,7 @@ def test_what_is_no_adversary_is_told(source, said):
 def test_a_helper_may_be_called_as_a_written_function_is(name):
     """3 of 4 are black, and a quarter is told of 0.75, of a vote for 1, and of the last of four bins, 0.875."""
     lies = adversary_of(f"def {name}(x):\n    return x * 0.25\n\n\ndef lie(me, x):\n    return {name}(x)\n")
-    used = brains.worn(lies, brain(RICH))
+    used = brains.lying_brain(lies, brain(RICH))
     me = robot(used, 3, 4)
     _, x, vote, chosen, belief, sure, known, _ = used.functions.broadcast(me)
     assert (x, vote, chosen, sure, known) == (0.1875, 0.0, 0.0, 2.0, 0.375)
@@ -318,7 +318,7 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
     memory = "MEMORY = {"
     source = changed((memory, own + memory + '"own": 0.0, '), (fuse + "pass", f"{fuse}me.own = {use}"))
     lies = adversary_of(f"import math\n\n\ndef lie(me, x):\n    return {lie}\n")
-    used, honest = brains.worn(lies, brain(source)), brain(source)
+    used, honest = brains.lying_brain(lies, brain(source)), brain(source)
     me, other = robot(used, 3, 4), robot(honest, 3, 4)
     for one, mind in ((used, me), (honest, other)):
         one.functions.fuse(mind)
@@ -341,7 +341,7 @@ def test_constants_and_locals_are_as_they_were():
     """A name bound twice, one that a `match` binds in a function, and SUMS, which become empty."""
     constants = 'SUMS = ("seen",)\nK = 3.0\nJ = K\nK = 5.0\nMEMORY = {"seen": 0.0, "own": 0.0, '
     source = changed(("MEMORY = {", constants), ("def fuse(me):\n    pass", "def fuse(me):" + BOUND))
-    used = brains.worn(adversary.load("always-black"), brain(source))
+    used = brains.lying_brain(adversary.load("always-black"), brain(source))
     me = robot(used, 3, 4)
     used.functions.fuse(me)
     assert me.own == 4.0 + 30.0 + 100.0 + 5000.0

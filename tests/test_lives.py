@@ -209,7 +209,7 @@ def test_costs_are_foretold_by_how_much_there_is_to_do():
     )
     nanoseconds = [trials.seconds(s) / 1e6 * 1e9 for s in (scattered, ring, full)]
     assert nanoseconds == pytest.approx([13, 19, 19], abs=0.1)
-    one_by_one = replace(full.brain, says=full.brain.says._replace(sums=()))
+    one_by_one = replace(full.brain, contents=full.brain.contents._replace(sums=()))
     all_pairs = replace(full, link_success=0.5), replace(full, brain=one_by_one)
     assert [trials.seconds(s) for s in all_pairs] == pytest.approx([3.013] * 2, rel=0.01)
     assert trials.seconds(replace(ring, link_success=0.5)) == trials.seconds(ring)

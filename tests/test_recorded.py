@@ -146,7 +146,7 @@ def differences(study):
         failed = {(0, 0): str(error)}
     for k, setting in enumerate(settings):
         for trial in range(TRIALS):
-            where = f"{setting.brain.told}, {setting}, seed {study.seed}, trial {trial}: "
+            where = f"{setting.brain.label}, {setting}, seed {study.seed}, trial {trial}: "
             if (k, trial) in failed:
                 out += [where + one for one in _failing(study, setting, trial, failed[k, trial])]
             elif results is not None:

@@ -7,8 +7,8 @@ Must not know: how brains are compiled, worlds, studies.
 
 from swarmcensus.basics.safe_source import digest, read_source
 from swarmcensus.brains.adversary import Adversary
-from swarmcensus.brains.adversary_source import worn
-from swarmcensus.brains.brain import PLUGINS, Brain, find, load, parse, shipped, unread
+from swarmcensus.brains.adversary_source import lying_brain
+from swarmcensus.brains.brain import PLUGINS, Brain, find, load, parse, shipped, unloaded
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, TRACED
 from swarmcensus.brains.fields import Value, Vector, length, numbers, places, slots
 from swarmcensus.brains.syntax import BELIEFS
@@ -27,12 +27,12 @@ __all__ = [
     "find",
     "length",
     "load",
+    "lying_brain",
     "numbers",
     "parse",
     "places",
     "read_source",
     "shipped",
     "slots",
-    "unread",
-    "worn",
+    "unloaded",
 ]

@@ -12,9 +12,9 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains import syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
-from swarmcensus.brains.contract import functions_in, need
+from swarmcensus.brains.contract import functions_in, require
 from swarmcensus.brains.fields import Value, fields_of, length
-from swarmcensus.brains.program import UNREAD, Program
+from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
@@ -37,9 +37,9 @@ class Lies(NamedTuple):
 class Adversary(Program):
     """One adversary's file, found to keep its contract, with values of its parameters."""
 
-    what: ClassVar[str] = "adversary"
+    kind: ClassVar[str] = "adversary"
 
-    says: Lies = field(compare=False, repr=False)
+    contents: Lies = field(compare=False, repr=False)
 
 
 def load(name: str | Path, base: Path | None = None) -> Adversary:
@@ -59,10 +59,10 @@ def parse(source: str, name: str, path: Path) -> Adversary:
     return Adversary(name, path, source, says, safe_source.run(tree, "adversary", path))
 
 
-def unread(source: str, name: str, path: Path) -> Adversary:
+def unloaded(source: str, name: str, path: Path) -> Adversary:
     """An adversary of which nothing is run, and what it says is taken from its source. Raises InputError."""
     _, says = _checked(source, path)
-    return Adversary(name, path, source, says, types.ModuleType(UNREAD))
+    return Adversary(name, path, source, says, types.ModuleType(UNLOADED))
 
 
 def is_adversary(source: str) -> bool:
@@ -74,7 +74,7 @@ def is_adversary(source: str) -> bool:
     return "lie" in functions and not functions.keys() & OF_BRAINS.keys()
 
 
-def is_meant(name: str, base: Path | None) -> bool:
+def exists(name: str, base: Path | None) -> bool:
     """Whether a name, or the path of a file relative to `base`, is that of an adversary."""
     path = (base or Path()) / name
     if name not in PLUGINS.shipped and path.is_file():
@@ -84,7 +84,7 @@ def is_meant(name: str, base: Path | None) -> bool:
 
 def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
     """Raise InputError if `name`, expected to be a brain, is an adversary."""
-    if name in brains.shipped or not is_meant(name, base):
+    if name in brains.shipped or not exists(name, base):
         return
     if ((base or Path()) / name).is_file() or name not in brains:
         raise InputError(
@@ -106,17 +106,19 @@ def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     functions = syntax.functions_of(tree)
     for name in (*OF_BRAINS, *NOT_ITS_OWN):
-        need(name not in functions and name not in constants, f"{name} is the brain's that it wears, and not its own")
+        require(
+            name not in functions and name not in constants, f"{name} is the brain's that it wears, and not its own"
+        )
     found = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     taken = (*BELIEFS, *GIVEN_ON_ASKING)
     tables = {}
     for name, also in (("MEMORY", ()), ("PARAMETERS", ("file",))):
         given = constants.get(name, {})
-        need(isinstance(given, dict), f'{name} should be a dict such as {{"rounds": 0.0}}')
+        require(isinstance(given, dict), f'{name} should be a dict such as {{"rounds": 0.0}}')
         tables[name] = fields_of(given, name, (*taken, *also))
     memory, parameters = tables["MEMORY"], tables["PARAMETERS"]
     for name in parameters:
-        need(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: what changes is no parameter")
+        require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: what changes is no parameter")
     syntax.check_returns(functions, TELL)
     held, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
     syntax.check(tree, held, given, (), "lie", TELL, LUCKY)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.safe_source import names_set_by
 from swarmcensus.brains.adversary import Adversary
-from swarmcensus.brains.brain import Brain, parse, unread
+from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
 from swarmcensus.brains.syntax import GIVEN_ON_ASKING
 
@@ -72,16 +72,16 @@ def {worn}pooled(information, confidence, parts):
 }
 
 
-def worn(adversary: Adversary, brain: Brain) -> Brain:
+def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
     """The brain of a robot that lies in a swarm of `brain`. Raises ValueError where the two do not go together."""
-    return _worn(adversary, brain, adversary.is_read and brain.is_read)
+    return _lying_brain(adversary, brain, adversary.is_loaded and brain.is_loaded)
 
 
 @functools.lru_cache(maxsize=256)
-def _worn(adversary: Adversary, brain: Brain, read: bool) -> Brain:
+def _lying_brain(adversary: Adversary, brain: Brain, read: bool) -> Brain:
     """The same; files that were read and files that were not are equal otherwise."""
-    own = {_names(adversary, brain).own + name: value for name, value in adversary.given}
-    return _made(adversary.as_written, brain.as_written, read).with_parameters(dict(brain.given) | own)
+    own = {_names(adversary, brain).own + name: value for name, value in adversary.overrides}
+    return _made(adversary.as_written, brain.as_written, read).with_parameters(dict(brain.overrides) | own)
 
 
 @functools.lru_cache(maxsize=256)
@@ -100,7 +100,7 @@ def _made(adversary: Adversary, brain: Brain, read: bool) -> Brain:
     try:
         source = source_of(adversary, brain, fields)
         if not read:
-            return unread(adversary.name, source)
+            return unloaded(adversary.name, source)
         linecache.cache[str(path)] = (len(source), None, source.splitlines(keepends=True), str(path))
         return parse(source, adversary.name, path)
     except InputError as error:
@@ -117,13 +117,16 @@ def _names(adversary: Adversary, brain: Brain) -> Names:
 
 def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
     """Both as one source. Raises InputError."""
-    names, has = _names(adversary, brain), adversary.says.functions
+    names, has = _names(adversary, brain), adversary.contents.functions
     tree, lies = ast.parse(brain.source), ast.parse(adversary.source)
     for given in GIVEN_ON_ASKING:
-        if given in {*brain.memory, *brain.says.parameters} and speaks_of(lies, given):
+        if given in {*brain.memory, *brain.contents.parameters} and speaks_of(lies, given):
             raise InputError(f"it asks for me.{given}, and the brain has a field of its own of this name")
-    own = ({names.own + k: v for k, v in table.items()} for table in (adversary.says.memory, adversary.says.parameters))
-    memory, parameters = (a | b for a, b in zip((brain.memory, brain.says.parameters), own, strict=True))
+    own = (
+        {names.own + k: v for k, v in table.items()}
+        for table in (adversary.contents.memory, adversary.contents.parameters)
+    )
+    memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
     altered = {"broadcast", *(made for made, by in ALTERED_BY.items() if by in has)}
     kept = {*FUNCTIONS, *MAY_HAVE, *CONSTANTS} - altered - {*ANEW}
     constants = [f"MEMORY = {memory!r}", *([f"PARAMETERS = {parameters!r}"] if parameters else [])]
@@ -133,7 +136,11 @@ def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
         "\n".join(constants),
         renamed(tree, names.honest, kept, anew=ANEW),
         renamed(
-            lies, names.own, (), fields_of_liar(names.own, {*adversary.says.memory, *adversary.says.parameters}), ANEW
+            lies,
+            names.own,
+            (),
+            fields_of_liar(names.own, {*adversary.contents.memory, *adversary.contents.parameters}),
+            ANEW,
         ),
         functions_source(fields, has, names, brain.options, brain.uses.silence),
     ]

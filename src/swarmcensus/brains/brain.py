@@ -13,7 +13,7 @@ from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import Contents, contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
-from swarmcensus.brains.program import UNREAD, Program
+from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
@@ -24,74 +24,74 @@ BYTES_A_NUMBER = 4  # on the robot
 class Brain(Program):
     """One brain file, read and found to keep the contract, with values of its parameters."""
 
-    what: ClassVar[str] = "brain"
+    kind: ClassVar[str] = "brain"
 
-    says: Contents = field(compare=False, repr=False)
+    contents: Contents = field(compare=False, repr=False)
 
     @property
     def memory(self) -> dict[str, Value]:
         """Every field that a robot remembers, and its value before the first observation."""
-        return self.says.memory
+        return self.contents.memory
 
     @property
     def message(self) -> dict[str, int]:
         """What a robot says, and how long each vector of it is; 0 for a number."""
-        return self.says.message
+        return self.contents.message
 
     @property
     def sums(self) -> tuple[str, ...]:
         """The fields to which `receive` only adds what depends on the message alone."""
-        return self.says.sums
+        return self.contents.sums
 
     @property
     def options(self) -> int:
         """Among how many options it decides: white and black, or bins of the fill ratio."""
-        return self.says.options
+        return self.contents.options
 
     @property
     def roles(self) -> dict[str, str]:
         """What fields of its message mean, as far as that is known: see `contract.ROLES`."""
-        return self.says.roles
+        return self.contents.roles
 
     @property
     def is_opinion(self) -> bool:
         """Whether its estimate is a mere opinion, 0 or 1, which no error should be taken of."""
-        return self.says.opinion
+        return self.contents.opinion
 
     @property
     def is_oracle(self) -> bool:
         """Whether it is a bound: it hears every robot whatever the network, and believes in the true accuracies."""
-        return self.says.oracle
+        return self.contents.oracle
 
     @property
     def uses(self) -> Uses:
         """Which parts of the contract's second edition it asks for."""
-        return self.says.uses
+        return self.contents.uses
 
     @property
     def steers(self) -> bool:
         """Whether it says where its robot goes: such a walk depends on the brain."""
-        return "steer" in self.says.functions
+        return "steer" in self.contents.functions
 
     @property
     def decides(self) -> bool:
         """Whether it decides for an option."""
-        return "decide" in self.says.functions
+        return "decide" in self.contents.functions
 
     @property
     def jams(self) -> bool:
         """Whether it may drown what others say."""
-        return "jam" in self.says.functions
+        return "jam" in self.contents.functions
 
     @property
     def ends(self) -> bool:
         """Whether it says when it has seen enough."""
-        return "done" in self.says.functions
+        return "done" in self.contents.functions
 
     @property
     def has_interval(self) -> bool:
         """Whether it says between which two numbers it believes the fill ratio to lie."""
-        return "interval" in self.says.functions
+        return "interval" in self.contents.functions
 
     @functools.cached_property
     def lengths(self) -> dict[str, int]:
@@ -161,10 +161,10 @@ def _read(source: str, path: Path) -> tuple[ast.Module, Contents]:
     return tree, contents(tree, constants, path)
 
 
-def unread(name: str, source: str) -> Brain:
+def unloaded(name: str, source: str) -> Brain:
     """A brain of which nothing is run, and what it says is taken from its source, where that keeps the contract."""
     try:
         _, says = _read(source, Path(name))
     except InputError:
         says = Contents({}, {}, (), {}, 2, Uses(frozenset(), False, False), frozenset(), {}, False, False)
-    return Brain(name, Path(name), source, says, types.ModuleType(UNREAD))
+    return Brain(name, Path(name), source, says, types.ModuleType(UNLOADED))

@@ -54,7 +54,7 @@ def contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Cont
         raise InputError(f"brain file {path}: {wrong}") from None
 
 
-def need(holds: bool, what: str) -> None:
+def require(holds: bool, what: str) -> None:
     """Raise ValueError where something does not hold."""
     if not holds:
         raise ValueError(what)
@@ -68,33 +68,33 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     lengths = {name: length(value) for name, value in fields.items()}
     message = _message(constants.get("MESSAGE"), lengths)
     sums = constants.get("SUMS", ())
-    need(_are_names(sums), "SUMS is a tuple of MEMORY names")
-    need(len(set(sums)) == len(sums), "SUMS names a field twice")
+    require(_are_names(sums), "SUMS is a tuple of MEMORY names")
+    require(len(set(sums)) == len(sums), "SUMS names a field twice")
     for key in sums:
-        need(key in fields, f"SUMS names {key!r}, which is not in MEMORY")
+        require(key in fields, f"SUMS names {key!r}, which is not in MEMORY")
     parameters = constants.get("PARAMETERS", {})
-    need(isinstance(parameters, dict), 'PARAMETERS should be a dict such as {"prior": 10.0}')
+    require(isinstance(parameters, dict), 'PARAMETERS should be a dict such as {"prior": 10.0}')
     given = fields_of(parameters, "PARAMETERS", (*BELIEFS, *syntax.GIVEN_ON_ASKING, "file"))
     for key in given:
-        need(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: what changes is no parameter")
+        require(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: what changes is no parameter")
     options = constants.get("OPTIONS", 2)
     whole = isinstance(options, int) and not isinstance(options, bool)
-    need(
+    require(
         whole and 2 <= options <= MOST_OPTIONS,
         f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS:,} (bins)",
     )
     functions = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
-    need("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
-    need(not (sums and "jam" in functions), "SUMS goes without jam: where noise is, messages are heard one by one")
+    require("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
+    require(not (sums and "jam" in functions), "SUMS goes without jam: where noise is, messages are heard one by one")
     syntax.check_decisions(tree, options)
     syntax.check_interval(tree)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
     uses = syntax.uses(tree, (*fields, *given))
     opinion = constants.get("OPINION", False)
-    need(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
+    require(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
     oracle = constants.get("ORACLE", False)
-    need(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
-    need(bool(sums) or not oracle, "an ORACLE hears all robots at once, and so has SUMS")
+    require(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
+    require(bool(sums) or not oracle, "an ORACLE hears all robots at once, and so has SUMS")
     roles = _roles(constants.get("ROLES"), message)
     return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle)
 
@@ -104,19 +104,19 @@ def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
     if given is None:
         usual = {name: role for role, names in ROLES.items() for name in names}
         return {name: usual[name] for name in message if name in usual}
-    need(isinstance(given, dict), 'ROLES should be a dict such as {"x_hat": "estimate"}')
+    require(isinstance(given, dict), 'ROLES should be a dict such as {"x_hat": "estimate"}')
     for name, role in given.items():
-        need(name in message, f"ROLES names {name!r}, which is not in MESSAGE")
-        need(role in ROLES, f"ROLES[{name!r}] = {role!r}: should be one of {', '.join(ROLES)}")
+        require(name in message, f"ROLES names {name!r}, which is not in MESSAGE")
+        require(role in ROLES, f"ROLES[{name!r}] = {role!r}: should be one of {', '.join(ROLES)}")
     for name, role in given.items():
         fits = role in ("information", "confidence") or (role == "belief") == bool(message[name])
-        need(fits, f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
+        require(fits, f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
     needs = "information" in given.values() and "confidence" not in given.values()
-    need(not needs, "ROLES names an information, which is a confidence times an estimate, and no confidence")
+    require(not needs, "ROLES names an information, which is a confidence times an estimate, and no confidence")
     for name in (name for name, role in given.items() if role == "information"):
         other = confidence_of(name, list(message), given)
         alike = message[name] == message[other]
-        need(alike, f"ROLES: the information {name!r} and its confidence {other!r} should be of one length")
+        require(alike, f"ROLES: the information {name!r} and its confidence {other!r} should be of one length")
     return dict(given)
 
 
@@ -129,14 +129,14 @@ def confidence_of(name: str, message: Sequence[str], roles: Mapping[str, str]) -
 def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
     """What a message holds: names, of which those of vectors in MEMORY are as long as there, or a dict as MEMORY is."""
     if isinstance(given, dict):
-        need(bool(given), "MESSAGE is empty")
+        require(bool(given), "MESSAGE is empty")
         return {name: length(value) for name, value in fields_of(given, "MESSAGE", ()).items()}
     if isinstance(given, str):
         raise ValueError(f"MESSAGE is {given!r}, a text: a tuple of one name is ({given!r},)")
     example = 'MESSAGE is missing: a tuple of names such as ("x_hat", "alpha")'
-    need(_are_names(given) and bool(given), example)
+    require(_are_names(given) and bool(given), example)
     twice = [name for name in given if list(given).count(name) > 1 and memory.get(name)]
-    need(not twice, f"MESSAGE names {', '.join(twice[:1])!r} twice")
+    require(not twice, f"MESSAGE names {', '.join(twice[:1])!r} twice")
     return {_unlike(name, given[:k]): memory.get(name, 0) for k, name in enumerate(given)}
 
 
@@ -155,12 +155,12 @@ def functions_in(
     """Which functions of `may` a file has; it has those of `must`, with so many arguments. Raises ValueError."""
     functions = {node.name: node.args for node in tree.body if isinstance(node, ast.FunctionDef)}
     for name, arity in {**must, **may}.items():
-        need(name not in constants, f"{name} is {constants.get(name)!r}, not a function")
+        require(name not in constants, f"{name} is {constants.get(name)!r}, not a function")
         if name not in functions:
-            need(name in may, f"the function {name} is missing")
+            require(name in may, f"the function {name} is missing")
             continue
         found = len(functions[name].posonlyargs) + len(functions[name].args)
-        need(found == arity and not functions[name].kwonlyargs, f"{name} takes {found} arguments: {arity} are right")
+        require(found == arity and not functions[name].kwonlyargs, f"{name} takes {found} arguments: {arity} are right")
     for name in syntax.never_called(tree):
         if name not in (*must, *may) and (meant := _meant(name, may)):
             raise ValueError(f"the function {name} is called by nobody: did you mean {meant!r}?")

@@ -11,26 +11,26 @@ from swarmcensus.basics import safe_source
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains.fields import Value, length, value_of
 
-UNREAD = "unread"
+UNLOADED = "unloaded"
 
 
 @dataclass(frozen=True)
 class Program:
     """One file, found to keep its contract, with values of its parameters."""
 
-    what: ClassVar[str]  # in messages: "brain"
+    kind: ClassVar[str]  # in messages: "brain"
 
     name: str  # a shipped one's name, or the file's path as the user gave it
     path: Path
     source: str
-    says: Any = field(compare=False, repr=False)  # what it says beside its functions
+    contents: Any = field(compare=False, repr=False)  # what it says beside its functions
     functions: types.ModuleType = field(compare=False, repr=False)  # the file itself, run by CPython
-    given: tuple[tuple[str, Value], ...] = ()  # parameters that are not as the file says
+    overrides: tuple[tuple[str, Value], ...] = ()  # parameters that are not as the file says
 
     @functools.cached_property
     def parameters(self) -> dict[str, Value]:
         """Its parameters' values here."""
-        found: dict[str, Value] = self.says.parameters | dict(self.given)
+        found: dict[str, Value] = self.contents.parameters | dict(self.overrides)
         return found
 
     @functools.cached_property
@@ -39,36 +39,36 @@ class Program:
         return safe_source.digest(self.source)
 
     @property
-    def is_read(self) -> bool:
+    def is_loaded(self) -> bool:
         """Whether there are functions that can be called."""
-        return self.functions.__name__ != UNREAD
+        return self.functions.__name__ != UNLOADED
 
     @property
-    def told(self) -> str:
+    def label(self) -> str:
         """Its name, and the parameters that are not as the file says."""
-        return " ".join([self.name, *(f"{name}={value}" for name, value in self.given)])
+        return " ".join([self.name, *(f"{name}={value}" for name, value in self.overrides)])
 
     @property
     def as_written(self) -> Self:
         """The same with the file's own parameters: machine code is the same for all."""
-        return replace(self, given=()) if self.given else self
+        return replace(self, overrides=()) if self.overrides else self
 
     def with_parameters(self, values: Mapping[str, object]) -> Self:
         """The same with other values of some parameters. Raises ValueError, naming the key and the value."""
-        given = dict(self.given)
+        given = dict(self.overrides)
         for name, value in values.items():
-            own = self.says.parameters
+            own = self.contents.parameters
             if name not in own:
                 known = f"{did_you_mean(name, own)}it has {', '.join(own)}" if own else "it has none"
-                raise ValueError(f"the {self.what} {self.name!r} has no parameter {name!r}: {known}")
+                raise ValueError(f"the {self.kind} {self.name!r} has no parameter {name!r}: {known}")
             try:
                 found = value_of(value)
                 if length(found) != length(own[name]):
                     asked = f"a vector of {length(own[name])}" if length(own[name]) else "a number"
-                    raise ValueError(f"the {self.what} {self.name!r} asks for {asked}")
+                    raise ValueError(f"the {self.kind} {self.name!r} asks for {asked}")
             except ValueError as error:
                 shown = list(value) if isinstance(value, tuple) else value
                 raise ValueError(f"{name} = {shown!r}: {error}") from None
             given[name] = found
-        other = {name: value for name, value in given.items() if value != self.says.parameters[name]}
-        return replace(self, given=tuple(sorted(other.items())))
+        other = {name: value for name, value in given.items() if value != self.contents.parameters[name]}
+        return replace(self, overrides=tuple(sorted(other.items())))

@@ -197,10 +197,10 @@ def _rows(kind: str) -> Iterator[tuple[str, str, str, str]]:
             text = (ast.get_docstring(tree) or "").partition("\n")[0]
             keys = ", ".join(_keys(tree, (*MAKERS, name.replace("-", "_"))))
             if kind == "brains":
-                brain = brains.unread(name, source)
+                brain = brains.unloaded(name, source)
                 keys, text = ", ".join(brain.parameters), text + " Not anonymous." * brain.uses.name
             if kind == "adversaries":
-                keys = ", ".join(adversary.unread(source, name, plugins.path(name)).parameters)
+                keys = ", ".join(adversary.unloaded(source, name, plugins.path(name)).parameters)
         except (InputError, OSError, ValueError, SyntaxError) as error:
             text = f"cannot be read: {error}"
         yield name, keys, text, plugins.provider(name)

@@ -45,7 +45,7 @@ def _world(found: Plan) -> str:
     if known.failing:
         parts.append(f"{100 * known.failing:g} % of robots fail")
     if known.lying:
-        parts.append(f"{100 * known.lying:g} % lie ({', '.join(lie.told for lie in mission.lies)})")
+        parts.append(f"{100 * known.lying:g} % lie ({', '.join(lie.label for lie in mission.lies)})")
     moving = [world for world in mission.worlds if world.moves]
     if not moving:
         return ", ".join(parts)

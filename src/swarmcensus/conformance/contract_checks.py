@@ -58,7 +58,7 @@ def _decides(brain: Brain) -> None:
                     f"{at(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to {most} "
                     f"({where})"
                 )
-        for name in {"done", "jam"} & brain.says.functions:
+        for name in {"done", "jam"} & brain.contents.functions:
             if not isinstance(said := call(brain, where, name, me), bool | int | float):
                 raise Fault(f"{at(brain, name)} gives {said!r}, neither True nor False ({where})")
 
@@ -114,7 +114,7 @@ def asked_of(brain: Brain) -> tuple[str, ...]:
     return (
         "broadcast",
         "estimate",
-        *(name for name in ("steer", "decide", "done", "interval", "jam") if name in brain.says.functions),
+        *(name for name in ("steer", "decide", "done", "interval", "jam") if name in brain.contents.functions),
     )
 
 

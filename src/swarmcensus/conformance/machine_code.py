@@ -153,7 +153,7 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
 
         return one
 
-    more = [name for name in ("decide", "done", "interval", "jam") if name in brain.says.functions]
+    more = [name for name in ("decide", "done", "interval", "jam") if name in brain.contents.functions]
     functions = types.SimpleNamespace(**{name: told(name) for name in (*FUNCTIONS, *more)})
     alike = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
     robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **alike)

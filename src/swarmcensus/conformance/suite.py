@@ -66,7 +66,7 @@ class Mismatch(InputError):
 
 def subject(path: str | Path, wearing: str = "") -> brains.Brain:
     """The brain of a name or file, or that of an adversary which is `wearing` one. Raises InputError."""
-    if str(path) in brains.PLUGINS or not adversary.is_meant(str(path), None):
+    if str(path) in brains.PLUGINS or not adversary.exists(str(path), None):
         if wearing:
             raise InputError(f"--wearing {wearing}: {path} is a brain, and it is adversaries that wear one")
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
@@ -75,7 +75,7 @@ def subject(path: str | Path, wearing: str = "") -> brains.Brain:
         return brains.load(path)
     lies, brain = adversary.load(path), brains.load(wearing or USUAL)
     try:
-        return brains.worn(lies, brain)
+        return brains.lying_brain(lies, brain)
     except ValueError as error:
         raise Mismatch(str(error)) from None
 

@@ -168,7 +168,7 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
         functions="\n".join(
             [f"{name} = brain.{name}" for name in FUNCTIONS]
             + [
-                f"{name} = " + (f"brain.{name}" if name in brain.says.functions else f"compiled({otherwise})")
+                f"{name} = " + (f"brain.{name}" if name in brain.contents.functions else f"compiled({otherwise})")
                 for name, otherwise in OTHERWISE.items()
             ]
             + ["jam = brain.jam"] * brain.jams

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.basics.bins import right_bin
-from swarmcensus.brains import Adversary, worn
+from swarmcensus.brains import Adversary, lying_brain
 from swarmcensus.worlds.sensors import Accuracy
 
 POINTS = 51  # of the range of fill ratios that are looked at
@@ -86,8 +86,8 @@ def check_wishes(mission: Any) -> None:
             raise ValueError(f"free.brain = {brain.name!r}: its robots have opinions of 0 or 1: right goes with it")
     for key, values in (
         ("known.accuracy", known.accuracy),
-        ("known.lie", [lie.told for lie in known.lie or ()]),
-        ("free.brain", [brain.told for brain in mission.brains]),
+        ("known.lie", [lie.label for lie in known.lie or ()]),
+        ("free.brain", [brain.label for brain in mission.brains]),
         ("free.topology", free.topology),
         ("free.density", free.density or ()),
     ):
@@ -145,6 +145,6 @@ def check_liars(mission: Any) -> None:
     for brain in mission.brains if known.lying else ():
         for lie in mission.lies if not brain.is_oracle else ():
             try:
-                worn(lie, brain)
+                lying_brain(lie, brain)
             except ValueError as error:
-                raise ValueError(f"known.lie = {lie.told!r}: {error}") from None
+                raise ValueError(f"known.lie = {lie.label!r}: {error}") from None

@@ -57,7 +57,7 @@ def row_of(mission: Mission, brain: str, robots: int, minutes: float, theory: St
 
 def of_case(row: Row, curve: Curve) -> Row:
     """The row with the case and the trials that a curve is of."""
-    lie = None if curve.case.lie is None else curve.case.lie.told
+    lie = None if curve.case.lie is None else curve.case.lie.label
     return replace(row, fill_ratio=curve.case.fill_ratio, lie=lie, trials=curve.shares.shape[1])
 
 

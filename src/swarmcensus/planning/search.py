@@ -146,7 +146,7 @@ class Search:
         found = curves(mission, study, self.jobs, show)
         self.so_far = ended
         for one in found:
-            lie = f" among {one.case.lie.told}" if one.case.lie else ""
+            lie = f" among {one.case.lie.label}" if one.case.lie else ""
             right = f"{100 * one.at(-1).value:.1f} % of {counted(robots, 'robot')} are right after {minutes:.3g} min"
             LOG.debug("%s, f = %g%s: %s, in %s trials", one.brain, one.case.fill_ratio, lie, right, study.trials)
         return found

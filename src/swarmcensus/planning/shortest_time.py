@@ -78,7 +78,7 @@ def shortest(search: Search, robots: int) -> list[Row]:
         return _confirmed(search, robots, start, _first_look(search, robots, start, most), most)
     except TooLong:
         told = start.minutes(mission)
-        return [row_of(mission, brain.told, robots, told.mixed, told) for brain in mission.brains]
+        return [row_of(mission, brain.label, robots, told.mixed, told) for brain in mission.brains]
 
 
 def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[str, Look]:
@@ -89,11 +89,11 @@ def _first_look(search: Search, robots: int, start: Start, most: int) -> dict[st
     while left:
         every = search.run(robots, left, cases, times_until(start.pooled / 2, last, robots), FEWEST_TRIALS)
         for brain in list(left):
-            look = _look(search, [curve for curve in every if curve.brain == brain.told], last)
+            look = _look(search, [curve for curve in every if curve.brain == brain.label], last)
             if look.rounds <= last or last == most:
-                found[brain.told] = look
+                found[brain.label] = look
                 left.remove(brain)
-        slow = {case for brain in left for case in _longer(search, [c for c in every if c.brain == brain.told])}
+        slow = {case for brain in left for case in _longer(search, [c for c in every if c.brain == brain.label])}
         cases, last = [case for case in cases if case in slow], min(most, 2 * last)
     return found
 
@@ -125,17 +125,17 @@ def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look
     """A row for each brain, from as many trials as were asked, run long enough for the intervals of their times."""
     mission, told = search.mission, start.minutes(search.mission)
     rows = {name: _row(mission, look.never, None, robots, told) for name, look in looked.items() if look.never}
-    brains = [brain for brain in mission.brains if brain.told not in rows]
+    brains = [brain for brain in mission.brains if brain.label not in rows]
     if not brains:
         return list(rows.values())
-    hopeful = [looked[brain.told] for brain in brains]
+    hopeful = [looked[brain.label] for brain in brains]
     cases = [case for case in search.cases if any(case in look.cases for look in hopeful)]
     soon: float = min(look.rounds for look in hopeful)
     last = min(most, max(LEAST, int(LONGER * max(look.rounds for look in hopeful))))
     while True:
         times = times_until(soon / 2.0, last, robots)
         every = search.run(robots, brains, cases, times, mission.trials)
-        mine = {brain.told: [curve for curve in every if curve.brain == brain.told] for brain in brains}
+        mine = {brain.label: [curve for curve in every if curve.brain == brain.label] for brain in brains}
         found = {name: _slowest(curves, mission.wanted.confidence) for name, curves in mine.items()}
         early = any(one is not None and 1 < one.rounds == times[0] for _, one in found.values())
         late = last < most and any(one is None or one.high is None for _, one in found.values())
@@ -143,7 +143,7 @@ def _confirmed(search: Search, robots: int, start: Start, looked: dict[str, Look
             break
         soon, last = (soon / 2 if early else soon), (min(most, int(LONGER * last)) if late else last)
     rows |= {name: _row(mission, *one, robots, told) for name, one in found.items()}
-    return [rows[brain.told] for brain in mission.brains]
+    return [rows[brain.label] for brain in mission.brains]
 
 
 def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached | None]:

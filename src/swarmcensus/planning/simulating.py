@@ -119,7 +119,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list
         shares = _of_working(setting, study.seed, right)
         lies = next((member.brain for member in setting.members), None)
         assert not isinstance(lies, Brain)
-        found.append(Curve(setting.brain.told, Case(setting.fill_ratio, lies), study.checkpoints, shares))
+        found.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
     return found
 
 

@@ -108,7 +108,7 @@ def _fresh(search: Search, brain: Brain, row: Row) -> Row:
 
     Trials in which a size looked good enough by chance are among those that choose it, so that their share is too high.
     """
-    mission, [case, *_] = search.mission, search.worst[brain.told]
+    mission, [case, *_] = search.mission, search.worst[brain.label]
     [curve] = search.run(row.robots, [brain], [case], [mission.rounds(row.minutes)], mission.trials, fresh=True)
     share = curve.at(0)
     return replace(row, share=share, answer="reached" if share.high >= mission.wanted.confidence else "not reached")
@@ -120,13 +120,13 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     Few trials have an interval of a level at which they decide. Where the answer chooses a size, it goes by the share
     to expect in other trials.
     """
-    mission, before = search.mission, search.worst.get(brain.told, search.cases)
+    mission, before = search.mission, search.worst.get(brain.label, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (confirmed(before), mission.trials)
     every = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
     every.sort(key=lambda one: float(one.shares.mean()))  # ties stay in the order of sizes before
     curve = every[0]
     left = [one.case for one in every if one.at(0).low <= curve.at(0).high]
-    search.worst[brain.told] = left + [case for case in before if case not in cases]
+    search.worst[brain.label] = left + [case for case in before if case not in cases]
     share = curve.at(0, SURE if few else LEVEL)
     if chosen:
         share = share._replace(value=curve.expected(0))
@@ -136,4 +136,4 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
 
 def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     theory = search.start(robots).minutes(search.mission)
-    return row_of(search.mission, brain.told, robots, minutes, theory)
+    return row_of(search.mission, brain.label, robots, minutes, theory)

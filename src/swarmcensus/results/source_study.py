@@ -67,7 +67,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}
     for path in [brain] if isinstance(brain, str | Path) else brain or ():
-        place = adversary.find(path) if adversary.is_meant(str(path), None) else brains.find(path)
+        place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
         given = brains.read_source("brain", place)
         names, theirs = (
             [n for n, s in some.items() if s["sha256"] == brains.digest(given)] for some in (sources, lying)
@@ -81,11 +81,11 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         liars |= {n: adversary.parse(given, n, place) for n in theirs}
     for name, source in sources.items():
         if name not in known and not (run and name in brains.PLUGINS):
-            known[name] = (run and _found(name, source["source"])) or brains.unread(name, source["source"])
+            known[name] = (run and _found(name, source["source"])) or brains.unloaded(name, source["source"])
     for name, source in lying.items():
         if name not in liars and not (run and name in adversary.PLUGINS):
             here = run and _lies_here("adversary", name, source["source"])
-            liars[name] = (adversary.parse if here else adversary.unread)(source["source"], name, Path(name))
+            liars[name] = (adversary.parse if here else adversary.unloaded)(source["source"], name, Path(name))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
     watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
@@ -100,7 +100,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         for before, now in ((sources, study.brains), (lying, study.adversaries)):
             for used in now:
                 if used.sha256 != before.get(used.name, {}).get("sha256"):
-                    raise InputError(f"{used.what} {used.name!r}: its source has changed since these results were made")
+                    raise InputError(f"{used.kind} {used.name!r}: its source has changed since these results were made")
     return studies
 
 
@@ -132,9 +132,9 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
 def must_be_read(setting: Setting) -> None:
     """Raise InputError for a brain or adversary file that was neither given nor found."""
     theirs = (member.brain for member in setting.members if member.brain)
-    for one in (one for one in (setting.brain, *theirs) if not one.is_read):
+    for one in (one for one in (setting.brain, *theirs) if not one.is_loaded):
         raise InputError(
-            f"the {one.what} {one.name!r} is a file. Files named in results are run only if they lie below the current "
+            f"the {one.kind} {one.name!r} is a file. Files named in results are run only if they lie below the current "
             f"folder, unchanged: give it with {option('brain')}, as it was"
         )
 

@@ -125,4 +125,4 @@ def _log_if_complete(state: State, number: int) -> None:
     done = int(state.values.finished()[number, state.share].sum())
     if done == wanted:
         setting = state.settings[number]
-        LOG.debug("setting %s: %s trials done: %s, %s", number, f"{done:,}", setting.brain.told, setting)
+        LOG.debug("setting %s: %s trials done: %s, %s", number, f"{done:,}", setting.brain.label, setting)

@@ -97,7 +97,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
             one.functions.fuse(me)
             one.functions.estimate(me)
             for name in ("decide", "done", *(["interval"] if tick in checkpoints else [])):
-                if name in one.says.functions:
+                if name in one.contents.functions:
                     getattr(one.functions, name)(me)
             if one.steers and setting.body:
                 oracle.give(one, me, steered, i)

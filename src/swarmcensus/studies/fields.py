@@ -113,7 +113,7 @@ def _brain_or_adversary(value: object, info: ValidationInfo) -> BrainOrAdversary
     is_brain = name in _context(info, "brains", {}) or name in brains.PLUGINS.shipped
     if not isinstance(value, str | Path) or is_brain or (base is None and name not in adversary.PLUGINS):
         return _brain(value, info)
-    if adversary.is_meant(name, base):
+    if adversary.exists(name, base):
         return adversary.load(name, base)
     hint = did_you_mean(name, adversary.PLUGINS.names)
     if hint and name not in brains.PLUGINS and not ((base or Path()) / name).is_file():

@@ -10,7 +10,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.forms import ROBOTS, Several
-from swarmcensus.brains import Adversary, Brain, worn
+from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
@@ -38,13 +38,13 @@ class Member:
 
     def brain_in(self, brain: Brain) -> Brain:
         """Their brain in a swarm of `brain`: an adversary wears that."""
-        return worn(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
+        return lying_brain(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
 
     @property
     def traits(self) -> list[str]:
         """In what they differ from the others."""
         sides = (
-            ("", self.brain and self.brain.told),
+            ("", self.brain and self.brain.label),
             ("accuracy ", self.accuracy),
             ("assumed accuracy ", self.assumed_accuracy),
             ("speed ", self.speed),
@@ -145,12 +145,12 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
 
 
 def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Brain]) -> None:
-    where = f"members[{n}].brain = {adversary.told!r}"
+    where = f"members[{n}].brain = {adversary.label!r}"
     if one.honest:
         raise ValueError(f"{where}: that is an adversary, and none is honest: say honest = false")
     for brain in brains:
         try:
-            worn(adversary, brain)
+            lying_brain(adversary, brain)
         except ValueError as error:
             raise ValueError(f"{where}: {error}") from None
 

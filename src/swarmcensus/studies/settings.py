@@ -383,7 +383,7 @@ def line(of: Any) -> str:
 
 def _parameters(of: Any) -> list[tuple[str, Value]]:
     """What a title tells of its brain: all numbers, for others may vary what this one leaves, and given vectors."""
-    given = dict(of.brain.given)
+    given = dict(of.brain.overrides)
     return [(n, v) for n, v in of.brain.parameters.items() if n in given or not isinstance(v, tuple)]
 
 

@@ -82,7 +82,7 @@ class Plan:
 
     def label(self, brain: Brain) -> str:
         """A brain's name, its searched parameters, and other parameters that differ from its file."""
-        values = {name: brain.parameters[name] for name in self.searched} | dict(brain.given)
+        values = {name: brain.parameters[name] for name in self.searched} | dict(brain.overrides)
         return " ".join([brain.name, *(f"{name}={_value_text(value)}" for name, value in values.items())])
 
     @property
@@ -102,7 +102,7 @@ class Plan:
         measured = (worlds, measure.delta, measure.bins, measure.truth, self.study.checkpoints)
         files = [metric.sha256 for metric in measure.metrics]
         return {
-            "brain": self.before.told,
+            "brain": self.before.label,
             "source": self.before.sha256[:16],
             "parameters": " ".join(map(str, self.ranges)),
             "metric": self.metric,

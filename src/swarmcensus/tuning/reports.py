@@ -102,7 +102,7 @@ def fragment(
 
     The line names all searched parameters, also those with the value of the brain's file.
     """
-    table = {"file": brain.name, **{name: brain.parameters[name] for name in searched}, **dict(brain.given)}
+    table = {"file": brain.name, **{name: brain.parameters[name] for name in searched}, **dict(brain.overrides)}
     lines = [*_comments(head), "#", *_comments(evidence)]
     lines += ["", "[swarm]", f"brain = [{to_toml_value(table)}]", "", *_comments(provenance)]
     return "\n".join(lines) + "\n"

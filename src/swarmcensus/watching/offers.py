@@ -80,7 +80,7 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     name = of.name if isinstance(of, Path) else ""
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
-    more = {brain.told: brain for brain in map(brains.load, given)}
+    more = {brain.label: brain for brain in map(brains.load, given)}
     asked = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
     settings = asked.settings()
     return _offer(name or asked.name, tuple(range(len(settings))), [asked], more, lambda k: (asked, settings[k]))
@@ -117,7 +117,7 @@ def _offer(
         find=find,
         topologies={str(topology): topology for topology in (*named, *plain)},
         floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(one, None, {}) for one in FLOORS))},
-        brains={brain.told: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
+        brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
         adversaries={one.name: one for study in studies for one in study.adversaries},
     )
 

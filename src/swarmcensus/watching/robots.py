@@ -25,7 +25,7 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
     told: dict[str, Any] = {
         "robot": robot,
         "tick": tick,
-        "brain": brain.told,
+        "brain": brain.label,
         "honest": bool(show.honest[robot]),
         "estimate": json_value(stretch.estimates[row, robot]),
         "truth": float(show.truths(np.array([tick]))[0]),

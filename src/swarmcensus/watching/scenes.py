@@ -18,7 +18,7 @@ def scene_of(show: Show) -> dict[str, Any]:
     setting = show.setting
     told: dict[str, Any] = {
         "title": str(setting),
-        "brain": setting.brain.told,
+        "brain": setting.brain.label,
         "robots": setting.robots,
         "rounds": setting.rounds,
         "moves": show.moves,
