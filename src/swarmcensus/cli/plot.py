@@ -106,7 +106,9 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
         known = keys_of(draw).model_fields
     given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
     fitting = {
-        name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in given if name not in known
+        name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields]
+        for name in given
+        if name not in known
     }
     if options.kind in PLUGINS.shipped:
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from swarmcensus.basics.formatting import counted, grouped, decimals_for, rounded
+from swarmcensus.basics.formatting import counted, decimals_for, grouped, rounded
 from swarmcensus.brains import Brain
 from swarmcensus.comparing.cells import p_equals
 from swarmcensus.comparing.comparison import Comparison, compare_dataset
