@@ -8,6 +8,7 @@ from numba import njit
 
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.draws import pick
+from swarmcensus.engine.layout import Sensors
 from swarmcensus.engine.random import words
 
 
@@ -15,8 +16,8 @@ from swarmcensus.engine.random import words
 def limit(robots, rounds, looks, b, w, fill_ratio, key, trials):
     """Run trials of a homogeneous ring; returns the last robot's estimate so that nothing is optimised away."""
     steady = np.array([fill_ratio, fill_ratio, 1.0, 1.0])
-    source = source_of(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks)
-    renew(source, looks, 1)
+    source = source_of(Sensors(np.full(1, b), np.full(1, w), np.zeros((3, 0)), steady, looks, key, key))
+    renew(source, 1)
     row = source.tables[0, 0]
     bits = np.zeros(robots, np.uint64)
     n, x_hat, alpha, x = np.zeros(robots), np.zeros(robots), np.zeros(robots), np.zeros(robots)

@@ -15,6 +15,7 @@ from swarmcensus.engine.addresses import address
 from swarmcensus.engine.changes import renew, source_of
 from swarmcensus.engine.compiler import compile_world
 from swarmcensus.engine.draws import COLUMNS, LOW, PART
+from swarmcensus.engine.layout import Sensors
 from swarmcensus.engine.random import block, counter, words
 from swarmcensus.simulation.trials import record_readings, record_trial
 from swarmcensus.worlds.bodies import Body
@@ -104,15 +105,16 @@ def test_purposes_share_no_numbers():
 
 
 @numba.njit
-def made(b, w, drift, course, looks):
-    source = source_of(b, w, drift, course, looks)
-    renew(source, looks, 1)
+def made(sensors):
+    source = source_of(sensors)
+    renew(source, 1)
     return source.tables
 
 
 def tables_of(b, w, fill_ratio, looks):
     """The alias rows of robots of these accuracies, on a floor that stays."""
-    return made(b, w, np.zeros((3, 0)), np.array([fill_ratio, fill_ratio, 1.0, 1.0]), looks)
+    course, key = np.array([fill_ratio, fill_ratio, 1.0, 1.0]), np.zeros(2, np.uint64)
+    return made(Sensors(b, w, np.zeros((3, 0)), course, looks, key, key))
 
 
 def shares_of(row):

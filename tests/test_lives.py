@@ -196,7 +196,7 @@ def test_batches_of_long_trials_keep_as_little_as_they_say(monkeypatch):
     asked = []
     monkeypatch.setattr(trials, "segment_length", lambda *sizes: asked.append(sizes) or 3)
     (setting,) = settings_of(robots=2, rounds=3, looks=4)
-    size = compiler.blank(setting.brain).nbytes
+    size = compiler.array_layout(setting.brain).blank.nbytes
     for local, expected in ((False, (2, 3, size, 1, 1)), (True, (2, 12, size, 4, 1))):
         run_batch(setting, SEED, 0, 1, Metrics(0.01, 10, ()), GO, local)
         assert asked.pop() == expected

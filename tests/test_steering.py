@@ -344,7 +344,7 @@ def test_compiled_wishes_are_those_of_cpython(folder, monkeypatch):
             if w not in (WANTS["BROKEN"], WANTS["DIVIDES"]):
                 minds.append(tuple(getattr(me, name) for name in (*brain.memory, "b", "w")))
                 said.append(brain.functions.steer(me) or (0.0, 0.0))
-    table = np.array(minds, rides.compiler.mind_type(brain))
+    table = np.array(minds, rides.compiler.array_layout(brain).record)
     there, speed, turn = machine_code.wishes_of(brain, table)
     assert (np.stack([speed, turn], axis=1) == np.array(said)).all()
     assert (there == (np.array(said) != 0.0).any(axis=1)).all()

@@ -84,7 +84,7 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
     made = swarm((brain,), np.zeros(len(minds), np.int64), "moving", LUCK)
-    compiler.compile_world("riding").wish(*made, minds, body, np.full(len(minds), np.inf), 0, 1, wishes)
+    compiler.compile_world("riding").steer(made, minds, body, np.full(len(minds), np.inf), 0, 1, wishes)
     return wishes
 
 
@@ -92,7 +92,7 @@ def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) 
     """Ask the minds of a trace (round, robot) where they want to go, in CPython and in machine code."""
     luck = oracle.own_luck(brain, LUCK, 0, 1, LUCK_STEER, len(b))
     for k in range(trace.sizes["round"]):
-        minds = np.empty((len(b), compiler.width(brain)))
+        minds = np.empty((len(b), compiler.array_layout(brain).mind_width))
         said = []
         for i in range(len(b)):
             me = brain.robot(float(b[i]), float(w[i]), float(i))
@@ -131,7 +131,8 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
     given = {"observe": (real, real), "receive": (message,)}
 
     def robot(b: float, w: float, name: float) -> Any:
-        minds = compiler.records(brain, compiler.blank(brain)[np.newaxis])
+        layout = compiler.array_layout(brain)
+        minds = layout.records(layout.blank[np.newaxis].copy())
         minds["b"], minds["w"] = b, w
         if brain.uses.name:
             minds["name"] = name

@@ -39,35 +39,34 @@ class Source(NamedTuple):
     """Where a trial's readings come from."""
 
     tables: Any  # (kind, robot or 1, column): alias rows, of `draws.binomial_row`
-    stand: Any  # (3, robot or 1): the accuracies b and w and the fill ratio that each of them stands for
-    b: Any  # (robot or 1): the true accuracies of round 1
-    w: Any
-    drift: Any
-    course: Any
-    changes: bool  # whether the tables of one round may be others than those of the round before
+    stand: Any  # (3, robot or 1): the accuracies b and w and the fill ratio that each table was made for
+    sensors: Any  # `Sensors` of the trial
+    changes: bool  # whether tables may differ from those of the round before
 
 
 @njit(nogil=True, **INSIDE)
-def source_of(b, w, drift, course, looks):
-    """A source of so many readings a round, whose tables stand for nothing yet."""
+def source_of(sensors):
+    """A source of a trial's readings, whose tables are not made yet."""
+    looks, robots = sensors.looks, sensors.b.size
     kinds = (1 if looks >= PART else 0) + (1 if looks % PART > 0 else 0)
-    tables = np.zeros((kinds, b.size, COLUMNS), np.uint64)
-    stand = np.full((3, b.size), np.nan)
-    return Source(tables, stand, b, w, drift, course, drift.shape[1] > 0 or course[UNTIL] > 1.0)
+    tables = np.zeros((kinds, robots, COLUMNS), np.uint64)
+    stand = np.full((3, robots), np.nan)
+    return Source(tables, stand, sensors, sensors.drift.shape[1] > 0 or sensors.course[UNTIL] > 1.0)
 
 
 @njit(nogil=True, **INSIDE)
-def renew(source, looks, k):
-    """Make the tables those of round k: kind 0 for PART observations, the last kind for what remains.
+def renew(source, k):
+    """Make the tables of round k: kind 0 for PART observations, the last kind for the rest.
 
-    A reading says black with probability b f + (1 - w)(1 - f) (paper, Sec. III-C). Rows that stand for this already are
-    left alone.
+    A reading is black with probability b f + (1 - w)(1 - f) (paper, Sec. III-C). Tables that were made for the same
+    numbers stay.
     """
-    f = fill_ratio_in(source.course, k)
-    for i in range(source.b.size):
-        b, w = source.b[i], source.w[i]
-        if source.drift.shape[1] > 0:
-            b, w = accuracy_in(source.b, source.drift, i, k), accuracy_in(source.w, source.drift, i, k)
+    sensors, looks = source.sensors, source.sensors.looks
+    f = fill_ratio_in(sensors.course, k)
+    for i in range(sensors.b.size):
+        b, w = sensors.b[i], sensors.w[i]
+        if sensors.drift.shape[1] > 0:
+            b, w = accuracy_in(sensors.b, sensors.drift, i, k), accuracy_in(sensors.w, sensors.drift, i, k)
         if source.stand[0, i] == b and source.stand[1, i] == w and source.stand[2, i] == f:
             continue
         source.stand[0, i], source.stand[1, i], source.stand[2, i] = b, w, f

@@ -33,7 +33,7 @@ SOURCES = (
     "constants.py",
     "return_values.py",
     "calling.py",
-    "swarms.py",
+    "layout.py",
     "compiling.py",
     "changes.py",
     "records.py",

@@ -2,7 +2,7 @@
 
 import functools
 import types
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,36 +36,34 @@ class NotCompiled(Exception):
         self.brain = brain
 
 
-@functools.lru_cache(maxsize=64)
-def mind_type(brain: Brain) -> np.dtype:
-    """A robot's mind as a record."""
-    return record_type(codegen.record_fields(brain))
+class ArrayLayout(NamedTuple):
+    """How a brain's minds and messages lie in the engine's arrays."""
+
+    record: np.dtype  # a mind, with the brain's names
+    blank: np.ndarray  # (field): a mind before its first observation: MEMORY, parameters, zeros for what is given
+    message_width: int  # how many numbers are kept of a message
+    flag: int  # which of them says whether the robot talked; -1 where every robot does
+
+    @property
+    def mind_width(self) -> int:
+        """How many numbers a mind is."""
+        return self.blank.size
+
+    def records(self, minds: np.ndarray) -> np.ndarray:
+        """Minds (..., field) as records (...)."""
+        return minds.view(self.record)[..., 0]
 
 
-def blank(brain: Brain) -> np.ndarray:
-    """A mind before its first observation: MEMORY's values and parameters, then room for what is given, (number,)."""
-    told = [*numbers(brain.memory), *numbers(brain.parameters)]
-    return np.array([*told, *(0.0 for _ in range(width(brain) - len(told)))])
-
-
-def width(brain: Brain) -> int:
-    """How many numbers a mind is."""
-    return mind_type(brain).itemsize // 8
-
-
-def outbox(brain: Brain, robots: int, mixed: bool = False) -> np.ndarray:
-    """Room for what so many robots say in a round, as the loops keep it."""
-    return np.zeros((robots, codegen.outbox_width(brain, mixed)))
-
-
-def flag_of(brain: Brain, mixed: bool = False) -> int:
-    """Where in that it stands whether a robot said anything; -1 where all do."""
-    return codegen.outbox_width(brain, mixed) - 1 if codegen.is_flagged(brain, mixed) else -1
-
-
-def records(brain: Brain, minds: np.ndarray) -> np.ndarray:
-    """Minds (..., field) as records with the brain's names, shape (...)."""
-    return minds.view(mind_type(brain))[..., 0]
+@functools.lru_cache(maxsize=256)
+def array_layout(brain: Brain, mixed: bool = False) -> ArrayLayout:
+    """The layout of a brain's minds and messages; in a `mixed` swarm other brains hear the messages, too."""
+    record = record_type(codegen.record_fields(brain))
+    known = [*numbers(brain.memory), *numbers(brain.parameters)]
+    blank = np.zeros(record.itemsize // 8)
+    blank[: len(known)] = known
+    blank.flags.writeable = False
+    width = codegen.outbox_width(brain, mixed)
+    return ArrayLayout(record, blank, width, width - 1 if codegen.is_flagged(brain, mixed) else -1)
 
 
 def blank_record(metric: Metric, **given: float) -> np.ndarray:

@@ -1,256 +1,235 @@
-"""What the engine does on fixed networks: batches of trials to their metrics, and minds on recorded data.
+"""Trials on fixed networks, run in batches to their metrics, and minds on recorded data.
 
-It is compiled once on a machine and knows no brain: a `swarm` (see `swarms.py`) holds the addresses of brains'
-functions (see `calling.py`), a mind is a row of numbers.
+Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the addresses of the brains' functions
+(`calling.py`), and a mind is a row of numbers.
 """
 
 import numpy as np
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew, source_of
-from swarmcensus.engine.compiling import entry
+from swarmcensus.engine.compiling import compiled, entry, loop
 from swarmcensus.engine.constants import (
     BLOCK,
     BOUND,
     DECISION,
     END_ROUND,
-    FULL,
     HEAR,
     HEARD,
     IS_DONE,
     LUCK_FUSE,
     LUCK_OBSERVE,
-    PAIRS,
     SENSE,
     VERDICTS,
 )
+from swarmcensus.engine.layout import Intervals, Minds, Sensors, Tally
 from swarmcensus.engine.random import word_of, words
-from swarmcensus.engine.swarms import Swarm
 
 from .minds import (
     ZERO,
-    ask_intervals,
-    begin,
     believe_all,
+    blank_minds,
+    copy_rows,
     count_known,
-    first_from,
     forget_verdicts,
     is_said,
     judge,
     judge_blank,
-    put,
+    measure_intervals,
+    next_checkpoint,
     settle,
 )
-from .rounds import advance, advance_alone, bounds_of, most_links
+from .rounds import Work, advance, advance_alone, degree, graph_of, heard_is_known, most_arrivals
+
+sensors_of, tally_of, intervals_of = compiled(Sensors.of_trial), compiled(Tally.of_trial), compiled(Intervals.of_trial)
 
 
 @entry
 def simulate(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    memory, outbox, rows, snapshots, said_before, delay, first_trial, b, w, drift, assumed_b, assumed_w, course, local,
-    looks, rounds, read_key, order_key, link_key, links, starts, all_receivers, all_senders, threshold, all_stops,
-    delta, bins, checkpoints, where, value, final, correct, kept, all_counts, all_verdicts, agreed,
-    truths, room, all_sure, all_wrong, extremes, first_step, last_step, stop,
+    swarm, minds, segments, sensors, beliefs, radio, links, stops, measures, tally, intervals,
+    first_trial, rounds, local, first_step, last_step, stop,
 ):  # fmt: skip
     """Run a batch of trials from blank minds to their metrics; False if stopped.
 
-    Accuracies are (trial, robot or 1); `drift` (trial, what, robot or 1) and `course` are of `changes.py`. Links are
-    those of graph g in [starts[g], starts[g + 1]), one graph for all trials or one for each. What is heard was said
-    `delay` rounds ago. `memory` (robot, field), `outbox` (delay + 2 times robots, message), `rows` (index, robot),
-    `snapshots` (segment, robot, field) and `said_before` (segment, like `outbox`) are room to work in: for what is
-    before each segment but the first, which begins anew, and the last, which is not run again; the last of them has
-    none where messages are not late. With room for every segment `snapshots` gets them all.
-    With `local`, robots hear nobody and `rounds` counts single observations. `bins` (checkpoint, 2) are the ends of the
-    right bin at each checkpoint; `kept` (checkpoint or 0, trial, robot) is filled with estimates there, if it has room;
-    `all_counts` (trial, what, robot) grows by what is sent and heard, but for what is known beforehand;
-    `all_verdicts` (trial, robot or 0, what) and `agreed` (trial, 2) are of decisions; `truths` (checkpoint), `room` (2,
-    robot or 0), `all_sure` (trial, what, checkpoint) and `all_wrong` (trial, 4) of intervals, see `ask_intervals`.
-    Estimates are kept for a segment of indices, as many as `rows`, at a time; where the
-    convergence rule must look further back, the segment before is run again from a snapshot of the minds, to the
-    same bits: 2 segments - 1 steps. Whoever wants to see all estimates of a trial runs it alone, forward step by step,
-    with the same room: `rows` then hold the step's. What comes first is a `Swarm`.
+    The groups are those of `layout.py`; `beliefs` are the accuracies that robots assume, two arrays (trial, robot or
+    1). `stops` (trial, part, robot) is of `failures.py`. With `local`, robots hear nobody and `rounds` counts single
+    observations. Messages are counted only where `count_known` and `heard_is_known` do not know them beforehand.
+
+    Estimates are kept for a segment of rounds, as many as minds.rows. Where the convergence rule must look further
+    back, the segment before is run again, to the same bits, from a snapshot of the minds: 2 segments - 1 steps. The
+    first segment starts from blank minds and the last never runs again, so they need no snapshot; with room for every
+    segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
+    minds.rows then hold the estimates of the step.
     """
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
+    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
     robots = memory.shape[0]
     segment = rows.shape[0]
-    segments = (rounds + segment - 1) // segment
+    count = (rounds + segment - 1) // segment
     blacks = np.zeros(robots if local else min(robots, BLOCK))
     bits = np.zeros(blacks.size, np.uint64)
-    reading = np.zeros(robots if local else 0)
+    single = np.zeros(robots if local else 0)
     arrivals = np.zeros((2, 0), np.uint32)
     luck = np.zeros((3, robots if swarm.luck.size > 0 else 0), np.uint64)
-    before = np.int64(snapshots.shape[0] != segments)  # how many segments have no snapshot at the begin
-    nothing = np.zeros((2, 0), np.int64)
-    unjudged = all_verdicts[0, :0]
+    before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
+    late = segments.outboxes.shape[0] > 0
+    uncounted, unjudged = np.zeros((2, 0), np.int64), tally.verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
-    low = extremes[0]
-    high = extremes[1]
-    for trial in range(where.shape[0]):
+    low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
+    for trial in range(measures.where.shape[0]):
         number = first_trial + trial
-        graph = trial if starts.size > 2 else 0
-        receivers = all_receivers[starts[graph] : starts[graph + 1]]
-        senders = all_senders[starts[graph] : starts[graph + 1]]
-        stops = all_stops[trial]
-        bounds = bounds_of(receivers, robots)
-        most = most_links(bounds, links, robots)
+        failures = stops[trial]
+        graph = graph_of(links, trial if links.starts.size > 2 else 0, robots)
+        most = most_arrivals(graph, robots)
         if most > arrivals.shape[1]:
             arrivals = np.zeros((2, most), np.uint32)
         if swarm.luck.size > 0 and most > luck.shape[1]:
             luck = np.zeros((3, most), np.uint64)
-        source = source_of(b[trial], w[trial], drift[trial], course, looks)
-        renew(source, looks, 1)
-        start = extremes[2:]
+        work = Work(blacks, bits, single, luck, beside, arrivals)
+        source = source_of(sensors_of(sensors, trial))
+        renew(source, 1)
+        counted = tally_of(tally, trial)
+        again = Tally(uncounted, unjudged, counted.agreed)  # of rounds that are run again
+        asked = intervals_of(intervals, trial)
+        where, value = measures.where[trial], measures.value[trial]
         if first_step == 0:
-            begin(swarm, memory, assumed_b[trial], assumed_w[trial])
+            blank_minds(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             believe_all(swarm, memory, start, ZERO)
-            forget_verdicts(all_verdicts[trial], agreed[trial])
-            if all_verdicts.shape[1] > 0:
-                judge_blank(swarm, memory, start, all_verdicts[trial])
-            count_known(swarm, all_counts[trial], stops, rounds)
-            if flag < 0 and (links == FULL or (threshold == 0 and stops.shape[1] == 0 and links != PAIRS)):
-                for i in range(all_counts.shape[2]):
-                    degree = robots - 1 if links == FULL else bounds[i + 1] - bounds[i]
-                    all_counts[trial, HEARD, i] = max(rounds - delay, 0) * degree
+            forget_verdicts(counted.verdicts, counted.agreed)
+            if counted.verdicts.shape[0] > 0:
+                judge_blank(swarm, memory, start, counted.verdicts)
+            count_known(swarm, counted.counts, failures, rounds)
+            if heard_is_known(swarm, graph, radio, failures):
+                for i in range(counted.counts.shape[1]):
+                    counted.counts[HEARD, i] = max(rounds - radio.delay, 0) * degree(graph, i, robots)
             for i in range(robots):
                 low[i] = np.inf
                 high[i] = -np.inf
         undecided = True
         for step in range(first_step, last_step):  # forward through all segments, then back where needed
-            forward = step < segments
-            s = step if forward else 2 * segments - 2 - step
+            forward = step < count
+            s = step if forward else 2 * count - 2 - step
             shot = s - before
-            if forward and 0 <= shot < snapshots.shape[0]:
-                put(snapshots[shot], memory)
-                if said_before.shape[0] > 0:
-                    put(said_before[shot], outbox)
+            if forward and 0 <= shot < segments.snapshots.shape[0]:
+                copy_rows(segments.snapshots[shot], memory)
+                if late:
+                    copy_rows(segments.outboxes[shot], outbox)
             elif not forward and undecided and s == 0:
-                begin(swarm, memory, assumed_b[trial], assumed_w[trial])
+                blank_minds(swarm, memory, beliefs[0][trial], beliefs[1][trial])
             elif not forward and undecided:
-                put(memory, snapshots[shot])
-                if said_before.shape[0] > 0:
-                    put(outbox, said_before[shot])
+                copy_rows(memory, segments.snapshots[shot])
+                if late:
+                    copy_rows(outbox, segments.outboxes[shot])
             if forward or undecided:
                 first = s * segment + 1
                 last = min(first + segment, rounds + 1)
                 if local:
-                    advance_alone(
-                        swarm, memory, reading, blacks, bits, luck, source, first, last, looks, number, read_key,
-                        order_key, rows, stops, stop,
-                    )  # fmt: skip
+                    advance_alone(swarm, minds, work, source, failures, number, first, last, stop)
                 else:
                     begun = first
-                    while begun < last:  # until a checkpoint where minds are asked, and on
-                        c, end = first_from(checkpoints, begun), last
-                        asked = forward and room.shape[1] > 0 and c < checkpoints.size and checkpoints[c] < last
-                        if asked:
-                            end = checkpoints[c] + 1
+                    while begun < last:  # up to a checkpoint at which robots are asked for intervals, and on
+                        c, end = next_checkpoint(intervals.checkpoints, begun), last
+                        asks = forward and asked.bounds.shape[1] > 0 and c < asked.checkpoints.size
+                        asks = asks and asked.checkpoints[c] < last
+                        if asks:
+                            end = asked.checkpoints[c] + 1
                         advance(
-                            swarm, memory, outbox, beside, blacks, bits, luck, source, delay, begun, end, looks,
-                            number, read_key, link_key, links, receivers, senders, bounds, arrivals, threshold,
-                            rows[begun - first :], stops,
-                            all_counts[trial] if forward else nothing, all_verdicts[trial] if forward else unjudged,
-                            agreed[trial], stop,
+                            swarm, Minds(memory, outbox, rows[begun - first :]), work, source, graph, radio,
+                            counted if forward else again, failures, number, begun, end, stop,
                         )  # fmt: skip
                         if stop[0] != 0:
                             return False
-                        if asked:
-                            ask_intervals(
-                                swarm, memory, c, checkpoints, truths, room, all_sure[trial], all_wrong[trial]
-                            )  # fmt: skip
+                        if asks:
+                            measure_intervals(swarm, memory, c, asked)
                         begun = end
                 if stop[0] != 0:
                     return False
                 if forward:
-                    for c in range(checkpoints.size):
-                        if first <= checkpoints[c] < last:
-                            right = counted = 0
-                            for i in range(robots):
-                                x = rows[checkpoints[c] - first, i]
-                                if honest.size == 0 or honest[i]:
-                                    right += bins[c, 0] <= x < bins[c, 1]
-                                    counted += 1
-                                if kept.shape[0] > 0:
-                                    kept[c, trial, i] = x
-                            correct[c, trial] = right / counted
-                if s == segments - 1:
+                    measure_checkpoints(swarm, rows, first, last, trial, asked.checkpoints, measures)
+                if s == count - 1:
                     for i in range(robots):
-                        final[trial, i] = value[trial, i] = rows[last - 1 - first, i]
-                        where[trial, i] = rounds
-                if not forward or s == segments - 1:
-                    undecided = settle(rows[: last - first], first, delta, low, high, where[trial], value[trial])
-        if undecided and last_step == 2 * segments - 1:
-            settle(start, np.int64(0), delta, low, high, where[trial], value[trial])
+                        measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
+                        where[i] = rounds
+                if not forward or s == count - 1:
+                    undecided = settle(rows[: last - first], first, measures.delta, low, high, where, value)
+        if undecided and last_step == 2 * count - 1:
+            settle(start, np.int64(0), measures.delta, low, high, where, value)
     return True
 
 
+@loop()
+def measure_checkpoints(swarm, rows, first, last, trial, checkpoints, measures):
+    """Measure and keep estimates at the checkpoints among rounds first ... last - 1, whose estimates are `rows`."""
+    for c in range(checkpoints.size):
+        if first <= checkpoints[c] < last:
+            right = counted = 0
+            for i in range(rows.shape[1]):
+                x = rows[checkpoints[c] - first, i]
+                if swarm.honest.size == 0 or swarm.honest[i]:
+                    right += measures.bins[c, 0] <= x < measures.bins[c, 1]
+                    counted += 1
+                if measures.kept.shape[0] > 0:
+                    measures.kept[c, trial, i] = x
+            measures.correct[c, trial] = right / counted
+
+
 @entry
-def believe(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest, history, estimates
-):  # fmt: skip
-    """The estimates (round, robot) of minds (round, robot, field) of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
+def believe(swarm, history, estimates):
+    """Fill `estimates` (round, robot) with those of minds (round, robot, field)."""
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k * history.shape[1]))
 
 
 @entry
-def decided(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    history, estimates, verdicts,
-):  # fmt: skip
-    """What minds (round, robot, field) that believe in `estimates` (round, robot) have decided, as (round, robot, 2):
-    the option, and whether they are done. What comes first is a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
+def decided(swarm, history, estimates, decisions):
+    """Fill `decisions` (round, robot, 2) with the option of minds (round, robot, field), and whether they are done.
+
+    `estimates` (round, robot) are those of the minds.
+    """
     robots = history.shape[1]
-    told = np.empty((robots, VERDICTS))
+    verdicts = np.empty((robots, VERDICTS))
     agreed = np.empty(2)
     for k in range(history.shape[0]):
-        forget_verdicts(told, agreed)
-        for part in range(np.uint64(swarm.of_block.size - 1)):
-            judge(swarm, part, history[k], estimates, np.uint64(k * robots), told, k)
+        forget_verdicts(verdicts, agreed)
+        for block in range(np.uint64(swarm.of_block.size - 1)):
+            judge(swarm, block, history[k], estimates, np.uint64(k * robots), verdicts, k)
         for i in range(robots):
-            verdicts[k, i, 0] = told[i, DECISION]
-            verdicts[k, i, 1] = told[i, IS_DONE]
+            decisions[k, i, 0] = verdicts[i, DECISION]
+            decisions[k, i, 1] = verdicts[i, IS_DONE]
 
 
 @entry
-def bounded(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest, history, bounds
-):  # fmt: skip
-    """The intervals (round, end, robot) of minds (round, robot, field) of a `Swarm`, of those that have one."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
+def bounded(swarm, history, bounds):
+    """Fill `bounds` (round, end, robot) with the intervals of minds (round, robot, field), where brains have one."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if swarm.minds[group, BOUND]:
+        if swarm.functions[group, BOUND]:
             for k in range(history.shape[0]):
                 call(
-                    swarm.minds[group, BOUND], place(history[k], swarm.bases[group]), bounds[k], bounds.shape[2],
+                    swarm.functions[group, BOUND], place(history[k], swarm.bases[group]), bounds[k], bounds.shape[2],
                     first, last,
                 )  # fmt: skip
 
 
 @entry
 def follow(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    outbox, b, w, readings, every, periodic, first_message, senders, receivers, judged, history, estimates,
+    swarm, outbox, beliefs, readings, every, periodic, first_message, senders, receivers, judged, history, estimates
 ):  # fmt: skip
     """Run minds on recorded readings (step, robot; NaN where none) and keep them after every round.
 
-    A round ends every `every` steps and at the last. With `periodic`, all messages pass at the end of each
-    whole round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have
-    one brain. Luck is that of the step; of messages also of their place among all. What comes first is a `Swarm`.
+    A round ends every `every` steps and at the last step. With `periodic`, all messages pass at the end of each whole
+    round; else message m passes at the step s with first_message[s] <= m < first_message[s + 1]. All robots have one
+    brain, which is asked whether it is done if `judged`. Luck is addressed by step; for messages also by their index.
     """
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
     robots = np.uint64(readings.shape[1])
-    minds = swarm.minds[0]
+    functions = swarm.functions[0]
     memory = np.empty((readings.shape[1], swarm.fields[0]))
     row, seen = np.zeros(readings.shape[1]), np.empty(readings.shape[1])
-    told, agreed = np.empty((readings.shape[1], VERDICTS)), np.empty(2)
+    verdicts, agreed = np.empty((readings.shape[1], VERDICTS)), np.empty(2)
     luck = np.zeros((2, readings.shape[1]), np.uint64)
     message_luck = np.zeros(senders.size, np.uint64)
     arrivals = np.zeros((2, senders.size), np.uint32)
-    begin(swarm, memory, b, w)
-    put(history[0], memory)
+    blank_minds(swarm, memory, beliefs[0], beliefs[1])
+    copy_rows(history[0], memory)
     k = 0
     for s in range(readings.shape[0]):
         whole = (s + 1) % every == 0
@@ -258,14 +237,14 @@ def follow(
         if swarm.luck.size > 0:
             words(swarm.luck, ZERO, s + 1, LUCK_OBSERVE, ZERO, robots, luck[0])
             words(swarm.luck, ZERO, s + 1, LUCK_FUSE, ZERO, robots, luck[1])
-        if s % every == 0:  # whoever is done makes no reading of this round
-            forget_verdicts(told, agreed)
-            for part in range(np.uint64(swarm.of_block.size - 1)):
+        if s % every == 0:  # robots that are done make no reading in this round
+            forget_verdicts(verdicts, agreed)
+            for block in range(np.uint64(swarm.of_block.size - 1)):
                 if judged:
-                    judge(swarm, part, memory, row, ZERO, told, k)
+                    judge(swarm, block, memory, row, ZERO, verdicts, k)
         for i in range(robots):
-            seen[i] = -1.0 if told[i, IS_DONE] != 0.0 else readings[s, i]
-        call(minds[SENSE], memory, outbox, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
+            seen[i] = -1.0 if verdicts[i, IS_DONE] != 0.0 else readings[s, i]
+        call(functions[SENSE], memory, outbox, ZERO, seen, 1.0, ZERO, robots, luck[0], ZERO)
         if periodic:
             first, last = 0, senders.size if whole else 0
         else:
@@ -278,10 +257,10 @@ def follow(
                 if swarm.luck.size > 0:
                     message_luck[count] = word_of(swarm.luck[2], swarm.luck[3], ZERO, s + 1, ZERO, m)
                 count += 1
-        call(minds[HEAR], memory, outbox, ZERO, arrivals[0], arrivals[1], ZERO, count, robots, message_luck)
+        call(functions[HEAR], memory, outbox, ZERO, arrivals[0], arrivals[1], ZERO, count, robots, message_luck)
         if ends:
-            call(minds[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
+            call(functions[END_ROUND], memory, row, ZERO, ZERO, robots, luck[1])
             k += 1
-            put(history[k], memory)
+            copy_rows(history[k], memory)
     for k in range(history.shape[0]):
         believe_all(swarm, history[k], estimates, np.uint64(k) * robots)

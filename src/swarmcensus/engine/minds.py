@@ -1,4 +1,4 @@
-"""What minds do in every world: they begin, fail in parts, lose messages, and settle on an estimate."""
+"""What minds do in every world: they start blank, fail in parts, lose messages, decide, and converge."""
 
 import numpy as np
 
@@ -32,12 +32,12 @@ from .failures import works
 
 ZERO = np.uint64(0)
 ONE = np.uint64(1)
-TILE = 256  # robots whose curves are looked at together: their extremes stay in the processor's nearest cache
+TILE = 256  # robots whose curves are looked at together: their extremes fit in the processor's first-level cache
 
 
 @loop()
-def begin(swarm, memory, b, w):
-    """Blank minds that believe in the accuracies b and w (of one robot where all are alike), their last fields."""
+def blank_minds(swarm, memory, b, w):
+    """Blank minds that assume the accuracies b and w (robot or 1), which are their last fields."""
     flat = memory.reshape(-1)
     b_step, w_step = np.int64(b.size > 1), np.int64(w.size > 1)
     for run in range(swarm.runs.shape[0]):
@@ -55,23 +55,23 @@ def begin(swarm, memory, b, w):
 
 @loop()
 def believe_all(swarm, memory, rows, start):
-    """The estimates of all minds as they are, from rows.flat[start] on."""
+    """Write the current estimates of all minds from rows.flat[start] on."""
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(swarm.minds[group, BELIEVE], place(memory, swarm.bases[group]), rows, start, first, last)
+        call(swarm.functions[group, BELIEVE], place(memory, swarm.bases[group]), rows, start, first, last)
 
 
 @loop()
-def put(into, minds):
-    """Copy minds (robot, field); an assignment of arrays takes two seconds to compile."""
-    for i in range(minds.shape[0]):
-        for j in range(minds.shape[1]):
-            into[i, j] = minds[i, j]
+def copy_rows(target, rows):
+    """Copy an array of two dimensions: `target[:] = rows` would take two seconds to compile."""
+    for i in range(rows.shape[0]):
+        for j in range(rows.shape[1]):
+            target[i, j] = rows[i, j]
 
 
 @loop(forceinline=True)
 def silence_failed(readings, stops, tick, first, last):
-    """No reading for robots whose sensor has failed."""
+    """Robots whose sensor has failed make no reading."""
     if stops.shape[1] > 0:
         for i in range(first, last):
             if not works(stops, SENSING, i, tick):
@@ -85,16 +85,16 @@ def heard_by(key, trial, tick, receiver, sender, threshold):
 
 
 @loop(forceinline=True)
-def arrives(key, trial, tick, said_at, receiver, sender, threshold, stops):
-    """The same of a sender that talked at `said_at`; `threshold` 0 means that no message is lost."""
-    return works(stops, TALKING, sender, said_at) and (
-        threshold == 0 or heard_by(key, trial, tick, receiver, sender, threshold)
+def arrives(radio, trial, tick, receiver, sender, stops):
+    """Whether the radio of a sender worked when it talked, and its message is not lost."""
+    return works(stops, TALKING, sender, tick - radio.delay) and (
+        radio.threshold == 0 or heard_by(radio.key, trial, tick, receiver, sender, radio.threshold)
     )
 
 
 @loop(forceinline=True)
 def is_said(outbox, place, flag):
-    """Whether a robot said anything: `flag` is where in the outbox that stands, below 0 where all do."""
+    """Whether a message was said: `flag` is the outbox's column that tells, below 0 where every robot talks."""
     return flag < 0 or outbox[place, flag] == SAID
 
 
@@ -106,7 +106,7 @@ def is_noise(swarm, outbox, said, sender, stops, tick):
 
 @loop()
 def drowned(swarm, outbox, said, senders, first, last, stops, tick):
-    """Whether any of senders[first:last] makes noise: whom it reaches hears nothing of that round."""
+    """Whether any of senders[first:last] makes noise: then their receiver hears nothing in that round."""
     noises = 0
     for e in range(first, last):
         noises += is_noise(swarm, outbox, said, np.int64(senders[e]), stops, tick)
@@ -114,8 +114,8 @@ def drowned(swarm, outbox, said, senders, first, last, stops, tick):
 
 
 @loop()
-def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
-    """A word for each of the messages first ... last - 1, addressed by who says it to whom."""
+def draw_message_luck(swarm, trial, tick, receivers, senders, first, last, luck):
+    """Draw a word for each of the messages first ... last - 1, addressed by receiver and sender."""
     k0, k1 = swarm.luck[2], swarm.luck[3]
     for link in range(first, last):
         luck[link - first] = word_of(k0, k1, trial, tick, receivers[link], senders[link])
@@ -123,7 +123,7 @@ def luck_of_messages(swarm, trial, tick, receivers, senders, first, last, luck):
 
 @loop()
 def count_known(swarm, counts, stops, rounds):
-    """What robots send that are never silent, one message a round while they work; that of others is not known yet."""
+    """Start the counts: robots that are never silent send a message a round while they work, others 0 so far."""
     for i in range(counts.shape[1]):
         last = rounds
         if stops.shape[1] > 0 and stops[TALKING, i] - 1 < last:
@@ -137,14 +137,14 @@ def count_known(swarm, counts, stops, rounds):
 
 @loop()
 def count_sent(swarm, outbox, said, stops, tick, counts):
-    """Who of those that may be silent talks in this round; of others it is known beforehand."""
+    """Count who talks in this round, where robots may be silent; else `count_known` has counted it."""
     for i in range(counts.shape[1]):
         counts[SENT, i] += outbox[said + np.uint64(i), swarm.flag] == SAID and works(stops, TALKING, i, tick)
 
 
 @loop()
 def count_said(swarm, outbox, said, bounds, senders, links, counts):
-    """What is heard of those that may be silent where each message is a sum that is added, and none is lost."""
+    """Count what is heard in this round, where robots may be silent, messages are sums and none is lost."""
     total = 0
     for i in range(counts.shape[1]):
         total += outbox[said + np.uint64(i), swarm.flag] == SAID
@@ -158,11 +158,12 @@ def count_said(swarm, outbox, said, bounds, senders, links, counts):
 
 @loop()
 def judge(swarm, of_block, memory, rows, start, verdicts, now):
-    """What the robots of a block have decided after round `now`."""
+    """Update what the robots of a block have decided after round `now`."""
     for run in range(swarm.of_block[of_block], swarm.of_block[of_block + np.uint64(1)]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
         call(
-            swarm.minds[group, JUDGE], place(memory, swarm.bases[group]), rows, start, verdicts, float(now), first, last
+            swarm.functions[group, JUDGE], place(memory, swarm.bases[group]), rows, start, verdicts, float(now),
+            first, last,
         )  # fmt: skip
 
 
@@ -185,12 +186,12 @@ def agree(verdicts, honest, agreed, now):
 
 @loop()
 def forget_verdicts(verdicts, agreed):
-    """What is known of decisions before the first round."""
+    """Reset decisions to what is known before the first round."""
     for i in range(verdicts.shape[0]):
         verdicts[i, DECISION] = -1.0
         verdicts[i, DECIDED_IN] = np.inf
         verdicts[i, CHANGED] = np.inf
-        verdicts[i, WRONG] = -1.0  # which is right
+        verdicts[i, WRONG] = -1.0  # no wrong decision
         verdicts[i, DONE_IN] = np.inf
         verdicts[i, DONE_ESTIMATE] = np.nan
         verdicts[i, IS_DONE] = 0.0
@@ -200,14 +201,14 @@ def forget_verdicts(verdicts, agreed):
 
 @loop()
 def judge_blank(swarm, memory, start, verdicts):
-    """Who is done before the first round, by minds that believe in `start`."""
+    """Note who is done before the first round; minds have the estimates `start`."""
     for block in range(np.uint64(swarm.of_block.size - 1)):
         judge(swarm, block, memory, start, ZERO, verdicts, 0)
 
 
 @loop(forceinline=True)
-def first_from(checkpoints, start):
-    """The place of the first checkpoint from a round on: they rise."""
+def next_checkpoint(checkpoints, start):
+    """The index of the first checkpoint that is not before a round; checkpoints are in order."""
     low, high = 0, checkpoints.size
     while low < high:
         middle = (low + high) // 2
@@ -219,39 +220,36 @@ def first_from(checkpoints, start):
 
 
 @loop()
-def ask_intervals(swarm, memory, c, checkpoints, truths, bounds, sure, wrong):
-    """What the intervals of honest robots come to at checkpoint c, in `sure` (what, checkpoint), if any has one.
-
-    `bounds` (end, robot) is room for them; `wrong` keeps the first that is none: the robot, below 0 for nobody, the
-    round, and both ends.
-    """
+def measure_intervals(swarm, memory, c, intervals):
+    """Write how the intervals of honest robots do at checkpoint c into the `Intervals` of a trial."""
+    bounds, wrong, truth = intervals.bounds, intervals.wrong, intervals.truths[c]
     held = counted = 0
     wide = 0.0
     for run in range(swarm.runs.shape[0]):
         group, first, last = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if not swarm.minds[group, BOUND]:  # of several brains perhaps only some have one
+        if not swarm.functions[group, BOUND]:  # some brains of a mixed swarm may have none
             continue
-        call(swarm.minds[group, BOUND], place(memory, swarm.bases[group]), bounds, bounds.shape[1], first, last)
+        call(swarm.functions[group, BOUND], place(memory, swarm.bases[group]), bounds, bounds.shape[1], first, last)
         for i in range(np.int64(first), np.int64(last)):
             if swarm.honest.size == 0 or swarm.honest[i]:
                 low, high = bounds[0, i], bounds[1, i]
                 if wrong[0] < 0.0 and not 0.0 <= low <= high <= 1.0:
-                    wrong[0], wrong[1], wrong[2], wrong[3] = i, checkpoints[c], low, high
-                held += low <= truths[c] <= high
+                    wrong[0], wrong[1], wrong[2], wrong[3] = i, intervals.checkpoints[c], low, high
+                held += low <= truth <= high
                 wide += high - low
                 counted += 1
     if counted > 0:
-        sure[COVERAGE, c] = held / counted
-        sure[WIDTH, c] = wide / counted
+        intervals.sure[COVERAGE, c] = held / counted
+        intervals.sure[WIDTH, c] = wide / counted
 
 
 @loop()
 def settle(rows, top, delta, low, high, where, value):
-    """One backward pass of the paper's convergence rule over rows[0], rows[1], ... = indices top, top + 1, ...
+    """One backward pass of the paper's convergence rule (Sec. IV-A) over rows of indices top, top + 1, ...
 
-    `low` and `high` hold each robot's extremes over all later indices, `where` and `value` the earliest
-    index that is within delta of all later ones. False once no earlier index can qualify for any robot. Robots lie
-    side by side in a row and are compared without a branch, so that the processor takes several at once.
+    `low` and `high` hold each robot's extremes over all later indices, `where` and `value` the earliest index that is
+    within delta of all later ones. Returns False once no earlier index can qualify for any robot. Robots are compared
+    without branches, so that the processor handles several at once.
     """
     undecided = False
     for first in range(ZERO, np.uint64(low.size), np.uint64(TILE)):

@@ -1,8 +1,8 @@
-"""Who is near whom, and in sight: lists that hold for some ticks, and what is measured along them in each.
+"""Who is near whom, and in sight: lists that last some ticks, and distances measured along them in each tick.
 
-Lists reach a skin further than robots do, so that they need making again only once a robot has gone half of it. They
-are looked at right before they are used, at where robots are then: nobody within reach is ever missing.
-Indices are unsigned: Numba then need not ask whether one counts from the end.
+Lists reach a skin further than robots do, so they are made anew only once a robot has gone half the skin. Whether they
+are too old is checked right before use: nobody within reach is ever missing (Verlet lists, as in molecular dynamics).
+Indices are unsigned: Numba then does not check for negative ones.
 """
 
 import numpy as np
@@ -10,7 +10,7 @@ import numpy as np
 from swarmcensus.engine.compiling import compiled, loop
 from swarmcensus.engine.constants import ALL_PAIRS, X, Y
 
-SURE = 0.99  # of the square of the skin, so that rounding loses nobody
+SURE = 0.99  # of the squared skin: rounding must not lose a neighbour
 
 
 @compiled
@@ -32,19 +32,21 @@ def sort_into_cells(state, half, size, heads, following):
 
 @compiled
 def square_distance(state, i, j):
-    """Between the centres of two robots."""
+    """The squared distance between the centres of two robots."""
     dx = state[X, j] - state[X, i]
     dy = state[Y, j] - state[Y, i]
     return dx * dx + dy * dy
 
 
 @compiled
-def list_pairs(state, half, reach, first, others, room, heads, following):
-    """List the pairs within `reach`, each once: of robots j > i, in order, others[first[i]: first[i + 1]].
+def list_pairs(state, half, reach, neighbours):
+    """List the pairs within `reach`, each once: others[first[i]: first[i + 1]] are those of i with j > i, in order.
 
-    From room[i] to room[i + 1] there are as many places as robot i has others within reach, lower or higher.
-    The cost is linear in the robots.
+    Robot i gets the places from room[i] to room[i + 1], one for each robot within reach. The cost is linear in the
+    number of robots.
     """
+    first, others, room = neighbours.first, neighbours.others, neighbours.room
+    heads, following = neighbours.heads, neighbours.following
     robots = state.shape[1]
     reach2 = reach * reach
     side = heads.shape[0]
@@ -84,12 +86,14 @@ def list_pairs(state, half, reach, first, others, room, heads, following):
 
 
 @compiled
-def measure(state, reach2, close2, first, others, room, around, lower, near, gaps, close):
+def measure(state, reach2, close2, neighbours):
     """Find who is within reach of robot i: near[room[i]: room[i] + around[i]], in order, the first lower[i] below i.
 
-    gaps[:, e] are dx and dy to the robot near[e]. Returns how many pairs are so near that they may touch by the
-    end of the next tick, which are the rows of `close`.
+    gaps[:, e] are dx and dy to the robot near[e]. Fills `close` with the pairs so near that they may touch by the end
+    of the next tick, and returns how many they are.
     """
+    first, others, room, around = neighbours.first, neighbours.others, neighbours.room, neighbours.around
+    lower, near, gaps, close = neighbours.lower, neighbours.near, neighbours.gaps, neighbours.close
     robots = state.shape[1]
     touching = np.uint64(0)
     around[:] = 0
@@ -97,26 +101,26 @@ def measure(state, reach2, close2, first, others, room, around, lower, near, gap
         x = state[X, i]
         y = state[Y, i]
         lower[i] = around[i]
-        mine = room[i] + around[i]
+        place = room[i] + around[i]
         for e in range(first[i], first[i + 1]):
             j = others[e]
             dx = state[X, j] - x
             dy = state[Y, j] - y
             square = dx * dx + dy * dy
             if square < reach2:
-                its = room[j] + around[j]
-                near[mine] = j
-                gaps[0, mine] = dx
-                gaps[1, mine] = dy
-                mine += np.uint64(1)
-                near[its] = i
-                gaps[0, its] = -dx
-                gaps[1, its] = -dy
+                other_place = room[j] + around[j]
+                near[place] = j
+                gaps[0, place] = dx
+                gaps[1, place] = dy
+                place += np.uint64(1)
+                near[other_place] = i
+                gaps[0, other_place] = -dx
+                gaps[1, other_place] = -dy
                 around[j] += np.uint64(1)
                 close[touching, 0] = i
                 close[touching, 1] = j
                 touching += np.uint64(square < close2)
-        around[i] = mine - room[i]
+        around[i] = place - room[i]
     return touching
 
 
@@ -124,7 +128,7 @@ def measure(state, reach2, close2, first, others, room, around, lower, near, gap
 def have_strayed(state, anchors, skin):
     """Whether any robot has gone nearly half the skin since the lists were made.
 
-    `anchors` (2, robot) is where robots were then: infinitely far away where there are no lists yet.
+    `anchors` (2, robot) is where robots were then; infinity before the first lists.
     """
     strayed = False
     for i in range(state.shape[1]):
@@ -135,37 +139,39 @@ def have_strayed(state, anchors, skin):
 
 
 @loop()
-def look_around(state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following):
-    """Measure who is near whom, as `measure` does, along new lists where the old ones are too old."""
+def look_around(bodies, neighbours):
+    """Measure who is near whom, along new lists if robots have moved too far since the old ones were made."""
+    state, body, anchors = bodies.state, bodies.body[0], neighbours.anchors
     if have_strayed(state, anchors, body.skin):
-        list_pairs(state, half, body.reach + body.skin, first, others, room, heads, following)
+        list_pairs(state, bodies.half, body.reach + body.skin, neighbours)
         for i in range(state.shape[1]):
             anchors[X, i] = state[X, i]
             anchors[Y, i] = state[Y, i]
-    reach2 = body.reach * body.reach
-    return measure(state, reach2, body.touched * body.touched, first, others, room, around, lower, near, gaps, close)
+    neighbours.pairs[0] = measure(state, body.reach * body.reach, body.touched * body.touched, neighbours)
 
 
-@compiled
+@loop(forceinline=True)
 def in_sight(dx, dy, first, last, gaps, radius):
-    """Whether no disc of those at places first ... last - 1 lies across the line to a gap of dx and dy."""
+    """Whether no disc at places first ... last - 1 crosses the line to a robot at dx and dy."""
     square = dx * dx + dy * dy
     wide = radius * radius * square
     blocked = False
-    for g in range(first, last):  # the one at the gap itself is exactly `square` along, and so is not between
+    for g in range(first, last):  # the robot itself is exactly `square` along, so it is not between
         along = gaps[0, g] * dx + gaps[1, g] * dy
         across = gaps[0, g] * dy - gaps[1, g] * dx
         blocked |= (along > 0.0) & (along < square) & (across * across < wide)
     return not blocked
 
 
-@compiled
-def listen(i, radio2, blind, radius, room, around, lower, near, gaps, hears, ears):
-    """Add to `ears` whom robot i and higher ones hear of each other; those of i are then complete.
+@loop(forceinline=True)
+def listen(i, radio2, blind, radius, neighbours):
+    """Note in `ears` which of robot i and higher robots hear each other; then i has all that it hears.
 
-    Robot i hears ears[room[i]: room[i] + hears[i]], in order if this is called for one robot after the other.
-    `blind` is for radios that whoever stands between does not stop.
+    Robot i hears ears[room[i]: room[i] + hears[i]], in order if this is called for robots 0, 1, 2, ... With `blind`,
+    radio passes through robots.
     """
+    room, around, lower, near = neighbours.room, neighbours.around, neighbours.lower, neighbours.near
+    gaps, hears, ears = neighbours.gaps, neighbours.hears, neighbours.ears
     start = room[i]
     end = start + around[i]
     for e in range(start + lower[i], end):

@@ -1,8 +1,9 @@
-"""The engine's inner loops of robots that move: minds that ride along on a walk, and say where it should go.
+"""Minds of robots that move: they ride along on a walk, and may steer it.
 
-Like the kernel, these are compiled once on a machine: a `swarm` (see `swarms.py`) holds the addresses of brains'
-functions.
+Compiled once on a machine, for all brains: a `Swarm` (`layout.py`) holds the addresses of the brains' functions.
 """
+
+from typing import Any, NamedTuple
 
 import numpy as np
 from numba import njit
@@ -25,98 +26,48 @@ from swarmcensus.engine.constants import (
     SENSE,
 )
 from swarmcensus.engine.random import unit, words
-from swarmcensus.engine.swarms import Swarm
 
 from .minds import (
     ONE,
     ZERO,
     agree,
     arrives,
-    ask_intervals,
-    begin,
     believe_all,
+    blank_minds,
+    copy_rows,
     count_known,
     count_said,
     count_sent,
+    draw_message_luck,
     drowned,
-    first_from,
     forget_verdicts,
     is_said,
     judge,
     judge_blank,
-    luck_of_messages,
-    put,
+    measure_intervals,
+    next_checkpoint,
     settle,
     silence_failed,
 )
 
 
-@entry
-def wake(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    memory, b, w, outbox, start, counts, verdicts, agreed, stops, rounds,
-):  # fmt: skip
-    """Blank minds of a `Swarm` that believe in b and w; what they would say, and estimate before any observation."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
-    count_known(swarm, counts, stops, rounds)
-    begin(swarm, memory, b, w)
-    nothing = np.full(memory.shape[0], -1.0)
-    luck = np.zeros(memory.shape[0], np.uint64)
-    for run in range(swarm.runs.shape[0]):
-        group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        call(swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, ZERO, nothing, 1.0, a, z, luck, ONE)
-    believe_all(swarm, memory, start, ZERO)
-    forget_verdicts(verdicts, agreed)
-    if verdicts.shape[0] > 0:
-        judge_blank(swarm, memory, start, verdicts)
+class Room(NamedTuple):
+    """Room to work in; made once, because making it anew in each tick would cost small swarms a tenth of their time."""
 
-
-@loop(forceinline=True)
-def look(readings, looked, black, b, w, bits):
-    """What robots that look read of the colour under them: 1 for black, -1 of those that do not look."""
-    step_b, step_w = np.uint64(b.size > 1), np.uint64(w.size > 1)
-    for i in range(ZERO, np.uint64(readings.size)):
-        right = unit(bits[i]) < (b[i * step_b] if black[i] else w[i * step_w])
-        readings[i] = (1.0 if black[i] == right else 0.0) if looked[i] else -1.0
-
-
-@loop()
-def hear_each(
-    swarm, memory, outbox, then, arrivals, luck, heard, senders, key, trial, tick, delay, threshold, stops, counts
-):  # fmt: skip
-    """Each hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and who did not talk, `delay` ago."""
-    robots = memory.shape[0]
-    for run in range(swarm.runs.shape[0]):
-        group = swarm.runs[run, 0]
-        count = 0
-        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
-            before = count
-            if swarm.jams and drowned(swarm, outbox, then, senders, heard[i], heard[i + 1], stops, tick - delay):
-                continue
-            for e in range(heard[i], heard[i + 1]):
-                if is_said(outbox, then + senders[e], swarm.flag) and arrives(
-                    key, trial, tick, tick - delay, i, senders[e], threshold, stops
-                ):
-                    arrivals[0, count] = i
-                    arrivals[1, count] = senders[e]
-                    count += 1
-            counts[HEARD, i] += count - before
-        if swarm.luck.size > 0:
-            luck_of_messages(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, luck)
-        call(
-            swarm.minds[group, HEAR], place(memory, swarm.bases[group]), outbox, then, arrivals[0], arrivals[1], ZERO,
-            count, robots, luck,
-        )  # fmt: skip
+    bits: Any  # (robot): random words
+    seen: Any  # (robot): readings
+    luck: Any  # (2, robot): words to observe and fuse with
+    arrivals: Any  # (2, message): receivers and senders of what gets through
+    message_luck: Any  # (message)
+    b: Any  # (robot): accuracies of the tick, where they drift
+    w: Any
+    beside: Any  # (2, number): sums of messages, see `phases.add_up`
 
 
 @njit(nogil=True, **INSIDE)
 def room_of(robots, messages, width):
-    """Room to work in, for so many messages a tick: bits, readings, luck of observing and fusing, arrivals, their luck,
-    accuracies b and w of the tick, and sums of messages that are so wide.
-
-    Made once: to make it anew in each tick would cost a small swarm that steers a tenth of its time.
-    """
-    return (
+    """Room for so many robots and messages per tick; a message is `width` numbers."""
+    return Room(
         np.zeros(robots, np.uint64),
         np.zeros(robots),
         np.zeros((2, robots), np.uint64),
@@ -129,61 +80,102 @@ def room_of(robots, messages, width):
 
 
 @entry
-def ride(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
-    looked, black, heard, senders, history, readings, counts, verdicts, agreed, checkpoints, truths, bounds, sure,
-    wrong, stops, stop,
-):  # fmt: skip
-    """`live_on` of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
-    n, most = memory.shape[0], 0
-    for k in range(looked.shape[0]):
-        most = max(most, heard[(k + 1) * n] - heard[k * n])
-    live_on(
-        swarm, room_of(n, most, outbox.shape[1]), memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key,
-        threshold, delay, everyone, looked, black, heard, senders, history, readings, counts, verdicts, agreed,
-        checkpoints, truths, bounds, sure, wrong, stops, stop,
-    )  # fmt: skip
+def start_minds(swarm, minds, start, beliefs, tally, stops):
+    """Blank minds that assume accuracies (b, w), their first messages, and their estimates `start` (1, robot)."""
+    memory = minds.memory
+    count_known(swarm, tally.counts, stops, minds.rows.shape[0])
+    blank_minds(swarm, memory, beliefs[0], beliefs[1])
+    no_readings = np.full(memory.shape[0], -1.0)
+    luck = np.zeros(memory.shape[0], np.uint64)
+    for run in range(swarm.runs.shape[0]):
+        group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
+        call(
+            swarm.functions[group, SENSE], place(memory, swarm.bases[group]), minds.outbox, ZERO, no_readings, 1.0, a,
+            z, luck, ONE,
+        )  # fmt: skip
+    believe_all(swarm, memory, start, ZERO)
+    forget_verdicts(tally.verdicts, tally.agreed)
+    if tally.verdicts.shape[0] > 0:
+        judge_blank(swarm, memory, start, tally.verdicts)
+
+
+@loop(forceinline=True)
+def look(readings, looked, black, b, w, bits):
+    """Draw the readings of robots that look: 1 for black, 0 for white; -1 for robots that do not look."""
+    step_b, step_w = np.uint64(b.size > 1), np.uint64(w.size > 1)
+    for i in range(ZERO, np.uint64(readings.size)):
+        right = unit(bits[i]) < (b[i * step_b] if black[i] else w[i * step_w])
+        readings[i] = (1.0 if black[i] == right else 0.0) if looked[i] else -1.0
 
 
 @loop()
-def live_on(
-    swarm, room, memory, outbox, rows, trial, tick, b, w, drift, read_key, link_key, threshold, delay, everyone,
-    looked, black, heard, senders, history, readings, counts, verdicts, agreed, checkpoints, truths, bounds, sure,
-    wrong, stops, stop,
-):  # fmt: skip
-    """Minds that ride along on a chunk of a walk, from `tick` on; estimates of tick k go to rows[k - 1].
+def hear_each(swarm, minds, room, radio, counts, stops, trial, tick, said, heard, senders):
+    """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
+    memory, outbox, arrivals = minds.memory, minds.outbox, room.arrivals
+    said_at = tick - radio.delay
+    for run in range(swarm.runs.shape[0]):
+        group = swarm.runs[run, 0]
+        count = 0
+        for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
+            before = count
+            if swarm.jams and drowned(swarm, outbox, said, senders, heard[i], heard[i + 1], stops, said_at):
+                continue
+            for e in range(heard[i], heard[i + 1]):
+                if is_said(outbox, said + senders[e], swarm.flag) and arrives(radio, trial, tick, i, senders[e], stops):
+                    arrivals[0, count] = i
+                    arrivals[1, count] = senders[e]
+                    count += 1
+            counts[HEARD, i] += count - before
+        if swarm.luck.size > 0:
+            draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, room.message_luck)
+        call(
+            swarm.functions[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
+            ZERO, count, memory.shape[0], room.message_luck,
+        )  # fmt: skip
 
-    `looked` and `black` (tick, robot): whether a robot observes, and whether the tile under its sensor is black.
-    `b` and `w` are the true accuracies of tick 1, `drift` is of `changes.py`. What a robot hears was said `delay`
-    ticks ago; `outbox` holds delay + 1 ticks. With `everyone` all hear all, whoever is near: their messages add up.
-    `history` and `readings` (NaN where a robot made none) are filled where they have rows. `counts` (what, robot) grows
-    by what is sent and heard, but for what is known beforehand; `verdicts` (robot or 0, what) and `agreed` are of
-    decisions; from `checkpoints` to `wrong` is what `ask_intervals` takes, `bounds` without robots if none is asked.
+
+@entry
+def ride(swarm, minds, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
+    """`live_on` for CPython."""
+    n, most = minds.memory.shape[0], 0
+    for k in range(chunk.looked.shape[0]):
+        most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
+    room = room_of(n, most, minds.outbox.shape[1])
+    live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
+
+
+@loop()
+def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
+    """Run the minds of a trial through a chunk of its walk; estimates of tick k go to minds.rows[k - 1].
+
+    `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
+    other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them.
     """
+    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
+    bits, seen, luck = room.bits, room.seen, room.luck
+    counts, verdicts, delay = tally.counts, tally.verdicts, radio.delay
     n = memory.shape[0]
-    bits, seen, luck, arrivals, message_luck, now_b, now_w, beside = room
     lucky = swarm.luck.size > 0
     silent = swarm.flag >= 0
-    in_sums = swarm.additive and threshold == 0 and stops.shape[1] == 0
-    for k in range(looked.shape[0]):
+    in_sums = swarm.additive and radio.threshold == 0 and stops.shape[1] == 0
+    for k in range(chunk.looked.shape[0]):
         if stop[0] != 0:
             return
-        now = tick + k
+        now = chunk.tick + k
         said, then = now % (delay + 1) * n, (now - delay) % (delay + 1) * n
-        words(read_key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
-        if drift.shape[1] > 0:
+        words(sensors.key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
+        if sensors.drift.shape[1] > 0:
             for i in range(n):
-                now_b[i], now_w[i] = accuracy_in(b, drift, i, now), accuracy_in(w, drift, i, now)
-            look(seen, looked[k], black[k], now_b, now_w, bits)
+                room.b[i] = accuracy_in(sensors.b, sensors.drift, i, now)
+                room.w[i] = accuracy_in(sensors.w, sensors.drift, i, now)
+            look(seen, chunk.looked[k], black[k], room.b, room.w, bits)
         else:
-            look(seen, looked[k], black[k], b, w, bits)
+            look(seen, chunk.looked[k], black[k], sensors.b, sensors.w, bits)
         silence_failed(seen, stops, now, ZERO, np.uint64(n))
-        if readings.shape[0] > 0:
+        if recorded.readings.shape[0] > 0:
             for i in range(n):
                 if seen[i] >= 0.0:
-                    readings[k, i] = seen[i]
+                    recorded.readings[k, i] = seen[i]
         if lucky:
             words(swarm.luck, trial, now, LUCK_OBSERVE, ZERO, np.uint64(n), luck[0])
             words(swarm.luck, trial, now, LUCK_FUSE, ZERO, np.uint64(n), luck[1])
@@ -191,78 +183,75 @@ def live_on(
             group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
             at = np.int64(a)
             call(
-                swarm.minds[group, SENSE], place(memory, swarm.bases[group]), outbox, said, place(seen, at), 1.0, a, z,
-                place(luck, at), ONE,
+                swarm.functions[group, SENSE], place(memory, swarm.bases[group]), outbox, said, place(seen, at), 1.0,
+                a, z, place(luck, at), ONE,
             )  # fmt: skip
         if silent:
             count_sent(swarm, outbox, np.uint64(said), stops, now, counts)
-        links = heard[k * n : (k + 1) * n + 1]
+        heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
-        if now >= delay and everyone:
-            call(swarm.minds[0, ADD_UP], outbox, then, beside, n, n)
+        if now >= delay and radio.everyone:
+            call(swarm.functions[0, ADD_UP], outbox, then, room.beside, n, n)
             call(
-                swarm.minds[0, HEAR_ALL], memory, outbox, then, beside, ZERO, rows, here, ZERO, n, place(luck, n)
+                swarm.functions[0, HEAR_ALL], memory, outbox, then, room.beside, ZERO, rows, here, ZERO, n,
+                place(luck, n),
             )  # fmt: skip
             for i in range(n):
                 counts[HEARD, i] += n - 1
         elif now >= delay and in_sums:
             call(
-                swarm.minds[0, HEAR_SUMS], memory, outbox, then, links, senders, senders.size, rows, here, ZERO, n, n,
-                place(luck, n),
+                swarm.functions[0, HEAR_SUMS], memory, outbox, then, heard, chunk.senders, chunk.senders.size, rows,
+                here, ZERO, n, n, place(luck, n),
             )  # fmt: skip
             if silent:
-                count_said(swarm, outbox, np.uint64(then), links, senders, LISTED, counts)
+                count_said(swarm, outbox, np.uint64(then), heard, chunk.senders, LISTED, counts)
             else:
                 for i in range(n):
-                    counts[HEARD, i] += links[i + 1] - links[i]
+                    counts[HEARD, i] += heard[i + 1] - heard[i]
         else:
             if now >= delay:
                 hear_each(
-                    swarm, memory, outbox, np.uint64(then), arrivals, message_luck, links, senders, link_key, trial,
-                    now, delay, threshold, stops, counts,
+                    swarm, minds, room, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
                 )  # fmt: skip
             for run in range(swarm.runs.shape[0]):
                 group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
                 call(
-                    swarm.minds[group, END_ROUND], place(memory, swarm.bases[group]), rows, here, a, z,
+                    swarm.functions[group, END_ROUND], place(memory, swarm.bases[group]), rows, here, a, z,
                     place(luck, n + np.int64(a)),
                 )  # fmt: skip
         if verdicts.shape[0] > 0:
             for block in range(np.uint64(swarm.of_block.size - 1)):
                 judge(swarm, block, memory, rows, np.uint64(here), verdicts, now)
-            agree(verdicts, swarm.honest, agreed, now)
-        if bounds.shape[1] > 0:
-            c = first_from(checkpoints, now)
-            if c < checkpoints.size and checkpoints[c] == now:
-                ask_intervals(swarm, memory, c, checkpoints, truths, bounds, sure, wrong)
-        if history.shape[0] > 0:
-            put(history[k], memory)
+            agree(verdicts, swarm.honest, tally.agreed, now)
+        if intervals.bounds.shape[1] > 0:
+            c = next_checkpoint(intervals.checkpoints, now)
+            if c < intervals.checkpoints.size and intervals.checkpoints[c] == now:
+                measure_intervals(swarm, memory, c, intervals)
+        if recorded.history.shape[0] > 0:
+            copy_rows(recorded.history[k], memory)
 
 
 @entry
-def wish(
-    minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest,
-    memory, body, paces, trial, tick, wishes,
-):  # fmt: skip
-    """`ask_all` of a `Swarm`."""
-    swarm = Swarm(minds, bases, fields, named, blanks, runs, of_block, additive, flag, jams, luck_keys, honest)
-    ask_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, paces, trial, tick, wishes)
+def steer(swarm, memory, body, paces, trial, tick, wishes):
+    """`steer_all` for CPython."""
+    steer_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, paces, trial, tick, wishes)
 
 
 @loop()
-def ask_all(swarm, luck, memory, body, paces, trial, tick, wishes):
-    """Ask minds where they want to go; `wishes` (what, robot): whether anywhere, metres and radians a tick.
+def steer_all(swarm, luck, memory, body, paces, trial, tick, wishes):
+    """Ask minds where they want to go; `wishes` (3, robot) gets whether anywhere, metres and radians a tick.
 
-    `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at
-    full speed as well: what is too fast for them is slowed as a whole. `luck` is room for a word each.
+    `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at full speed as
+    well: a wish that is too fast for them is slowed as a whole. `luck` (robot) is room for random words.
     """
     n = memory.shape[0]
     if swarm.luck.size > 0:
         words(swarm.luck, trial, tick, LUCK_STEER, ZERO, np.uint64(n), luck)
     for run in range(swarm.runs.shape[0]):
         group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
-        if swarm.minds[group, ASK]:  # of several brains perhaps only some steer
-            call(swarm.minds[group, ASK], place(memory, swarm.bases[group]), wishes, n, a, z, place(luck, np.int64(a)))
+        if swarm.functions[group, ASK]:  # some brains of a mixed swarm may not steer
+            address = swarm.functions[group, ASK]
+            call(address, place(memory, swarm.bases[group]), wishes, n, a, z, place(luck, np.int64(a)))
     for i in range(memory.shape[0]):
         speed = wishes[1, i] * body[0].tick
         turn = wishes[2, i] * body[0].tick
@@ -279,7 +268,7 @@ def ask_all(swarm, luck, memory, body, paces, trial, tick, wishes):
 
 @entry
 def conclude(rows, start, delta, where, value):
-    """The convergence of whole curves `rows`, index 1 on, after `start`, index 0."""
+    """Convergence index and estimate there (robot) of whole curves: `start` is index 0, `rows` are 1 and on."""
     robots = rows.shape[1]
     low = np.empty(robots)
     high = np.empty(robots)

@@ -1,4 +1,4 @@
-"""Bodies that walk, tick by tick: where they start, how they move, what they stand on, whom they hear. No minds.
+"""Bodies that walk, tick by tick: where they start, how they move, which tile they are on, whom they hear. No minds.
 
 The model is in docs/moving-robots.md. Positions are in metres, the arena's centre at 0. `body` is `Body.numbers`
 (bodies.py).
@@ -32,9 +32,9 @@ PLACINGS = 10_000  # tries to place one robot
 
 
 @entry
-def place(state, body, half, key, trial):
+def place(bodies, trial):
     """Put robots anywhere without touching, headings uniform; False where there is no room left."""
-    radius = body[0].radius
+    state, half, key, radius = bodies.state, bodies.half, bodies.key, bodies.body[0].radius
     robots = state.shape[1]
     size = max(2.0 * radius, half / math.sqrt(robots))
     side = int(2.0 * half / size) + 1
@@ -73,23 +73,16 @@ def place(state, body, half, key, trial):
 
 
 @entry
-def walk(
-    state, bodies, half, key, trial, tick, looked, tiles, heard, senders, poses,
-    anchors, first, others, room, around, lower, hears, near, ears, gaps, close, pairs, pushed, heads, following,
-    wishes, stops, stop,
-):  # fmt: skip
-    """Walk from `tick` on, a tick for each row of `looked`; returns the ticks done, fewer where `senders` is full.
-
-    Fills, for each tick: looked (robot): whether an observation is made; tiles (robot, 2): the tile under the
-    ground sensor; heard: in the k-th of these ticks robot i hears senders[heard[k n + i]: heard[k n + i + 1]], in
-    order; poses (robot, 3) of x, y and heading where it has rows. All from `anchors` to `following` is what
-    neighbours.py keeps from tick to tick; pairs[0] are the rows of `close` in use. `wishes` (what, robot), where it has
-    rows, are those of brains that steer: whether there is one, metres and radians a tick.
-    """
-    body = bodies[0]
+def walk(bodies, neighbours, stops, trial, chunk, stop):
+    """Walk through the ticks of a chunk and fill it; returns the ticks done, fewer where `senders` is full."""
+    state, half, key, wishes, body = bodies.state, bodies.half, bodies.key, bodies.wishes, bodies.body[0]
+    tick, looked, tiles = chunk.tick, chunk.looked, chunk.tiles
+    heard, senders, poses = chunk.heard, chunk.senders, chunk.poses
+    room, around, hears, ears = neighbours.room, neighbours.around, neighbours.hears, neighbours.ears
+    gaps, close, pairs, pushed = neighbours.gaps, neighbours.close, neighbours.pairs, neighbours.pushed
     robots = np.uint64(state.shape[1])
     radio2 = body.radio_range * body.radio_range
-    blind = body.line_of_sight == 0.0  # to what stands between two robots
+    blind = body.line_of_sight == 0.0  # radio passes through robots
     rays = np.empty(RAYS)
     which = np.empty(RAYS, np.uint8)
     turns = np.empty((3, 4))
@@ -98,12 +91,10 @@ def walk(
     used = np.uint64(0)
     heard[0] = 0
     for k in range(looked.shape[0]):
-        if stop[0] != 0 or used + np.uint64(near.size) > np.uint64(senders.size):
+        if stop[0] != 0 or used + np.uint64(ears.size) > np.uint64(senders.size):
             return k
         if tick + k == 1:
-            pairs[0] = look_around(
-                state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following
-            )
+            look_around(bodies, neighbours)
         for i in range(robots):
             move, avoiding = STAND, False
             able = works(stops, MOVING, i, tick + k)
@@ -112,7 +103,7 @@ def walk(
                     state, i, body, half, room[i], room[i] + around[i], gaps, rays, which, key, trial, tick + k
                 )
             looked[k, i] = not avoiding
-            # the wheels answer late: at first the last tick's motion goes on
+            # wheels answer late: the motion of the last tick goes on at first
             go(state, i, body.lag, state[COS_LATE, i], state[SIN_LATE, i])
             speed = state[PACE, i] if move == STRAIGHT else 0.0
             turn = body.turn if move == LEFT else (-body.turn if move == RIGHT else 0.0)
@@ -126,12 +117,10 @@ def walk(
         sweep = 0
         while sweep < SWEEPS:
             sweep = part(state, body, half - body.radius, close, pairs[0], pushed, sweep)
-            pairs[0] = look_around(
-                state, body, half, anchors, first, others, room, around, lower, near, gaps, close, heads, following
-            )
+            look_around(bodies, neighbours)
         hears[:] = 0
         for i in range(robots):
-            listen(i, radio2, blind, body.radius, room, around, lower, near, gaps, hears, ears)
+            listen(i, radio2, blind, body.radius, neighbours)
             for e in range(room[i], room[i] + hears[i]):
                 senders[used] = ears[e]
                 used += np.uint64(1)

@@ -101,28 +101,27 @@ def paint_tiles(tiles, key, trial, fill_ratio, black):
 
 
 @entry
-def round_readings(b, w, drift, course, looks, read_key, trial, out):
-    """Fill `out` (round, robot) with how many of a round's readings said black, from round 1 on."""
+def round_readings(sensors, trial, out):
+    """Fill `out` (round, robot) with the number of black readings in each round, from round 1 on."""
     robots = np.uint64(out.shape[1])
     bits = np.zeros(out.shape[1], np.uint64)
-    source = source_of(b, w, drift, course, looks)
+    source = source_of(sensors)
     for k in range(out.shape[0]):
-        renew(source, looks, k + 1)
-        count_blacks(out[k], bits, source.tables, looks, read_key, trial, k + 1, np.uint64(0), robots)
+        renew(source, k + 1)
+        count_blacks(out[k], bits, source.tables, sensors.looks, sensors.key, trial, k + 1, np.uint64(0), robots)
 
 
 @entry
-def single_readings(b, w, drift, course, looks, read_key, order_key, trial, out):
-    """Fill `out` (observation, robot) with the readings, 1 black, that the rounds of a trial are made of."""
-    robots = out.shape[1]
+def single_readings(sensors, trial, out):
+    """Fill `out` (observation, robot) with the single readings of a trial, 1 for black."""
+    robots, looks = out.shape[1], sensors.looks
     bits = np.zeros(robots, np.uint64)
     blacks = np.zeros(robots)
-    source = source_of(b, w, drift, course, looks)
+    source = source_of(sensors)
     for step in range(out.shape[0]):
         left = looks - step % looks
         if left == looks:
-            renew(source, looks, step // looks + 1)
-            count_blacks(
-                blacks, bits, source.tables, looks, read_key, trial, step // looks + 1, np.uint64(0), np.uint64(robots)
-            )
-        arrange(out[step], blacks, bits, left, order_key, trial, step + 1)
+            tick = step // looks + 1
+            renew(source, tick)
+            count_blacks(blacks, bits, source.tables, looks, sensors.key, trial, tick, np.uint64(0), np.uint64(robots))
+        arrange(out[step], blacks, bits, left, sensors.order, trial, step + 1)

@@ -46,11 +46,11 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     stops = given.stops[0]
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     brain = [setting.crew[one] for one in group]
-    b, w = (belief[0] for belief in given.beliefs)
+    b, w = given.first_beliefs
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay
     first_heard = delay + (setting.body is None)  # robots that move hear what was said before the first tick, too
-    looks, threshold, key = setting.observations_per_round, given.loss_threshold, given.losses
+    looks, threshold, key = setting.observations_per_round, given.radio.threshold, given.radio.key
 
     def luck(tick: int, part: int) -> np.ndarray:
         words_ = np.zeros(setting.robots, np.uint64)

@@ -67,15 +67,17 @@ def infer(
     luck = np.concatenate([address(0, "luck", recorded=True), address(0, "luck of messages", recorded=True)])
     if compiled:
         shape = (-(-len(readings) // every) + 1, robots)
-        history, estimates = np.empty((*shape, compiler.width(used))), np.empty(shape)
+        layout = compiler.array_layout(used)
+        history, estimates = np.empty((*shape, layout.mind_width)), np.empty(shape)
+        outbox = np.zeros((robots, layout.message_width))
         receivers, senders = (np.ascontiguousarray(pairs[:, k], np.uint32) for k in (0, 1))
         try:
-            made = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
+            alike = swarm((used,), np.zeros(robots, np.int64), "recorded", luck)
             compiler.compile_world("kernel").follow(
-                *made, compiler.outbox(used, robots), b, w, readings, int(every), periodic, first,
-                senders, receivers, used.ends, history, estimates,
+                alike, outbox, (b, w), readings, int(every), periodic, first, senders, receivers, used.ends, history,
+                estimates,
             )  # fmt: skip
-            fields = fields_of((used,), made, history, estimates)
+            fields = fields_of((used,), alike, history, estimates)
         except Exception as error:
             raise InputError(f"brain {used.name!r} fails: {type(error).__name__}: {error}") from error
     else:

@@ -1,75 +1,76 @@
-"""What chance gives some trials of a setting, looked up once: from here on no setting is asked for random numbers."""
+"""All that chance decides for some trials of a setting before they run: accuracies, failures, links, keys of draws."""
 
-from dataclasses import replace
 from typing import NamedTuple, Self
 
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.engine.layout import Links, Radio, Sensors
 from swarmcensus.studies.settings import Setting
-from swarmcensus.worlds.networks import Links
 
 NO_GROUPS = np.zeros((0, 0), np.int64)
 ALL_HONEST = np.zeros((0, 0), np.bool_)
 NO_PACES = np.zeros((0, 0))
-NO_KEY = np.zeros(2, np.uint64)  # of draws that are not made
+NO_KEY = np.zeros(2, np.uint64)  # where nothing is drawn
 
 
 class Inputs(NamedTuple):
-    """Of trials first to first + trials - 1; accuracies are (trial, robot), or (trial, 1) where robots are alike."""
+    """The inputs of trials first to first + trials - 1."""
 
     first: int
-    sensors: tuple[np.ndarray, np.ndarray]  # true b and w, of the first round
-    drift: np.ndarray  # (trial, 3, robot or 1): how those drift, see `engine.changes`; no robots where they stay
-    beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w
-    stops: np.ndarray  # (trial, part, robot): when parts of robots fail
-    readings: np.ndarray  # addresses of random numbers, each a key of two words
-    order: np.ndarray  # of single readings within a round
-    losses: np.ndarray
-    loss_threshold: np.uint64  # a message gets through where a uniform uint64 is below it; 0 stands for always
-    luck: np.ndarray  # of brains that ask for it, two keys; empty where none does
-    walk: np.ndarray  # of robots that move
-    paces: np.ndarray  # (trial, robot): how far they go in a tick, in metres; no rows on fixed networks
+    sensors: Sensors
+    beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
+    radio: Radio
     links: Links | None  # who hears whom; None where robots move
-    group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is one
+    stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
+    luck: np.ndarray  # two keys; empty where no brain uses luck
+    walk: np.ndarray  # key of the random walk
+    paces: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
+    group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
     honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
 
     def of(self, k: int) -> Self:
-        """Those of the k-th of these trials alone."""
+        """The inputs of the k-th of these trials alone, as a batch of one."""
         one = slice(k, k + 1)
-        links = self.links
+        sensors, links = self.sensors, self.links
         if links is not None and links.starts.size > 2:
-            links = replace(links, starts=links.starts[k : k + 2])
-        b, w, assumed_b, assumed_w = (a[one] for a in (*self.sensors, *self.beliefs))
+            links = links._replace(starts=links.starts[k : k + 2])
         return self._replace(
-            first=self.first + k, sensors=(b, w), drift=self.drift[one], beliefs=(assumed_b, assumed_w),
-            stops=self.stops[one], links=links, group=self.group[one], honest=self.honest[one], paces=self.paces[one],
+            first=self.first + k,
+            sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
+            paces=self.paces[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
+
+    @property
+    def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
+        """The accuracies that robots assume in the first trial."""
+        return self.beliefs[0][0], self.beliefs[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
-    """Prepare trials; `order` where single readings are asked for. Raises InputError where no graph can be made."""
+    """Prepare trials; `order` if single readings are needed. Raises InputError if no graph can be made."""
     moves = setting.body is not None
     try:
         links = None if moves else setting.links(seed, first, trials)
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
+    drift, readings = setting.drifts(seed, first, trials, b), setting.readings_key(seed)
+    orders = setting.readings_key(seed, "order") if order else NO_KEY
+    sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
+    losses = setting.losses_key(seed) if setting.loss_threshold else NO_KEY
     group, honest = _who(setting, seed, first, trials)
     return Inputs(
         first=first,
-        sensors=(b, w),
-        drift=setting.drifts(seed, first, trials, b),
+        sensors=sensors,
         beliefs=(assumed_b, assumed_w),
+        radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
+        links=links,
         stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
-        readings=setting.readings_key(seed),
-        order=setting.readings_key(seed, "order") if order else NO_KEY,
-        losses=setting.losses_key(seed) if setting.loss_threshold else NO_KEY,
-        loss_threshold=setting.loss_threshold,
         luck=setting.luck_keys(seed, alone=order),
         walk=setting.walk_key(seed) if moves else NO_KEY,
         paces=np.stack([setting.paces(seed, first + t) for t in range(trials)]) if moves else NO_PACES,
-        links=links,
         group=group,
         honest=honest,
     )

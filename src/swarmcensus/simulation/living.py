@@ -1,7 +1,7 @@
-"""One trial a stretch at a time, forward or anywhere: for those who watch it, and look back.
+"""One trial in stretches of rounds, in any order: for viewers, who also look back.
 
-A `Life` keeps copies of all that it is before some stretches, and goes on from the nearest. So any part of a trial is
-there again, to the same bits, and what is kept does not grow with the trial.
+A `Life` keeps copies of its state before some stretches, and goes on from the nearest copy. So any part of a trial can
+be run again, to the same bits, and memory does not grow with the length of the trial.
 """
 
 import mmap
@@ -14,18 +14,18 @@ import numpy as np
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import HEARD, IS_DONE, SENT, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.engine.swarms import Swarm
+from swarmcensus.engine.layout import Chunk, Recorded, Swarm, Tally
 from swarmcensus.simulation.inputs import Inputs, inputs_of
 from swarmcensus.simulation.rides import Rider, links_of, wishes_of
-from swarmcensus.simulation.swarming import outbox_of, swarm_of, verdicts_of
+from swarmcensus.simulation.swarming import minds_of, swarm_of, tally_of
 from swarmcensus.simulation.trials import blaming
-from swarmcensus.simulation.walking import Chunk, Walk
+from swarmcensus.simulation.walking import Walk
 from swarmcensus.studies.settings import Setting
 
 STRETCH_BYTES = 4_000_000  # of minds
-KEPT_BYTES = 32_000_000  # of stretches, and as much of copies to go on from
-ASTRAY = -1  # what comes next is not known: one begins with a copy
-MOST_ROUNDS = 200  # in a stretch: where little is to be done, a hundredth of a second
+KEPT_BYTES = 32_000_000  # of stretches, and as much of copies
+ASTRAY = -1  # the state is that of no stretch: the next run starts from a copy
+MOST_ROUNDS = 200  # in a stretch: for small swarms, a hundredth of a second
 
 
 @dataclass(frozen=True)
@@ -34,61 +34,61 @@ class Stretch:
 
     first: int
     history: np.ndarray  # (round, robot, number): minds after the round
-    said: np.ndarray  # (round, robot, number): what was heard of each, as in an outbox
+    said: np.ndarray  # (round, robot, number): the message of each that was heard in the round, as in an outbox
     estimates: np.ndarray
     messages: np.ndarray  # (round, what): how many all robots have sent and heard so far
-    poses: np.ndarray  # x, y, heading after the tick; no rows of this and of what follows where robots do not move
+    poses: np.ndarray  # x, y, heading after the tick; from here to `links` no rows on fixed networks
     colours: np.ndarray  # the true tile under the sensor, 1 black
     readings: np.ndarray  # NaN where none was made
     links: np.ndarray  # (link, 3): tick, robot, robot
-    done: np.ndarray  # (robot): who was done before the first of these rounds; nobody where no brain ever is
+    done: np.ndarray  # (robot): which robots were done before the first of these rounds
 
     @property
     def bytes(self) -> int:
-        """What it takes."""
+        """How much memory it takes."""
         return sum(value.nbytes for value in vars(self).values() if isinstance(value, np.ndarray))
 
 
 class World(Protocol):
-    """What goes on: all that it is lies in `arrays`."""
+    """A trial that can run on; its whole state is in `arrays`."""
 
     swarm: Swarm
     start: Stretch  # of round 0, before any observation
     arrays: list[np.ndarray]
 
     def on(self, first: int, rounds: int) -> Stretch:
-        """Live on for so many rounds, of which `first` is the next."""
+        """Run so many rounds; `first` is the next one."""
 
 
 class Life:
-    """One trial of a setting: its k-th stretch of `length` rounds is there by `at(k)`, in whatever order."""
+    """One trial of a setting: `at(k)` is its k-th stretch of `length` rounds."""
 
     def __init__(self, setting: Setting, seed: int, trial: int) -> None:
-        """Wake its minds. Raises InputError where its brain is not compiled, or robots find no room."""
+        """Start its minds. Raises InputError if a brain does not compile, or the robots do not fit in the arena."""
         self.setting, self.seed, self.trial = setting, seed, trial
         self.given = inputs_of(setting, seed, trial)
         self._world: World = (_Network if setting.body is None else _Moving)(setting, seed, self.given)
         self.swarm, self.start = self._world.swarm, self._world.start
         self.length = int(np.clip(STRETCH_BYTES // self.start.history.nbytes, 1, min(MOST_ROUNDS, setting.rounds)))
-        self._next, self._every = 0, 1  # the stretch that comes next; how many from copy to copy
+        self._next, self._every = 0, 1  # the next stretch to run; how many stretches lie between copies
         self._kept: OrderedDict[int, Stretch] = OrderedDict()
         self._copies = {0: [array.copy() for array in self._world.arrays]}
 
     def at(self, k: int) -> Stretch:
-        """A stretch, from 0 on. Raises InputError where a brain fails."""
+        """The k-th stretch, from 0 on. Raises InputError if a brain fails."""
         while not self.approach(k):
             pass
         return self._kept[k]
 
     def approach(self, k: int) -> bool:
-        """Go on towards a stretch, by one; whether it is there."""
+        """Run one stretch on the way to the k-th; returns whether that is reached."""
         if k not in self._kept:
             near = max(one for one in self._copies if one <= k)
             if not near <= self._next <= k:
                 for array, copy in zip(self._world.arrays, self._copies[near], strict=True):
                     array[...] = copy
                 self._next = near
-            now, self._next = self._next, ASTRAY  # until it is there: a brain may fail half-way
+            now, self._next = self._next, ASTRAY  # a brain may fail half-way
             first = now * self.length + 1
             self._keep(now, self._world.on(first, min(self.length, self.setting.rounds + 1 - first)))
             self._next = now + 1
@@ -98,7 +98,7 @@ class Life:
         return k in self._kept
 
     def kept(self, k: int) -> Stretch | None:
-        """A stretch, if it need not be computed."""
+        """The k-th stretch if it is kept, else None."""
         return self._kept.get(k)
 
     def _keep(self, k: int, stretch: Stretch) -> None:
@@ -107,7 +107,7 @@ class Life:
             self._kept.popitem(last=False)
 
     def _copy(self) -> None:
-        """Remember all that is, now and then: twice as seldom each time that it is too much."""
+        """Copy the state before some stretches: half as often each time that copies take too much memory."""
         if self._next % self._every == 0 and self._next not in self._copies:
             self._copies[self._next] = [array.copy() for array in self._world.arrays]
             one = sum(array.nbytes for array in self._world.arrays)
@@ -124,31 +124,24 @@ class _Network:
         robots = setting.robots
         with blaming(setting, given.first):
             self.swarm = swarm_of(setting, given, "network")
-            self.memory = np.empty((robots, int(self.swarm.fields.sum())))
-            self.outbox = outbox_of(self.swarm, setting, setting.message_delay + 2)
-            self.counts = np.zeros((2, robots), np.int64)
-            verdicts, agreed = verdicts_of(setting, 1, robots)
-            self.verdicts, self.agreed = verdicts[0], agreed[0]
-            start = np.empty((1, robots))
-            beliefs = (belief[0] for belief in given.beliefs)
-            self.kernel.wake(*self.swarm, self.memory, *beliefs, start, self.verdicts, self.agreed)
-        self.arrays = [self.memory, self.outbox, self.counts, self.verdicts, self.agreed]
-        minds, nobody = self.memory[np.newaxis].copy(), np.zeros(robots, np.bool_)
-        self.start = _standing(0, minds, self.outbox[np.newaxis, :0], start, np.zeros((1, 2)), nobody)
+            self.minds = minds_of(setting, self.swarm, given.radio.delay + 2, np.empty((1, robots)))
+            self.tally = tally_of(setting, 1).of_trial(0)
+            self.kernel.start_minds(self.swarm, self.minds, given.first_beliefs, self.tally)
+        memory, outbox, start = self.minds
+        self.arrays = [memory, outbox, *self.tally]
+        no_messages, none_done = np.zeros((1, 2)), np.zeros(robots, np.bool_)
+        self.start = _standing(0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], start, no_messages, none_done)
 
     def on(self, first: int, rounds: int) -> Stretch:
         setting, given, links = self.setting, self.given, self.given.links
         assert links is not None
-        history, done = np.empty((rounds, *self.memory.shape)), _done(self.verdicts, setting.robots)
-        said = np.empty((rounds, setting.robots, self.outbox.shape[1]))
+        history, done = np.empty((rounds, *self.minds.memory.shape)), _done(self.tally, setting.robots)
+        said = np.empty((rounds, setting.robots, self.minds.outbox.shape[1]))
         estimates, messages = np.empty((rounds, setting.robots)), np.zeros((rounds, 2), np.int64)
-        sensors = (a[0] for a in (*given.sensors, given.drift))
         with blaming(setting, given.first):
             self.kernel.live(
-                *self.swarm, self.memory, self.outbox, estimates, first, given.first, *sensors, setting.course,
-                setting.observations_per_round, given.readings, given.losses, links.mode, links.receivers,
-                links.senders, given.loss_threshold, given.stops[0], setting.message_delay, self.counts, self.verdicts,
-                self.agreed, history, said, messages, np.zeros(1, np.uint8),
+                self.swarm, self.minds._replace(rows=estimates), given.sensors.of_trial(0), given.radio, links,
+                given.stops[0], self.tally, given.first, first, history, said, messages, np.zeros(1, np.uint8),
             )  # fmt: skip
         return _standing(first, history, said, estimates, messages, done)
 
@@ -161,9 +154,9 @@ def _standing(
     return Stretch(first, history, said, estimates, messages, poses, nothing, nothing, links, done)
 
 
-def _done(verdicts: np.ndarray, robots: int) -> np.ndarray:
-    """Who is done by now."""
-    return verdicts[:, IS_DONE] == 1.0 if verdicts.size else np.zeros(robots, np.bool_)
+def _done(tally: Tally, robots: int) -> np.ndarray:
+    """Which robots are done by now."""
+    return tally.verdicts[:, IS_DONE] == 1.0 if tally.verdicts.size else np.zeros(robots, np.bool_)
 
 
 class _Moving:
@@ -172,23 +165,23 @@ class _Moving:
         self.setting, self.given = setting, given
         self.stop = np.zeros(1, np.uint8)
         self.rider, self.ground = Rider(setting, given), setting.ground(seed, given.first)
-        # the engine addresses estimates by their tick: of the pages, those of one stretch are enough
-        self.pages = mmap.mmap(-1, self.rider.rows.nbytes)
-        self.rider.rows = np.frombuffer(self.pages).reshape(self.rider.rows.shape)
-        self.rider.counts[...] = 0  # what is known beforehand of the whole trial is counted by tick here
+        # the engine writes estimates at their tick: pages of earlier stretches are given back after use
+        rows = self.rider.minds.rows
+        self.pages = mmap.mmap(-1, rows.nbytes)
+        self.rider.minds = self.rider.minds._replace(rows=np.frombuffer(self.pages).reshape(rows.shape))
+        self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
         self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
         self.walk = Walk(
             setting.robots, setting.arena_side, setting.fastest, given.walk, given.first, self.stop, True,
             given.stops[0], self.wishes, given.paces[0],
         )  # fmt: skip
-        rider = self.rider
+        memory, outbox, _ = self.rider.minds
         self.arrays = [
-            self.walk.state, *self.walk.around, self.wishes, rider.memory, rider.outbox, rider.counts, rider.verdicts,
-            rider.agreed,
+            self.walk.bodies.state, *self.walk.neighbours, self.wishes, memory, outbox, *self.rider.tally
         ]  # fmt: skip
         shape = (1, setting.robots)
         self.start = Stretch(
-            0, rider.memory[np.newaxis].copy(), rider.outbox[np.newaxis, :0], rider.start, np.zeros((1, 2)),
+            0, memory[np.newaxis].copy(), outbox[np.newaxis, :0], self.rider.start, np.zeros((1, 2)),
             self.walk.poses_now()[np.newaxis], np.full(shape, np.nan), np.full(shape, np.nan),
             np.zeros((0, 3), np.int64), np.zeros(setting.robots, np.bool_),
         )  # fmt: skip
@@ -196,9 +189,11 @@ class _Moving:
     def on(self, first: int, rounds: int) -> Stretch:
         setting, rider, robots = self.setting, self.rider, self.setting.robots
         shape = (rounds, robots)
-        history, said = np.empty((rounds, *rider.memory.shape)), np.empty((*shape, rider.outbox.shape[1]))
+        memory, outbox, rows = rider.minds
+        counts, delay = rider.tally.counts, self.given.radio.delay
+        history, said = np.empty((rounds, *memory.shape)), np.empty((*shape, outbox.shape[1]))
         poses, colours, readings = np.empty((*shape, 3)), np.empty(shape), np.full(shape, np.nan)
-        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.verdicts, robots)
+        messages, links, ended = np.zeros((rounds, 2), np.int64), [], _done(rider.tally, robots)
         done = 0
         while done < rounds:
             chunk = self.walk.on(first + done, 1 if self.wishes.size else rounds - done)
@@ -210,15 +205,16 @@ class _Moving:
             for row in range(part.start, part.stop):
                 one = slice(row, row + 1)
                 with blaming(setting, self.given.first):
-                    rider.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, (history[one], readings[one]))
-                    rider.wish(self.wishes, first + row)
-                heard = (first + row - rider.delay) % (rider.delay + 1) * robots
-                said[row] = rider.outbox[heard : heard + robots]
+                    recorded = Recorded(history[one], readings[one])
+                    rider.ride(_tick(chunk, row - done), colours[one] == 1.0, self.stop, recorded)
+                    rider.steer(self.wishes, first + row)
+                heard = (first + row - delay) % (delay + 1) * robots
+                said[row] = outbox[heard : heard + robots]
                 if self.swarm.flag < 0:
-                    rider.counts[SENT] += [works(rider.stops, TALKING, i, first + row) for i in range(robots)]
-                messages[row] = rider.counts[SENT].sum(), rider.counts[HEARD].sum()
+                    counts[SENT] += [works(rider.stops, TALKING, i, first + row) for i in range(robots)]
+                messages[row] = counts[SENT].sum(), counts[HEARD].sum()
             done = part.stop
-        estimates = rider.rows[first - 1 : first - 1 + rounds].copy()
+        estimates = rows[first - 1 : first - 1 + rounds].copy()
         if hasattr(self.pages, "madvise"):
             self.pages.madvise(mmap.MADV_DONTNEED)
         return Stretch(
@@ -228,8 +224,8 @@ class _Moving:
 
 def _tick(chunk: Chunk, k: int) -> Chunk:
     """The k-th tick of a chunk alone."""
-    robots = chunk.looked.shape[1]
-    return Chunk(
-        chunk.tick + k, chunk.looked[k : k + 1], chunk.tiles[k : k + 1],
-        chunk.heard[k * robots : (k + 1) * robots + 1], chunk.senders, chunk.poses[k : k + 1], chunk.begin,
+    robots, one = chunk.looked.shape[1], slice(k, k + 1)
+    return chunk._replace(
+        tick=chunk.tick + k, looked=chunk.looked[one], tiles=chunk.tiles[one], poses=chunk.poses[one],
+        heard=chunk.heard[k * robots : (k + 1) * robots + 1],
     )  # fmt: skip

@@ -9,26 +9,27 @@ import numpy as np
 from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
+from swarmcensus.engine.layout import Chunk, Recorded
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
+from swarmcensus.simulation.intervals import check_intervals, intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
     ended,
     fields_of,
-    outbox_of,
+    minds_of,
     swarm_of,
-    verdicts_of,
+    tally_of,
 )
 from swarmcensus.simulation.trials import NOT_FINITE, Batch, Metrics, blame, blaming
-from swarmcensus.simulation.walking import Chunk, set_out, walk
+from swarmcensus.simulation.walking import set_out, walk
 from swarmcensus.simulation.watches import Truths, Watch, results_of
 from swarmcensus.studies.settings import Setting
 from swarmcensus.worlds.arena import tiles_across
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.ground import Ground
 
-NOTHING = np.zeros((0, 0, 0)), np.zeros((0, 0))  # what of a ride is recorded where nothing is
+NOTHING = Recorded(np.zeros((0, 0, 0)), np.zeros((0, 0)))
 MOST_TILES = 1 << 26  # of a floor that is painted whole, for robots that steer: 64 MB
 
 
@@ -38,65 +39,50 @@ class Rider:
     def __init__(
         self, setting: Setting, given: Inputs, checkpoints: Sequence[int] = (), truths: Truths | None = None
     ) -> None:
-        """Wake the minds of one trial; at checkpoints their intervals are held against the `truths` of ticks."""
+        """Start the minds of one trial; their intervals at checkpoints are compared with the `truths` there."""
         assert setting.body is not None
         self.setting, self.trial, self.given = setting, given.first, given
         self.kernel = compiler.compile_world("riding")
-        self.delay = setting.message_delay
-        robots = setting.robots
-        self.rows = np.empty((setting.rounds, robots))
-        self.start = np.empty((1, robots))
+        self.start = np.empty((1, setting.robots))
         self.stops = given.stops[0]
-        self.keys = given.readings, given.losses
-        looked = np.array(checkpoints, np.int64)
-        self.asked = nobody() if truths is None else Asked.of(setting, truths(looked), 1)
-        self.asking = (looked, *self.asked.alone)
-        self.sensors = [a[0] for a in (*given.sensors, given.drift)]
-        beliefs = (a[0] for a in given.beliefs)
+        rounds = np.array(checkpoints, np.int64)
+        self.intervals = no_intervals() if truths is None else intervals_of(setting, rounds, truths(rounds), 1)
+        self.sensors = given.sensors.of_trial(0)
+        self.tally = tally_of(setting, 1).of_trial(0)
+        rows = np.empty((setting.rounds, setting.robots))
         with blaming(setting, self.trial):
             self.swarm = swarm_of(setting, given, setting.use)
-            self.memory = np.empty((robots, int(self.swarm.fields.sum())))
-            self.outbox = outbox_of(self.swarm, setting, self.delay + 1)
-            verdicts, agreed = verdicts_of(setting, 1, robots)
-            self.verdicts, self.agreed = verdicts[0], agreed[0]
-            self.counts = np.zeros((2, robots), np.int64)
-            self.kernel.wake(
-                *self.swarm, self.memory, *beliefs, self.outbox, self.start, self.counts, self.verdicts, self.agreed,
-                self.stops, setting.rounds,
+            self.minds = minds_of(setting, self.swarm, given.radio.delay + 1, rows)
+            self.kernel.start_minds(
+                self.swarm, self.minds, self.start, given.first_beliefs, self.tally, self.stops
             )  # fmt: skip
 
-    def ride(
-        self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, keep: tuple[np.ndarray, np.ndarray] | None = None
-    ) -> None:
-        """Live through a chunk on tiles `black` (tick, robot); `keep` is room for minds and readings (tick, robot)."""
+    def ride(self, chunk: Chunk, black: np.ndarray, stop: np.ndarray, recorded: Recorded = NOTHING) -> None:
+        """Live through a chunk on tiles `black` (tick, robot)."""
         self.kernel.ride(
-            *self.swarm, self.memory, self.outbox, self.rows, self.trial,
-            chunk.tick, *self.sensors, *self.keys,
-            self.given.loss_threshold, self.delay, self.setting.brain.is_oracle, chunk.looked, black, chunk.heard,
-            chunk.senders, *(keep or NOTHING), self.counts, self.verdicts, self.agreed,
-            *self.asking, self.stops, stop,
+            self.swarm, self.minds, self.sensors, self.given.radio, self.stops, self.tally, self.intervals.of_trial(0),
+            chunk, black, recorded, self.trial, stop,
         )  # fmt: skip
 
-    def wish(self, wishes: np.ndarray, tick: int) -> None:
-        """Say where the minds want to go after a tick, if they steer."""
+    def steer(self, wishes: np.ndarray, tick: int) -> None:
+        """Ask the minds where they want to go after a tick, if they steer."""
         if wishes.size:
             assert self.setting.body is not None
-            self.kernel.wish(
-                *self.swarm, self.memory, self.setting.body.numbers, self.given.paces[0], self.trial, tick, wishes
-            )
+            body, paces = self.setting.body.numbers, self.given.paces[0]
+            self.kernel.steer(self.swarm, self.minds.memory, body, paces, self.trial, tick, wishes)
 
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
         truths = truths_of(self.setting, metrics, ground)
         truth = float(truths(self.setting.rounds))
         robots, honest = self.setting.robots, self.given.honest[0] if self.given.honest.size else slice(None)
-        rows = self.rows
+        rows, tally = self.minds.rows, self.tally
         where, value = np.zeros(robots, np.int64), np.zeros(robots)
-        self.kernel.conclude(self.rows, self.start, metrics.delta, where, value)
-        check_verdicts(self.setting, self.given, self.verdicts[np.newaxis])
-        check_intervals(self.setting, self.given, self.asked)
-        where, value, counts = where[honest], value[honest], self.counts[:, honest]
-        verdicts = self.verdicts[honest] if self.verdicts.size else self.verdicts
+        self.kernel.conclude(rows, self.start, metrics.delta, where, value)
+        check_verdicts(self.setting, self.given, tally.verdicts[np.newaxis])
+        check_intervals(self.setting, self.given, self.intervals)
+        where, value, counts = where[honest], value[honest], tally.counts[:, honest]
+        verdicts = tally.verdicts[honest] if tally.verdicts.size else tally.verdicts
         error = np.abs(value - truth)
         bins = right_bins(truths(np.array(metrics.checkpoints)), metrics.bins)
         right = np.full((len(metrics.checkpoints), 1), np.nan)
@@ -116,15 +102,15 @@ class Rider:
             if math.isfinite(rows.sum()):
                 raise
             raise blame(self.setting, self.trial, 1, ArithmeticError(NOT_FINITE)) from wrong
-        consensus = consensus_of(self.setting, self.agreed[np.newaxis], truth)
+        consensus = consensus_of(self.setting, tally.agreed[np.newaxis], truth)
         return Batch(
             where[np.newaxis], error[np.newaxis], rows[-1:, honest].copy(), right, counts[np.newaxis],
-            verdicts[np.newaxis], consensus, self.asked.found, filled, estimates, watched,
+            verdicts[np.newaxis], consensus, self.intervals.sure.transpose(1, 2, 0), filled, estimates, watched,
         )  # fmt: skip
 
 
 def truths_of(setting: Setting, metrics: Metrics, ground: Ground | ChangingGround) -> Truths:
-    """What robots are held against after some ticks: the floor's share of black, or the nominal one."""
+    """The fill ratio that errors refer to after some ticks: that of the painted floor, or the nominal one."""
     return ground.truth if metrics.on_floor else setting.fill_ratios
 
 
@@ -133,7 +119,7 @@ def run_ride(
 ) -> list[Batch] | None:
     """One trial of settings that share a walk; None if `stop` was set meanwhile."""
     if settings[0].steers and tiles_of(settings[0]) ** 2 <= MOST_TILES:
-        batch = steered(settings[0], seed, trial, metrics, stop)  # such a walk is nobody else's
+        batch = steered(settings[0], seed, trial, metrics, stop)  # no other setting has the same walk
         return None if batch is None else [batch]
     keys = [(setting.floor_key(seed).tobytes(), setting.change) for setting in settings]
     grounds = {key: setting.ground(seed, trial) for key, setting in dict(zip(keys, settings, strict=True)).items()}
@@ -147,7 +133,7 @@ def run_ride(
         for rider, key in zip(riders, keys, strict=True):
             with blaming(rider.setting, trial):
                 rider.ride(chunk, black[key], stop)
-                rider.wish(wishes, chunk.tick)
+                rider.steer(wishes, chunk.tick)
     if stop[0]:
         return None
     return [rider.measure(metrics, grounds[key]) for rider, key in zip(riders, keys, strict=True)]
@@ -160,19 +146,18 @@ def tiles_of(setting: Setting) -> int:
 
 
 def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.ndarray) -> Batch | None:
-    """One trial of robots whose brain steers, on a floor of few enough tiles to be painted beforehand."""
+    """One trial of robots whose brain steers, on a floor that is small enough to be painted beforehand."""
     assert setting.body is not None
     given, ground = inputs_of(setting, seed, trial), setting.ground(seed, trial)
     rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
-    state, numbers, half, around, listed = set_out(
-        setting.robots, setting.arena_side, setting.fastest, given.walk, trial, given.paces[0]
-    )  # fmt: skip
+    bodies, neighbours = set_out(
+        setting.robots, setting.arena_side, setting.fastest, given.walk, trial, wishes_of(setting), given.paces[0]
+    )
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
-            state, numbers, half, given.walk, trial, around, np.zeros(2 * listed, np.uint32), wishes_of(setting),
-            ground.all_tiles(), ground.turns(), *rider.swarm, rider.memory, rider.outbox,
-            rider.rows, *rider.sensors, *rider.keys, given.loss_threshold, rider.delay, setting.brain.is_oracle,
-            NOTHING, rider.counts, rider.verdicts, rider.agreed, rider.asking, rider.stops, stop,
+            rider.swarm, rider.minds, rider.sensors, given.radio, rider.stops, rider.tally,
+            rider.intervals.of_trial(0), bodies, neighbours, ground.all_tiles(), ground.turns(),
+            2 * neighbours.ears.size, trial, stop,
         )  # fmt: skip
     return None if stop[0] else rider.measure(metrics, ground)
 
@@ -221,8 +206,8 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     stop = np.zeros(1, np.uint8)
     rider, ground = Rider(setting, inputs_of(setting, seed, trial)), setting.ground(seed, trial)
     shape = (setting.rounds + 1, setting.robots)
-    history = np.empty((*shape, rider.memory.shape[1]))
-    history[0] = rider.memory
+    history = np.empty((*shape, rider.minds.memory.shape[1]))
+    history[0] = rider.minds.memory
     poses = np.full((*shape, 3), np.nan)
     looked = np.zeros(shape, np.bool_)
     colours, readings = np.full(shape, np.nan), np.full(shape, np.nan)
@@ -234,13 +219,13 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
             poses[0] = chunk.begin
         colours[ticks] = ground.colours(chunk.tiles, chunk.tick)
         with blaming(setting, trial):
-            rider.ride(chunk, colours[ticks] == 1.0, stop, (history[ticks], readings[ticks]))
-            rider.wish(wishes, chunk.tick)
+            rider.ride(chunk, colours[ticks] == 1.0, stop, Recorded(history[ticks], readings[ticks]))
+            rider.steer(wishes, chunk.tick)
         poses[ticks], looked[ticks] = chunk.poses, chunk.looked
         links.append(links_of(chunk))
-    estimates = np.concatenate([rider.start, rider.rows])
+    estimates = np.concatenate([rider.start, rider.minds.rows])
     joined = np.concatenate(links)
-    with blaming(setting, trial):  # intervals are asked for in every tick here
+    with blaming(setting, trial):  # robots are asked for intervals in every tick here
         fields = fields_of(setting.crew, rider.swarm, history, estimates)
     done = ended(setting.crew, fields)
     if done.size:

@@ -5,7 +5,7 @@ import functools
 import itertools
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -14,18 +14,19 @@ from swarmcensus.basics.bins import right_bins
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
 from swarmcensus.engine.constants import PART, VERDICTS
-from swarmcensus.engine.swarms import Swarm
+from swarmcensus.engine.layout import Intervals, Measures, Minds, Segments, Swarm, Tally
 from swarmcensus.metrics import Metric
 from swarmcensus.simulation.inputs import Inputs, inputs_of
-from swarmcensus.simulation.intervals import Asked, check_intervals, nobody
+from swarmcensus.simulation.intervals import check_intervals, intervals_of, no_intervals
 from swarmcensus.simulation.swarming import (
     check_verdicts,
     consensus_of,
     ended,
     fields_of,
-    outbox_of,
+    minds_of,
+    numbers_of,
     swarm_of,
-    verdicts_of,
+    tally_of,
 )
 from swarmcensus.simulation.watches import Watch, results_of
 from swarmcensus.studies.settings import Setting
@@ -120,75 +121,104 @@ def _live(
     first = given.first
     looks = setting.observations_per_round
     rounds = setting.rounds * (looks if local else 1)
-    shape = (trials, setting.robots)
-    where, value, final = np.zeros(shape, np.int64), np.zeros(shape), np.zeros(shape)
-    checkpoints = np.array([] if local else metrics.checkpoints, np.int64)
-    correct = np.full((checkpoints.size, trials), np.nan)
-    kept = np.full((checkpoints.size if metrics.estimates else 0, *shape), np.nan)
-    links, honest = given.links, given.honest[0] if given.honest.size else None
-    assert links is not None
-    kernel = compiler.compile_world("kernel")
+    delay = 0 if local else given.radio.delay
+    honest = given.honest[0] if given.honest.size else None
     with blaming(setting, first, trials):
-        made = swarm_of(setting, given, "alone" if local else setting.use)
-    numbers = int(made.fields.sum())
-    delay = 0 if local else setting.message_delay
-    outbox = outbox_of(made, setting, delay + 2)
-    kept_words = (delay + 2) * outbox.shape[1] if delay else 0  # a robot's, where a segment may be run again
-    segment = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1, threads)
-    segments = -(-rounds // segment)
+        swarm = swarm_of(setting, given, "alone" if local else setting.use)
+    numbers = numbers_of(swarm)
+    width = compiler.array_layout(setting.brain, swarm.fields.size > 1).message_width
+    kept_words = (delay + 2) * width if delay else 0  # a robot's, where a segment may be run again
+    length = segment_length(setting.robots, rounds, 8 * (numbers + kept_words), looks if local else 1, threads)
+    segments = -(-rounds // length)
+    # NumPy asks for huge pages where a large array wants them, Numba does not
+    minds = minds_of(setting, swarm, delay + 2, np.empty((length, setting.robots)))
     between = max(segments - 2, 0)
-    rows = np.empty((segment, setting.robots))
-    room = (  # NumPy asks for huge pages where a large array wants them, Numba does not
-        np.empty((setting.robots, numbers)),
-        outbox,
-        rows,
+    room = Segments(
         np.empty((between, setting.robots, numbers)),
-        np.empty((between if delay else 0, *outbox.shape)),
-        delay,
+        np.empty((between if delay else 0, *minds.outbox.shape)),
+        np.empty((3, setting.robots)),
     )
-    counts = np.zeros((trials, 2, setting.robots), np.int64)
-    verdicts, agreed = verdicts_of(setting, trials, 0 if local else setting.robots)
-    asked = nobody(trials) if local else Asked.of(setting, setting.fill_ratios(checkpoints), trials)
-    arguments = (
-        *made, *room, first, *given.sensors, given.drift, *given.beliefs, setting.course, local, looks, rounds,
-        given.readings, given.order, given.losses,
-        links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
-        metrics.delta, bins_at(setting.fill_ratio, setting.change, () if local else metrics.checkpoints, metrics.bins),
-        checkpoints,
-        where, value, final, correct, kept, counts, verdicts, agreed, *asked, np.empty((3, setting.robots)),
-    )  # fmt: skip
+    measures = measures_of(setting, trials, replace(metrics, checkpoints=()) if local else metrics)
+    tally = tally_of(setting, trials, local)
+    checkpoints = np.array(metrics.checkpoints, np.int64)
+    truths = setting.fill_ratios(checkpoints)
+    intervals = no_intervals(trials) if local else intervals_of(setting, checkpoints, truths, trials)
     watched = () if local else metrics.watched
     watches = [Watch(m, setting, first, setting.fill_ratios, metrics.delta, metrics.bins) for m in watched]
-    sound = True
+    finite = True
     last = 2 * segments - 1
     for begin, end in itertools.pairwise(sorted({*range(segments + 1), last})) if watches else ((0, last),):
         with blaming(setting, first, trials):
-            finished = kernel.simulate(*arguments, begin, end, stop)
+            groups = swarm, minds, room, measures, tally, intervals
+            finished = _simulate(setting, given, *groups, local, begin, end, stop)
         if not finished:
             return None
-        seen = rows[: rounds - begin * segment]
+        seen = minds.rows[: rounds - begin * length]
         if honest is not None and watches:
             seen = np.ascontiguousarray(seen[:, honest])
         for watch in watches if begin < segments else ():
-            sound &= math.isfinite(seen.sum())
-            watch.see(seen, begin * segment + 1)
-    del made, outbox, rows, room, arguments  # before there is more: of a large swarm they are nearly all of its memory
+            finite &= math.isfinite(seen.sum())
+            watch.see(seen, begin * length + 1)
+    del swarm, minds, room, groups  # before there is more: for a large swarm these are nearly all of the memory
     try:
-        found = results_of(watches)
+        results = results_of(watches)
     except InputError as error:
-        if sound:
+        if finite:
             raise
         raise blame(setting, first, trials, ArithmeticError(NOT_FINITE)) from error
-    check_verdicts(setting, given, verdicts)
-    check_intervals(setting, given, asked)
-    consensus = consensus_of(setting, agreed, setting.fill_ratio)
-    estimates = kept if metrics.estimates else None
-    errors = np.abs(value - setting.fill_ratio)
+    check_verdicts(setting, given, tally.verdicts)
+    check_intervals(setting, given, intervals)
+    consensus = consensus_of(setting, tally.agreed, setting.fill_ratio)
+    where, final, counts, verdicts = measures.where, measures.final, tally.counts, tally.verdicts
+    estimates = measures.kept if metrics.estimates else None
+    errors = np.abs(measures.value - setting.fill_ratio)
     if honest is not None:
         where, errors, final, counts = where[:, honest], errors[:, honest], final[:, honest], counts[..., honest]
         verdicts = verdicts[:, honest] if verdicts.size else verdicts
         estimates = None if estimates is None else estimates[..., honest]
-    return Batch(where, errors, final, correct, counts, verdicts, consensus, asked.found, kept=estimates, watched=found)
+    sure = intervals.sure.transpose(1, 2, 0)
+    return Batch(
+        where, errors, final, measures.correct, counts, verdicts, consensus, sure, kept=estimates, watched=results
+    )  # fmt: skip
+
+
+def measures_of(setting: Setting, trials: int, metrics: Metrics) -> Measures:
+    """Room for the metrics of a batch."""
+    shape, count = (trials, setting.robots), len(metrics.checkpoints)
+    return Measures(
+        metrics.delta,
+        bins_at(setting.fill_ratio, setting.change, metrics.checkpoints, metrics.bins),
+        np.zeros(shape, np.int64),
+        np.zeros(shape),
+        np.zeros(shape),
+        np.full((count, trials), np.nan),
+        np.full((count if metrics.estimates else 0, *shape), np.nan),
+    )
+
+
+def _simulate(
+    setting: Setting,
+    given: Inputs,
+    swarm: Swarm,
+    minds: Minds,
+    room: Segments,
+    measures: Measures,
+    tally: Tally,
+    intervals: Intervals,
+    local: bool,
+    begin: int,
+    end: int,
+    stop: np.ndarray,
+) -> bool:
+    """Run steps begin ... end - 1 of a batch, see `kernel.simulate`; False if `stop` was set meanwhile."""
+    assert given.links is not None
+    rounds = setting.rounds * (setting.observations_per_round if local else 1)
+    radio = given.radio._replace(delay=0) if local else given.radio
+    finished: bool = compiler.compile_world("kernel").simulate(
+        swarm, minds, room, given.sensors, given.beliefs, radio, given.links, given.stops, measures, tally, intervals,
+        given.first, rounds, local, begin, end, stop,
+    )  # fmt: skip
+    return finished
 
 
 def _joined(batches: Sequence[Batch]) -> Batch:
@@ -242,20 +272,17 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
 
     It is run as any other, one round of estimates kept at a time: the snapshots before each are its history.
     """
-    robots, rounds, looks = setting.robots, setting.rounds, setting.observations_per_round
-    shape = (rounds + 1, robots)
+    shape = (setting.rounds + 1, setting.robots)
     given = inputs_of(setting, seed, trial)
     with blaming(setting, trial):
-        made = swarm_of(setting, given, setting.use)
-        numbers = int(made.fields.sum())
-        history, estimates, blacks = np.empty((*shape, numbers)), np.empty(shape), np.zeros(shape)
-        _relive(setting, given, made, history[-1], np.empty((1, robots)), history[:-1])
-        compiler.compile_world("kernel").believe(*made, history, estimates)
-    compiler.compile_world().round_readings(
-        *(a[0] for a in (*given.sensors, given.drift)), setting.course, looks, given.readings, trial, blacks[1:]
-    )
-    with blaming(setting, trial):  # intervals are asked for in every round here
-        fields = fields_of(setting.crew, made, history, estimates)
+        swarm = swarm_of(setting, given, setting.use)
+        history, estimates, blacks = np.empty((*shape, numbers_of(swarm))), np.empty(shape), np.zeros(shape)
+        minds = minds_of(setting, swarm, setting.message_delay + 2, np.empty((1, setting.robots)))
+        _rerun(setting, given, swarm, minds._replace(memory=history[-1]), history[:-1])
+        compiler.compile_world("kernel").believe(swarm, history, estimates)
+    compiler.compile_world().round_readings(given.sensors.of_trial(0), trial, blacks[1:])
+    with blaming(setting, trial):  # robots are asked for intervals in every round here
+        fields = fields_of(setting.crew, swarm, history, estimates)
     done = ended(setting.crew, fields)
     if done.size:
         blacks[1:][done] = 0.0
@@ -270,42 +297,31 @@ def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     given = inputs_of(setting, seed, trial)
     estimates = np.empty((setting.rounds + 1, setting.robots))
     with blaming(setting, trial):
-        made = swarm_of(setting, given, setting.use)
-        numbers = int(made.fields.sum())
-        memory, snapshots = np.empty((setting.robots, numbers)), np.empty((0, setting.robots, numbers))
-        estimates[0] = _relive(setting, given, made, memory, estimates[1:], snapshots)
+        swarm = swarm_of(setting, given, setting.use)
+        minds = minds_of(setting, swarm, setting.message_delay + 2, estimates[1:])
+        estimates[0] = _rerun(setting, given, swarm, minds, np.empty((0, *minds.memory.shape)))
     return estimates
 
 
-def _relive(
-    setting: Setting, given: Inputs, made: Swarm, memory: np.ndarray, rows: np.ndarray, snapshots: np.ndarray
-) -> np.ndarray:
-    """Run one trial forward in the room that is given (see `kernel.simulate`) and measure nothing; the estimates
-    before any observation are returned (robot)."""
-    robots, rounds, delay, links = setting.robots, setting.rounds, setting.message_delay, given.links
-    assert links is not None
-    outbox = outbox_of(made, setting, delay + 2)
-    one, extremes = np.zeros((1, robots)), np.empty((3, robots))
-    compiler.compile_world("kernel").simulate(
-        *made, memory, outbox, rows, snapshots, np.empty((0, *outbox.shape)), delay, given.first,
-        *given.sensors, given.drift, *given.beliefs, setting.course, False,
-        setting.observations_per_round, rounds, given.readings, given.order, given.losses,
-        links.mode, links.starts, links.receivers, links.senders, given.loss_threshold, given.stops,
-        1.0, np.zeros((0, 2)), np.zeros(0, np.int64), one.astype(np.int64), one, one.copy(), np.empty((0, 1)),
-        np.empty((0, 1, robots)), np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)),
-        *nobody(), extremes, 0, -(-rounds // len(rows)), np.zeros(1, np.uint8),
-    )  # fmt: skip
-    return np.asarray(extremes[2])
+def _rerun(setting: Setting, given: Inputs, swarm: Swarm, minds: Minds, snapshots: np.ndarray) -> np.ndarray:
+    """Run one trial forward and measure nothing; returns the estimates before any observation (robot).
+
+    `snapshots` get the minds before each segment of rounds, if there is room for them.
+    """
+    room = Segments(snapshots, np.empty((0, *minds.outbox.shape)), np.empty((3, setting.robots)))
+    measures = measures_of(setting, 1, Metrics(delta=1.0, bins=1, checkpoints=()))
+    tally = Tally(np.zeros((1, 2, 0), np.int64), np.empty((1, 0, VERDICTS)), np.empty((1, 2)))
+    end, stop = -(-setting.rounds // len(minds.rows)), np.zeros(1, np.uint8)
+    _simulate(setting, given, swarm, minds, room, measures, tally, no_intervals(), False, 0, end, stop)
+    estimates: np.ndarray = room.extremes[2]
+    return estimates
 
 
 def record_readings(setting: Setting, seed: int, trial: int) -> np.ndarray:
     """The single readings (observation, robot), 1 black, that the rounds of a trial are made of."""
     out = np.zeros((setting.rounds * setting.observations_per_round, setting.robots))
     given = inputs_of(setting, seed, trial, order=True)
-    compiler.compile_world().single_readings(
-        *(a[0] for a in (*given.sensors, given.drift)), setting.course, setting.observations_per_round,
-        given.readings, given.order, trial, out,
-    )  # fmt: skip
+    compiler.compile_world().single_readings(given.sensors.of_trial(0), trial, out)
     return out
 
 

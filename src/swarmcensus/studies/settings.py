@@ -17,6 +17,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
+from swarmcensus.engine.layout import Links
 from swarmcensus.studies.members import Member, groups
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
@@ -24,7 +25,7 @@ from swarmcensus.worlds.changes import Change, along, steady
 from swarmcensus.worlds.changing_ground import ChangingGround
 from swarmcensus.worlds.faults import Fault, as_to_an_oracle, stops
 from swarmcensus.worlds.ground import Ground
-from swarmcensus.worlds.networks import Links, Topology
+from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 

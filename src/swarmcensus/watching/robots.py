@@ -20,7 +20,7 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
     brain = show.setting.crew[show.group[robot]]
     b, w, believed_b, believed_w = (
         float(side[0][robot if side.shape[1] > 1 else 0])
-        for side in (*show.life.given.sensors, *show.life.given.beliefs)
+        for side in (*show.life.given.sensors[:2], *show.life.given.beliefs)
     )
     told: dict[str, Any] = {
         "robot": robot,

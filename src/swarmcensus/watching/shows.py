@@ -189,10 +189,7 @@ class Show:
         if setting.rounds * setting.robots > MOST_READINGS:
             return np.zeros((0, 0))
         out = np.zeros((setting.rounds, setting.robots))
-        sensors = (side[0] for side in (*given.sensors, given.drift))
-        compiler.compile_world().round_readings(
-            *sensors, setting.course, setting.observations_per_round, given.readings, given.first, out
-        )
+        compiler.compile_world().round_readings(given.sensors.of_trial(0), given.first, out)
         return out
 
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
@@ -203,9 +200,8 @@ class Show:
         if tick - delay < (0 if self.moves else 1):
             return out
         compiler.compile_world("living").carried(
-            given.losses, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64),
-            given.loss_threshold, out,
-        )  # fmt: skip
+            given.radio, given.first, tick, receivers.astype(np.int64), senders.astype(np.int64), out
+        )
         works_now = np.ones(setting.robots, np.bool_)
         if given.stops[0].shape[1]:
             works_now &= [works(given.stops[0], TALKING, i, tick - delay) for i in range(setting.robots)]

@@ -17,6 +17,7 @@ from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.basics.plugins import Keys
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import FULL, LISTED, PAIRS
+from swarmcensus.engine.layout import Links
 from swarmcensus.worlds import generators, wiring
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.edge_lists import edges_of, read_edges
@@ -24,16 +25,6 @@ from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
 MOVING = "moving"  # robots that move hear whom they meet: datasets know them by this name
-
-
-@dataclass(frozen=True)
-class Links:
-    """Directed links of the graphs of a batch: graph g holds links starts[g] to starts[g + 1]."""
-
-    mode: int
-    starts: np.ndarray
-    receivers: np.ndarray
-    senders: np.ndarray
 
 
 @dataclass(frozen=True)
