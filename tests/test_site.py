@@ -163,6 +163,13 @@ def test_every_page_and_figure_has_its_place():
     )
 
 
+def test_the_data_page_has_the_tables_that_the_code_makes():
+    """If not: `python docs_hooks/tables.py`."""
+    pytest.importorskip("mkdocs", reason="pip install '.[docs]'")
+    text = (ROOT / "docs" / "data-format.md").read_text(encoding="utf-8")
+    assert runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["filled"](text) == text
+
+
 def test_every_public_name_is_on_the_python_pages():
     python, theories = ((ROOT / "docs" / "reference" / name).read_text() for name in ("python.md", "theory.md"))
     listed = set(re.findall(r"^::: [\w.]+\.(\w+)$", python, re.MULTILINE))

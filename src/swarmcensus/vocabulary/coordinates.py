@@ -34,8 +34,8 @@ ALL = (
     Coordinate("brain", "text", "name or path, as in the study file", caption="{}", plural="brains"),
     Coordinate(
         "topology", "text",
-        "name, with keys that are not as usual, `torus(columns=5)`; an edge list's file without its ending; a networkx "
-        "function with its arguments",
+        "name, with non-default keys, `torus(columns=5)`; an edge list's file without its ending; a networkx function "
+        "with its arguments",
         caption="{}", plural="topologies",
     ),
     Coordinate(
@@ -47,19 +47,18 @@ ALL = (
         plural="densities", counts=True,
     ),
     Coordinate(
-        "side", "number", "*L*, the inner side of the arena in metres, in twelve digits; NaN on fixed networks",
+        "side", "number", "*L* in metres, to twelve digits; NaN on fixed networks",
         caption="L = {} m", title="side of the arena $L$ (m)", plural="sides of the arena", counts=True,
     ),
     Coordinate(
         "accuracy", "text",
-        "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)` of another package, `black=0.9 white=0.6`, or "
-        "`0.9 drift=-1e-05 least=0.6`",
+        "`0.675`, `U(0.525,0.975)`, `N(0.75,0.1)`, `beta(8.0,2.0)`, `black=0.9 white=0.6`, or `0.9 drift=-1e-05 "
+        "least=0.6`",
         caption="accuracy {}", title="sensor accuracy", plural="accuracies",
     ),
     Coordinate(
         "assumed_accuracy", "text",
-        "the same, or `error=N(0.0,0.05)`; equal to `accuracy`, or to what that starts from, where robots know their "
-        "sensors",
+        "the same, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their sensors",
         caption="assumed accuracy {}", plural="assumed accuracies",
     ),
     Coordinate(
@@ -68,8 +67,8 @@ ALL = (
     ),
     Coordinate(
         "floor", "text",
-        "of robots that move: `tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, "
-        "`image(leaves,dither)`, or `hills(0.3)` of another package; empty on fixed networks",
+        "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `hills(0.3)`; "
+        "empty on fixed networks",
         caption="floor {}", plural="floors",
     ),
     Coordinate("link_success", "number", "the probability that a message gets through", caption="link success {}"),
@@ -83,29 +82,27 @@ ALL = (
     ),
     Coordinate(
         "members", "text",
-        "[members](study-file.md#members) of mixed swarms, `0.1 liar.py, not honest`; only where a study has any",
+        "[members](study-file.md#members), `0.1 liar.py, not honest`; only if a study has any",
         caption="{}", idle="robots alike", plural="mixtures of robots", always=False,
     ),
     Coordinate(
-        "liars", "whole number", "how many of the robots are not honest; where there are `members`",
+        "liars", "whole number", "how many robots are not honest; only with `members`",
         caption="{:,.0f} liars", plural="numbers of liars", blank=0, always=False,
     ),
     Coordinate(
         "adversary", "text",
-        "who these are: names of [adversaries](adversaries.md) or brains, with their parameters, or in what else they "
-        "differ; empty for nobody",
+        "their [adversaries](adversaries.md) or brains, with parameters, or other differences; empty for nobody",
         caption="{}", idle="nobody lies", plural="adversaries", always=False,
     ),
     Coordinate(
         "fill_ratio_change", "text",
-        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`; empty where it stays; "
-        "only where it changes in any setting",
+        "how *f* [changes](study-file.md#floors-that-change), `0.9 to 0.1 at 200 until 600`, or empty; only if it "
+        "changes in any setting",
         caption="f {}", idle="f stays", always=False,
     ),
     Coordinate(
         "message_delay", "whole number",
-        "how many rounds [late](study-file.md#late-messages) messages are on fixed networks; 0 of robots that move, "
-        "whose body says it; only where it is above 0 in any setting",
+        "[delay](study-file.md#late-messages) in rounds on fixed networks; only if above 0 in any setting",
         caption="delay {:,.0f}", title="message delay (rounds)", plural="message delays", blank=0, always=False,
     ),
 )  # fmt: skip

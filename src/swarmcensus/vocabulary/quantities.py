@@ -98,7 +98,7 @@ ALL = (
         "convergence_error", "|x^K - f|, the informed estimate's error at convergence", "always",
         label="error at K", column="error", axis=r"error $|x^K - f\,|$", low=True, summary=True, decimals=4,
         compared="|x - f| at K",
-        page='the distance of the estimate at *K* from *f*, or from `true_fill_ratio` with `truth = "floor"`',
+        page='distance of the estimate at *K* from *f* (from `true_fill_ratio` with `truth = "floor"`)',
     ),
     Quantity(
         "final_estimate", "the informed estimate after the last round", "always",
@@ -120,7 +120,7 @@ ALL = (
     ),
     Quantity(
         "true_fill_ratio", "black share of the floor that robots can reach", "always", PER_TRIAL,
-        page="the share of black of the floor that robots [can reach](moving-robots.md#floors); NaN on fixed networks",
+        page="the black share of the floor that robots [can reach](moving-robots.md#floors); NaN on fixed networks",
     ),
     Quantity(
         "local_convergence_step", "convergence of the local estimate", "local", unit="observations", kind=np.int32,
@@ -136,39 +136,38 @@ ALL = (
         "messages_sent", "rounds, or ticks, in which the robot broadcast", "messages", unit="messages",
         label="messages", axis="messages sent by a robot", low=True, statistic="mean", summary=True,
         compared="messages sent by a robot",
-        page="in how many rounds, or ticks, the robot broadcast; times `message_bytes` it is what it sent",
+        page="rounds or ticks in which the robot broadcast; times `message_bytes`: bytes sent",
     ),
     Quantity(
         "messages_heard", "messages that reached the robot", "messages", unit="messages",
         label="heard", low=True, statistic="mean", summary=True, compared="messages heard by a robot",
-        page="how many messages reached it",
+        page="messages that reached it",
     ),
     Quantity(
         "memory_bytes", "what a robot remembers, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
         label="memory", axis="memory of a robot (bytes)",
-        page="what the brain remembers, at 4 bytes a number",
+        page="size of the brain's memory, at 4 bytes a number",
     ),
     Quantity(
         "message_bytes", "what one message takes, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
-        label="message", axis="bytes of a message", page="what a message takes, at 4 bytes a number",
+        label="message", axis="bytes of a message", page="size of a message, at 4 bytes a number",
     ),
     Quantity(
         "anonymous", "1 where no brain knows its robot's name", "setting", PER_SETTING, "", np.int64,
-        page="1, or 0 where the brain knows its robot's name",
+        page="0 if the brain uses its robot's name, else 1",
     ),
     Quantity(
         "honest", "those that are measured", "honest", PER_SETTING, "robots", np.int64,
-        page="how many robots are measured; only where some [are not honest](study-file.md#members)",
+        page="number of measured robots; only if some [are not honest](study-file.md#members)",
     ),
     Quantity(
         "fingerprint", "the address of all that a setting's numbers depend on", "setting", PER_SETTING, "", object,
-        page="the address of a setting's names and of all that its numbers depend on, 32 hexadecimal digits: alike in "
-        "two files where the setting is",
+        page="hash of a setting's names and of everything that its numbers depend on, 32 hexadecimal digits: equal in "
+        "two files for equal settings",
     ),
     Quantity(
         "half_width", "half the interval that the rule looks at", "rule", PER_SETTING, "",
-        page="half the interval that a [rule for trials](long-studies.md#as-many-trials-as-needed) looks at; only with "
-        "a rule",
+        page="half the interval of a [rule for trials](long-studies.md#as-many-trials-as-needed); only with a rule",
     ),
     Quantity(
         "bytes_sent", "bytes sent by a robot", unit="bytes", inputs=("messages_sent",), factor="message_bytes",
@@ -176,7 +175,7 @@ ALL = (
     ),
     Quantity(
         "decision", "the option decided for at the end; -1: none", "decisions", bounds=OPTIONS,
-        page="the option that the robot decided for at the end, -1 for none; like the next six only where a brain "
+        page="last decision, -1 for none; this and the next six only if a brain "
         "[decides](brain-contract.md#decide-and-done)",
     ),
     Quantity(
@@ -190,38 +189,38 @@ ALL = (
     Quantity(
         "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
         label="decision", low=True, summary=True, compared="round of a robot's first decision",
-        page="when it first decided; infinite for never",
+        page="its first decision; infinite for never",
     ),
     Quantity(
         "decision_change", "the last change of the decision; infinite: never decided", "decisions", unit="rounds",
         never=True, label="last change", low=True, compared="round of a robot's last change of its decision",
-        page="when it last changed its decision; infinite for never",
+        page="its last change; infinite for never",
     ),
     Quantity(
         "consensus", "the first option that all robots agreed on; -1: none", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="the option that all robots agreed on for the first time, -1 for none",
+        page="the first option that all robots agreed on, -1 for none",
     ),
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
         never=True, label="consensus", low=True, summary=True, compared="round of a consensus on the right option",
-        page="after which round they did; infinite for never",
+        page="the round of that; infinite for never",
     ),
     Quantity(
         "consensus_right", "1 if that option is right, 0 if not, or if there is none", "decisions", PER_TRIAL,
         label="exit", low=False, statistic="mean", share=True, summary=True,
         compared="trials whose consensus is on the right option",
-        page="whether that option is right, 0 where there is none; its mean is the exit probability",
+        page="whether that option is right, 0 for none; its mean is the exit probability",
     ),
     Quantity(
         "right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="the option that is right: of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the "
-        "last one for 1 too; NaN for white or black at 0.5, as is `consensus_right` then",
+        page="of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the last one for 1 too; NaN for "
+        "white or black at 0.5, as is `consensus_right` then",
     ),
     Quantity(
         "done_round", "the first after which the robot was done; infinite: never", "endings", unit="rounds",
         never=True, label="done", low=True, summary=True, compared="round in which a robot is done",
-        page="when the robot was first done, 0 before the first round; infinite for never; like the next only where a "
-        "brain [can be](brain-contract.md#decide-and-done)",
+        page="when the robot was first [done](brain-contract.md#decide-and-done), 0 before the first round; infinite "
+        "for never; this and the next only if a brain has `done`",
     ),
     Quantity(
         "done", "robots that are done", inputs=("done_round",), derive=_done,
@@ -238,13 +237,14 @@ ALL = (
         "coverage", "fraction of robots whose interval holds the fill ratio", "intervals", PER_CHECKPOINT,
         column="coverage", axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
         decimals=1,
-        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f*, or the floor's share with "
-        '`truth = "floor"`; like the next only where a brain has one, NaN of settings whose brain has none',
+        page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f* (the floor's share with "
+        '`truth = "floor"`); this and the next only if a brain has one, else NaN',
     ),
     Quantity(
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
         label="width", column="interval width", axis="width of the intervals", low=True, bounds=(0.0, 1.0), decimals=4,
-        compared="mean width of the robots' intervals at the last checkpoint", page="the mean width of these intervals",
+        compared="mean width of the robots' intervals at the last checkpoint",
+        page="the mean width of these intervals",
     ),
     Quantity(
         "estimates", "the informed estimate at the checkpoints", "estimates", ESTIMATES, bounds=(-inf, inf),
