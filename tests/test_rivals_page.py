@@ -1,7 +1,7 @@
-"""docs/rivals.md shows every shipped brain as it is, and every deviation that its file tells."""
+"""docs/rivals.md shows every shipped brain as it is, and leads to every deviation that its file tells."""
 
 import re
-import textwrap
+import runpy
 from pathlib import Path
 
 import pytest
@@ -11,20 +11,26 @@ from swarmcensus.brains import adversary
 
 PAGE = Path(__file__).parents[1] / "docs" / "rivals.md"
 TEXT = PAGE.read_text(encoding="utf-8")
-PARAGRAPHS = re.compile(r"\b(Deviations[^:]*:)\s*(.*?)(?=\n\n|\Z)", re.DOTALL)
+HOOK = runpy.run_path(str(PAGE.parents[1] / "docs_hooks" / "brain_files.py"))
+
+
+def built(page):
+    """A page of docs/ as the site has it, with what its brain files say."""
+    text = (PAGE.parent / page).read_text(encoding="utf-8")
+    return HOOK["on_page_markdown"](text, page=None, config=None, files=None)
 
 
 def deviations(name):
-    """What the file of a brain says of its deviations, in lines; nothing where it says nothing."""
-    found = PARAGRAPHS.search(brains.load(name).functions.__doc__)
-    if found is None:
-        return ""
-    items = re.split(r"^- ", found[2], flags=re.MULTILINE)
-    if len(items) == 1:
-        return textwrap.fill(" ".join(found[0].split()), 120)
-    assert items[0] == "", f"{name}: words before the first deviation"
-    listed = (textwrap.fill(" ".join(item.split()), 118, subsequent_indent="  ") for item in items[1:])
-    return "\n".join(f"- {item}" for item in listed)
+    """What the file of a brain says of its deviations; nothing where it says nothing."""
+    return brains.load(name).functions.__doc__.partition("Deviations")[2]
+
+
+def rows():
+    """The cells of the table's rows, by brain."""
+    for line in TEXT.splitlines():
+        if line.startswith("| `"):
+            name, *cells = (cell.strip() for cell in line.split("|")[1:-1])
+            yield name.strip("`"), cells
 
 
 def told(brain):
@@ -35,30 +41,33 @@ def told(brain):
 
 
 def test_the_table_has_every_shipped_brain_as_it_is():
-    rows = {}
-    for line in TEXT.splitlines():
-        if line.startswith("| `"):
-            name, estimates, decides, _source, memory, message, page = (cell.strip() for cell in line.split("|")[1:-1])
-            rows[name.strip("`")] = [estimates, decides, memory, message]
-            assert re.fullmatch(r"\[[^]]+\]\([\w-]+\.md(#[\w-]+)?\)", page), name
-            beside = (PAGE.parent / re.findall(r"\((.*?)[)#]", page)[0]).read_text(encoding="utf-8")
-            assert f"`{name.strip('`')}`" in beside, f"{page} says nothing of {name}"
-    assert rows == {name: told(brains.load(name)) for name in brains.shipped()}
+    found = {}
+    for name, (estimates, decides, _source, memory, message, page) in rows():
+        found[name] = [estimates, decides, memory, message]
+        assert re.fullmatch(r"\[[^]]+\]\([\w-]+\.md(#[\w-]+)?\)", page), name
+        beside = (PAGE.parent / re.findall(r"\((.*?)[)#]", page)[0]).read_text(encoding="utf-8")
+        assert f"`{name}`" in beside, f"{page} says nothing of {name}"
+    assert found == {name: told(brains.load(name)) for name in brains.shipped()}
 
 
 @pytest.mark.parametrize("name", brains.shipped())
-def test_every_deviation_that_a_file_tells_stands_on_the_page(name):
-    """Where this fails, the text that is missing is what the page should have below its heading."""
+def test_every_deviation_that_a_file_tells_stands_on_the_page_of_its_brain(name):
+    """And so does every parameter."""
     text = deviations(name)
+    none = re.search(r"^None are listed by ([^:]*):", TEXT, re.MULTILINE)[1]
+    assert (f"`{name}`" in none) == (not text)
     if text:
-        assert f"\n### {name}\n\n{text}\n" in TEXT
-    else:
-        none = re.search(r"^None are told by ([^:]*):", TEXT, re.MULTILINE)[1]
-        assert f"`{name}`" in none
+        *_, page = dict(rows())[name]
+        shown = built(re.findall(r"\((.*?)[)#]", page)[0])
+        for line in text.strip().splitlines():
+            assert line in shown
+        for parameter in brains.load(name).parameters:
+            assert f'"{parameter}"' in shown
 
 
-def test_the_page_tells_deviations_of_shipped_brains_alone():
-    assert set(re.findall(r"^### (.*)$", TEXT, re.MULTILINE)) == {n for n in brains.shipped() if deviations(n)}
+def test_a_page_shows_a_file_below_the_paragraph_that_links_it():
+    shown = built("rivals-others.md").partition("library/alone.py)\n\n")[2]
+    assert shown.startswith('??? quote "alone.py"\n\n    A robot alone')
 
 
 def test_the_first_page_counts_them_rightly():
