@@ -27,7 +27,7 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     """Raise ValueError, naming the key, where values do not go together; with `all_used`, where one means nothing."""
     for grid in grids:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
-            names = [getattr(v, "told", v.name) for v in values]
+            names = [v.label if isinstance(v, Brain) else v.name for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
     own, theirs = (one.brain for one in (grid.swarm for grid in grids)), (one.brain or [] for one in tables.members)
