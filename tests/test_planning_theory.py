@@ -8,14 +8,14 @@ import pytest
 from swarmcensus import theory
 from swarmcensus.planning.mission import mission_of
 from swarmcensus.planning.predictions import (
-    limit_of,
+    least_deviation,
     meeting_factors,
     meeting_rate,
+    predict,
     readings_needed,
-    start_of,
     tiles_of,
     variance,
-    worst,
+    worst_fill_ratios,
 )
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.ground import reachable
@@ -85,18 +85,18 @@ def test_the_worst_fill_ratio_is_found_by_brute_force():
     found = on_network("ring", known={"accuracy": {"black": 0.9, "white": 0.6}, "fill_ratio": [0.2, 0.8]})
     every = np.linspace(0.2, 0.8, 601)
     needs = [readings_needed(found, float(f)) for f in every]
-    first, *others = worst(found)
+    first, *others = worst_fill_ratios(found)
     assert readings_needed(found, first) >= 0.9999 * max(needs)
     assert set(others) <= {0.2, 0.8}
     bins = on_network("ring", wanted={"right": 10, "margin": 0.03})
-    edge = np.abs(worst(bins)[0] * 10 - np.round(worst(bins)[0] * 10)) / 10
+    edge = np.abs(worst_fill_ratios(bins)[0] * 10 - np.round(worst_fill_ratios(bins)[0] * 10)) / 10
     assert edge == pytest.approx(0.03)
 
 
 def test_mixing_on_a_network_is_that_of_theory():
     found = on_network("ring")
     needed = readings_needed(found, 0.5)
-    start = start_of(found, 20, needed)
+    start = predict(found, 20, needed)
     matrix = theory.mixing_matrix("ring", 20)
     rounds = np.arange(1, 400)
     enough = 4 / theory.variance_factors(matrix, rounds)[:, 0] >= needed
@@ -104,12 +104,12 @@ def test_mixing_on_a_network_is_that_of_theory():
     assert first <= start.mixed <= 1.1 * first + 1
     assert start.alone == pytest.approx(needed / 4)
     assert start.pooled == pytest.approx(needed / 4 / 20)
-    everyone = start_of(on_network("full"), 20, needed)
+    everyone = predict(on_network("full"), 20, needed)
     assert everyone.mixed == pytest.approx(everyone.pooled, rel=0.1)
 
 
 def test_robots_that_fail_make_a_smaller_swarm():
-    whole, half = (start_of(mission(known={"accuracy": 0.7, "failing": x}), 10, 1000.0) for x in (0.0, 0.5))
+    whole, half = (predict(mission(known={"accuracy": 0.7, "failing": x}), 10, 1000.0) for x in (0.0, 0.5))
     assert half.pooled == pytest.approx(2 * whole.pooled)
     assert half.mixed > whole.mixed
 
@@ -123,8 +123,8 @@ def test_tiles_are_those_that_sensors_get_over():
 
 def test_a_floor_has_a_limit_of_its_own_only_against_the_nominal_fill_ratio():
     nominal = mission(wanted={"half_width": 0.05, "truth": "nominal"}, area={"side": 1})
-    assert limit_of(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / round(tiles_of(nominal))), rel=1e-6)
-    assert limit_of(mission(area={"side": 1}), 0.5) < 1e-6
+    assert least_deviation(nominal, 0.5) == pytest.approx(math.sqrt(0.25 / round(tiles_of(nominal))), rel=1e-6)
+    assert least_deviation(mission(area={"side": 1}), 0.5) < 1e-6
     assert variance(nominal, 0.5, 100.0) > variance(mission(area={"side": 1}), 0.5, 100.0)
     unequal = on_network("ring", known={"accuracy": "U(0.6,0.9)"})
     told = np.mean(theory.information(0.5, np.linspace(0.6, 0.9, 2001)))
@@ -135,7 +135,7 @@ def test_a_floor_has_a_limit_of_its_own_only_against_the_nominal_fill_ratio():
 def test_where_no_message_gets_through_sums_are_mixed_by_nobody(topology):
     known = {"accuracy": 0.7, "link_success": 0.0}
     found = mission(known=known) if topology == "moving" else on_network(topology, known=known)
-    start = start_of(found, 10, 1000.0)
+    start = predict(found, 10, 1000.0)
     assert start.mixed == start.alone > start.pooled
     heard = mission() if topology == "moving" else on_network(topology)
-    assert start_of(heard, 10, 1000.0).mixed < start.alone
+    assert predict(heard, 10, 1000.0).mixed < start.alone

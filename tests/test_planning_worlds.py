@@ -11,8 +11,14 @@ from swarmcensus.figures.plan_lines import draw_plan
 from swarmcensus.planning.areas import capacity, fewest
 from swarmcensus.planning.goals import check_liars
 from swarmcensus.planning.mission import mission_of
-from swarmcensus.planning.predictions import between, hardest, readings_needed, start_of, worst
-from swarmcensus.planning.search import Search, confirmed
+from swarmcensus.planning.predictions import (
+    inner_fill_ratios,
+    predict,
+    readings_needed,
+    with_worst_accuracy,
+    worst_fill_ratios,
+)
+from swarmcensus.planning.search import Search, cases_to_confirm
 from swarmcensus.planning.simulating import Case, curves, study_of
 from swarmcensus.worlds import arena
 
@@ -109,8 +115,8 @@ def test_no_fewer_lie_than_their_share_and_one_is_left_that_is_honest_and_works(
 def test_theory_is_of_the_others_as_if_nobody_lied():
     needed = 1000.0
     honest, lying = (mission_of(changed(known={"accuracy": 0.7, "lying": x})) for x in (0.0, 0.5))
-    assert start_of(lying, 10, needed).pooled == pytest.approx(2 * start_of(honest, 10, needed).pooled)
-    assert start_of(lying, 10, needed).alone == start_of(honest, 10, needed).alone
+    assert predict(lying, 10, needed).pooled == pytest.approx(2 * predict(honest, 10, needed).pooled)
+    assert predict(lying, 10, needed).alone == predict(honest, 10, needed).alone
 
 
 def test_which_brains_are_compared_depends_on_liars():
@@ -180,8 +186,8 @@ def test_the_smallest_swarm_at_a_density_brings_its_area_along():
 def test_of_several_accuracies_the_worst_is_planned_for():
     given = ["U(0.6, 0.8)", 0.65, {"black": 0.9, "white": 0.7}, "N(0.75, 0.05)", 0.75]
     alone = [mission_of(changed(known={"accuracy": one})) for one in given]
-    needs = [readings_needed(mission, worst(mission)[0]) for mission in alone]
-    chosen = hardest(mission_of(changed(known={"accuracy": given})))
+    needs = [readings_needed(mission, worst_fill_ratios(mission)[0]) for mission in alone]
+    chosen = with_worst_accuracy(mission_of(changed(known={"accuracy": given})))
     assert chosen.known.accuracy == alone[int(np.argmax(needs))].known.accuracy
     assert str(chosen.accuracy) == "0.65"
     both, single = (sc.plan(changed(known={"accuracy": one}), **QUIET) for one in ([0.75, 0.65], 0.65))
@@ -210,7 +216,7 @@ def test_worlds_and_lies_are_in_the_file(tmp_path):
     assert (row["topology"], row["accuracy"], row["lie"]) == ("ring", "0.7", "shouter")
     assert "density" not in row
     moving = mission_of(changed(free={"topology": "moving", "density": 4}))
-    assert Search(moving.worlds[0], 1, QUIET["progress"]).start(10).alone > 1
+    assert Search(moving.worlds[0], 1, QUIET["progress"]).predict(10).alone > 1
 
 
 def test_a_figure_has_a_line_a_brain_and_world():
@@ -274,9 +280,9 @@ def test_the_smallest_swarm_and_whether_it_is_enough_are_asked_inside_of_the_ran
 def test_few_fill_ratios_have_all_trials_and_only_liars_need_more_than_three():
     quiet, lied = (mission_of(changed(known={"fill_ratio": [0.2, 0.8], "accuracy": 0.7, "lying": x})) for x in (0, 0.2))
     cases = [Search(mission, 1, QUIET["progress"]).cases for mission in (quiet, lied)]
-    assert [len(each) for each in cases] == [3, 3 + len(between(lied))]
+    assert [len(each) for each in cases] == [3, 3 + len(inner_fill_ratios(lied))]
     every = lied.goal.candidates(0.2, 0.8)[::3]
-    assert {case.fill_ratio for case in cases[1]} == {*worst(lied), *every}
-    assert confirmed(cases[1]) == cases[1][:3]
+    assert {case.fill_ratio for case in cases[1]} == {*worst_fill_ratios(lied), *every}
+    assert cases_to_confirm(cases[1]) == cases[1][:3]
     pairs = [Case(f, lie) for f in (0.2, 0.4, 0.3, 0.8) for lie in (None, lied.lies[0])]
-    assert confirmed(pairs) == pairs[:6]
+    assert cases_to_confirm(pairs) == pairs[:6]

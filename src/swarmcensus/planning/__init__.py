@@ -1,6 +1,6 @@
-"""Missions planned: how many robots, and how many minutes, a wanted precision takes.
+"""Plans missions: how many robots and how many minutes a wanted precision takes.
 
 In: a mission, from TOML or Python values.
-Out: plans: sizes and times with their intervals, found by theory and confirmed by simulation.
+Out: plans: swarm sizes and times with their intervals, predicted by theory and confirmed by simulation.
 Must not know: the command line, figures.
 """

@@ -1,4 +1,4 @@
-"""How large the area is, how many robots it holds, and whether networks hang together."""
+"""Checks of a mission's area, of how many robots it holds, and of whether networks are connected."""
 
 import math
 from typing import Any
@@ -9,20 +9,20 @@ from swarmcensus.worlds import arena
 MOST_ROBOTS = 1_000_000
 YEAR = 366 * 24 * 60  # minutes
 CONNECTED = ("full", "ring", "line", "scale-free")  # networks of any size
-MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
+MOST_TILES = 2**30  # from wall to wall: a tile is addressed by two 32-bit numbers
 
 
 class NoNetwork(ValueError):
-    """There is no network of so many robots, or it falls apart."""
+    """There is no network with this number of robots, or it is not connected."""
 
 
-def check_sites(mission: Any) -> None:
-    """Raise ValueError where the area is missing, too many, too small or large, or means nothing."""
+def check_areas(mission: Any) -> None:
+    """Raise ValueError if the area is missing, given twice, too small or too large, or does not apply."""
     area, free = mission.area, mission.free
     if free.robots is not None and free.robots[1] > MOST_ROBOTS:
-        raise ValueError(f"free.robots = {free.robots[1]}: a plan is of {MOST_ROBOTS:,} robots at the most")
+        raise ValueError(f"free.robots = {free.robots[1]}: a plan has at most {MOST_ROBOTS:,} robots")
     if free.minutes is not None and free.minutes[1] > YEAR:
-        raise ValueError(f"free.minutes = {free.minutes[1]:g}: a plan is for a year at the most, {YEAR:,} min")
+        raise ValueError(f"free.minutes = {free.minutes[1]:g}: a plan is for at most a year, {YEAR:,} min")
     moving, fixed = (any(topology.moves == moves for topology in free.topology) for moves in (True, False))
     sized = area.side is not None or area.area is not None
     if area.side is not None and area.area is not None:
@@ -88,20 +88,20 @@ def _check_area(world: Any) -> None:
 
 
 def capacity(world: Any) -> int:
-    """How many robots the area of robots that move holds, with room to move."""
+    """How many robots fit into the area, with room to move."""
     if world.side < arena.smallest_side(1, world.body):
         return 0
     return int(arena.COVERED * world.side**2 / (math.pi * world.body.radius**2) + 1e-9)
 
 
 def fewest(world: Any) -> int:
-    """How many robots make an area wide enough to move in, where it follows from their density."""
+    """The fewest robots whose area, which follows from their density, is large enough to move in."""
     alone = arena.largest_density(1, world.body)
     return max(1, math.ceil(float(world.density) / alone - 1e-9))
 
 
 def check_networks(world: Any) -> None:
-    """Raise NoNetwork where there is none of some of these sizes; of edges also where they have not been told."""
+    """Raise NoNetwork if a given size has no connected network, or if a list of edges comes without its size."""
     topology, sizes = world.free.topology[0], world.free.robots
     if sizes is None and topology.edges is not None:
         robots = 1 + max((max(pair) for pair in topology.edges), default=0)
@@ -113,7 +113,7 @@ def check_networks(world: Any) -> None:
 
 
 def check_network(world: Any, robots: int) -> None:
-    """Raise NoNetwork where the network of so many robots cannot be made, or falls apart."""
+    """Raise NoNetwork if the network of so many robots cannot be made, or is not connected."""
     import networkx as nx
 
     topology = world.free.topology[0]
@@ -136,5 +136,5 @@ def check_network(world: Any, robots: int) -> None:
         parts = nx.number_strongly_connected_components(graph)
         raise NoNetwork(
             f"the goal cannot be reached, because free.topology {topology.name!r} of {robots:,} robots is not "
-            f"connected: it has {parts} parts, and no news of one ever reaches another"
+            f"connected: it has {parts} parts, and messages of one never reach the others"
         )

@@ -1,4 +1,4 @@
-"""A mission: the area, what is known of robots and floor, what is wanted, and what is free."""
+"""Missions: the area, what is known of robots and floor, what is wanted, and what is free."""
 
 import functools
 import math
@@ -12,8 +12,8 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import Adversary, Brain, adversary, load
-from swarmcensus.planning.areas import check_sites
-from swarmcensus.planning.goals import Goal, check_liars, check_wishes
+from swarmcensus.planning.areas import check_areas
+from swarmcensus.planning.goals import Goal, check_consistency, check_liars
 from swarmcensus.studies.fields import (
     LARGEST,
     Accuracies,
@@ -33,22 +33,22 @@ from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body, Number, Positive
 from swarmcensus.worlds.sensors import Accuracy
 
-FEWEST_TRIALS = 40  # of a first look: with fewer, it is no help
+FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
 MOST_BINS = 10_000
-COMPARED = ("commons", "minimalistic")  # brains, where the mission names none
-AMONG_LIARS = ("steadfast", "minimalistic")  # for one liar that shouts owns commons
-LIE = "shouter"
+COMPARED = ("commons", "minimalistic")  # brains, if the mission names none
+AMONG_LIARS = ("steadfast", "minimalistic")  # the same if robots lie: one shouting liar controls commons
+LIE = "shouter"  # what liars do, if the mission does not say
 
 
 def _range(value: object, ends: Callable[[Any], tuple[Any, Any]]) -> tuple[Any, Any]:
-    """One number is a range of itself."""
+    """A range from a list of two numbers, or from one number, which is both ends."""
     if isinstance(value, list | tuple):
         if len(value) != 2:
             raise ValueError("should be a number, or a range of two, the lower one first")
         return ends(tuple(value))
     try:
         return ends((value, value))
-    except ValidationError as error:  # which has each mistake twice
+    except ValidationError as error:  # it names each mistake twice, once for each end
         raise ValueError(error.errors()[0]["msg"]) from None
 
 
@@ -77,79 +77,79 @@ class _Table(BaseModel):
 
 
 class Area(_Table):
-    """The square that robots move in: its side in metres or its area in square metres, and the kind of floor."""
+    """The square in which robots move: its side in metres or its area in square metres, and the kind of floor."""
 
     side: Positive | None = None
     """The side of the square in metres."""
     area: Positive | None = None
-    """Or how large it is, in square metres."""
+    """Or its area in square metres."""
     floor: Floors | None = None
-    """What lies on it: "tiles", {clusters = 0.2}, "half", an image."""
+    """The kind of floor: "tiles", {clusters = 0.2}, "half", an image."""
 
 
 class Known(_Table):
-    """What is known: sensors, the range of fill ratios, how often messages get through, the shares that fail or lie.
+    """What is known: sensors, the range of fill ratios, the share of messages received, the shares that fail or lie.
 
-    Of several accuracies, or lies, the worst is planned for.
+    Plans are for the worst of several accuracies, or lies.
     """
 
     accuracy: Accuracies
-    """Of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; of a list the worst is planned for."""
+    """The sensor accuracy: 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}; or a list, whose worst is used."""
     fill_ratio: Shares = (0.0, 1.0)
-    """What f may be, a number or a range: the worst in it is planned for."""
+    """The possible fill ratios, a number or a range, whose worst is used."""
     link_success: Share = 1.0
-    """The share of messages that get through."""
+    """The share of messages that are received."""
     failing: SomeButNotAll = 0.0
-    """The share of robots that may fail, before they begin."""
+    """The share of robots that may fail before the mission begins."""
     lying: SomeButNotAll = 0.0
     """The share of robots that may lie."""
     lie: BrainsOrAdversaries | None = None
-    """What liars do, an adversary; of a list the worst is planned for."""
+    """What liars do: an adversary, or a list, whose worst is used."""
 
 
 class Wanted(_Table):
-    """What robots should know: f within a half-width, or the right one of so many bins, and how many of them."""
+    """What robots should know: f within a half-width, or the right bin; and what share of robots."""
 
     half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
-    """How near to the truth a robot should be."""
+    """The largest allowed distance of an estimate from the truth."""
     right: Annotated[Any, BeforeValidator(_right), RIGHT] = None
-    """Or "majority", or a number of bins of which the right one is to be known."""
+    """Or "majority", or the number of bins of which an estimate should be in the right one."""
     margin: Annotated[Number, Field(ge=0.0, lt=0.5)] = 0.0
-    """How far f is from the edges between bins, at the least."""
+    """The least distance of f from the edges between bins."""
     confidence: Annotated[Number, Field(ge=0.5, le=0.999)] = 0.95
-    """The share of robots, over all trials, that should be so."""
+    """The share of robots, over all trials, that should be right."""
     truth: Literal["floor", "nominal"] | None = None
-    """What robots should be near to: the floor's own share of black, or the f by which it was drawn."""
+    """The truth: the floor's own share of black, or the f by which the floor was drawn."""
 
 
 class Free(_Table):
-    """What is to be found, or is given: numbers of robots, minutes; what is compared: brains, networks, densities."""
+    """What is to be found or is given (robots, minutes), and what is compared (brains, networks, densities)."""
 
     robots: Wholes | None = None
-    """How many, a number or a range."""
+    """The number of robots, or a range."""
     minutes: Times | None = None
-    """How long, a number or a range."""
+    """The number of minutes, or a range."""
     brain: Brains | None = None
-    """Whose times are compared: shipped brains' names or paths of brain files."""
+    """The brains to compare: names of shipped brains, or paths of brain files."""
     topology: Topologies = Field(default=["moving"], validate_default=True)
     """Robots that move, or fixed networks; several are compared."""
     density: Positives | None = None
-    """D = N π r² / L² in place of an area, which follows from it; several are compared."""
+    """The swarm density D = N π r² / L², which replaces the area; several are compared."""
     observations_per_round: Whole | None = None
-    """Readings of a round, on fixed networks."""
+    """Readings per round, on fixed networks."""
     round_seconds: Positive | None = None
-    """How long a round takes there."""
+    """The seconds of a round, on fixed networks."""
 
 
 class Mission(_Table):
-    """A mission file as a whole. What depends on the network is said of its `worlds`, which have one each."""
+    """A whole mission file. Properties that depend on the network are of its `worlds`, which have one network each."""
 
     name: Name = "mission"
     """The title of the plan."""
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
-    """The same seed gives the same plan."""
+    """The seed; an equal seed gives an equal plan."""
     trials: Annotated[int, Field(strict=True, ge=FEWEST_TRIALS, le=100_000)] = 200
-    """Of each simulation that confirms."""
+    """The trials of each confirming simulation."""
     area: Area = Area()
     """The square in which robots move."""
     known: Known
@@ -170,26 +170,26 @@ class Mission(_Table):
         ):
             if ends is not None and ends[0] > ends[1]:
                 raise ValueError(f"{key} = [{ends[0]:g}, {ends[1]:g}]: the lower end of a range comes first")
-        check_wishes(self)
+        check_consistency(self)
         check_liars(self)
-        check_sites(self)
+        check_areas(self)
         return self
 
     @property
     def brains(self) -> list[Brain]:
-        """Those that are compared."""
+        """The brains that are compared."""
         return self.free.brain or [shipped_brain(name) for name in (AMONG_LIARS if self.known.lying else COMPARED)]
 
     @property
     def lies(self) -> list[Adversary]:
-        """What liars may be like, of which the worst is planned for; none where nobody lies."""
+        """What liars may do, of which the worst is used; empty if nobody lies."""
         if not self.known.lying:
             return []
         return self.known.lie or [shipped_adversary(LIE)]
 
     @property
     def worlds(self) -> list[Self]:
-        """The mission in each of the networks, and at each of the densities, that are compared."""
+        """The mission for each network and density that is compared."""
         found = []
         for topology in self.free.topology:
             densities: list[float | None] = [None]
@@ -201,7 +201,7 @@ class Mission(_Table):
         return found
 
     def sized(self, robots: int) -> Self:
-        """The mission of a swarm of this size: where a density is given, with the area that follows from it."""
+        """The mission for a swarm of this size; if a density is given, with the area that follows from it."""
         if self.density is None:
             return self
         side = arena.side(robots, self.density, self.body)
@@ -209,12 +209,12 @@ class Mission(_Table):
 
     @property
     def accuracy(self) -> Accuracy:
-        """The accuracy that is planned for: the first."""
+        """The accuracy that is planned for, which is the first."""
         return self.known.accuracy[0]
 
     @property
     def density(self) -> float | None:
-        """The swarm density of a world, where that is given and no area."""
+        """The swarm density of a world, if it is given instead of an area."""
         return self.free.density[0] if self.free.density and self.moves else None
 
     @property
@@ -224,42 +224,42 @@ class Mission(_Table):
 
     @property
     def side(self) -> float | None:
-        """The inner side of the area in metres; None on fixed networks, and where it follows from a density."""
+        """The inner side of the area in metres; None on fixed networks, and if it follows from a density."""
         return self.area.side if self.area.area is None else self.area.area**0.5
 
     @property
     def round_minutes(self) -> float:
-        """How long a round takes: a tick of robots that move, else `round_seconds`, by default a tick a reading."""
+        """The minutes of a round: a tick if robots move, else `round_seconds`, by default a tick for each reading."""
         if self.moves:
             return self.body.tick / 60.0
-        return (self.free.round_seconds or self.looks * self.body.tick) / 60.0
+        return (self.free.round_seconds or self.readings_per_round * self.body.tick) / 60.0
 
     @property
-    def looks(self) -> int:
-        """The readings of a round."""
+    def readings_per_round(self) -> int:
+        """The readings per round."""
         return 1 if self.moves else self.free.observations_per_round or 10
 
     @property
     def on_floor(self) -> bool:
-        """Whether estimates are held against the floor's own share of black: by default where robots move."""
+        """Whether the truth is the floor's own share of black, which is the default if robots move."""
         return self.moves and self.wanted.truth != "nominal"
 
     @property
     def goal(self) -> Goal:
-        """Which estimates are right."""
+        """The goal, which tells which estimates are right."""
         bins = 2 if self.wanted.right == "majority" else self.wanted.right
         return Goal(self.wanted.half_width, bins, self.wanted.margin, self.wanted.confidence)
 
     def failing(self, robots: int) -> int:
-        """How many of so many robots fail; one at least works that does not lie."""
+        """How many of the robots fail; at least one robot works and is honest."""
         return min(round(self.known.failing * robots), robots - self.lying(robots) - 1)
 
     def lying(self, robots: int) -> int:
-        """How many of so many robots lie: no fewer than their share; one at least is honest."""
+        """How many of the robots lie, rounded up; at least one robot is honest."""
         return min(math.ceil(self.known.lying * robots - 1e-9), robots - 1)
 
     def rounds(self, minutes: float) -> int:
-        """How many whole rounds fit into so many minutes."""
+        """How many whole rounds fit into these minutes."""
         return min(int(minutes / self.round_minutes + 1e-9), LARGEST)
 
 
@@ -287,8 +287,8 @@ def text_of(tables: Mapping[str, Any]) -> str:
 
 
 def schema() -> Schema:
-    """The schema, a JSON object, as `swarmcensus.studies.schema` has that of studies.
+    """The JSON schema of mission files, as `swarmcensus.studies.schema` has that of study files.
 
-    What it refuses is no mission; how keys go together is seen by `plan` alone.
+    It rejects only invalid missions; `plan` also checks how keys go together.
     """
     return schema_of(Mission, "mission")

@@ -1,4 +1,4 @@
-"""What a plan comes to: a row for each brain and size, and how it is kept in a file."""
+"""Plans: a row for each brain and size, and the files in which they are stored."""
 
 import dataclasses
 import json
@@ -10,11 +10,11 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.files import atomic_write, check_writable
 from swarmcensus.basics.options import in_shell, option
 from swarmcensus.planning.mission import Mission
-from swarmcensus.planning.predictions import Start
+from swarmcensus.planning.predictions import Prediction
 from swarmcensus.planning.simulating import Curve, Share
 from swarmcensus.studies.toml_text import to_toml_value
 
-MOST_LINES = 8  # of a figure
+MOST_LINES = 8  # in a figure
 
 Question = Literal["how long", "how many", "trade-off", "enough"]
 Answer = Literal["reached", "not reached", "not simulated"]
@@ -22,41 +22,41 @@ Answer = Literal["reached", "not reached", "not simulated"]
 
 @dataclass(frozen=True)
 class Row:
-    """One brain in a swarm of one size, in one world: what it needs, and how sure that is.
+    """One brain in a swarm of one size, in one world: what it needs, with intervals.
 
-    Ends of intervals are None where nothing that was looked at is surely enough, or where a number was given. `theory`
-    is in minutes, and stands for what was not simulated.
+    Ends of intervals are None if no simulated time or size is surely enough, or if the number was given. `theory` is
+    the prediction in minutes, which is the answer if nothing was simulated.
     """
 
     brain: str
     robots: int
     answer: Answer
     minutes: float
-    theory: Start
+    theory: Prediction
     topology: str
     accuracy: str  # that is planned for
-    density: float | None = None  # of robots that move, where it is given
-    side: float | None = None  # of their area, in metres
+    density: float | None = None  # swarm density, if the mission gives it
+    side: float | None = None  # of the area in metres, if robots move
     robots_low: int | None = None
     robots_high: int | None = None
     minutes_low: float | None = None
     minutes_high: float | None = None
     share: Share | None = None
-    fill_ratio: float | None = None  # the worst one of the range
-    lie: str | None = None  # the worst one
+    fill_ratio: float | None = None  # the worst of the range
+    lie: str | None = None  # the worst of the adversaries
     trials: int = 0
 
 
-def row_of(mission: Mission, brain: str, robots: int, minutes: float, theory: Start) -> Row:
-    """A row in a world of the mission, of which nothing was simulated yet."""
+def row_of(mission: Mission, brain: str, robots: int, minutes: float, theory: Prediction) -> Row:
+    """A row of which nothing has been simulated yet."""
     return Row(
         brain, robots, "not simulated", minutes, theory, str(mission.free.topology[0]), str(mission.accuracy),
         density=mission.density, side=mission.sized(robots).side,
     )  # fmt: skip
 
 
-def of_case(row: Row, curve: Curve) -> Row:
-    """The row with the case and the trials that a curve is of."""
+def with_case(row: Row, curve: Curve) -> Row:
+    """The row with the case and the number of trials of a curve."""
     lie = None if curve.case.lie is None else curve.case.lie.label
     return replace(row, fill_ratio=curve.case.fill_ratio, lie=lie, trials=curve.shares.shape[1])
 
@@ -72,7 +72,7 @@ class Plan:
 
     @property
     def data(self) -> dict[str, Any]:
-        """All of it as plain data."""
+        """The plan as plain data."""
         rows = [
             {k: v for k, v in dataclasses.asdict(row).items() if v is not None}
             | {"theory": row.theory._asdict()}
@@ -91,7 +91,7 @@ class Plan:
         }
 
     def save(self, path: str | Path) -> None:
-        """Write it as .json or .toml, whole or not at all. Raises InputError."""
+        """Write the plan as .json or .toml, whole or not at all. Raises InputError."""
         check_out(path)
         data = self.data
         if Path(path).suffix == ".json":
@@ -107,17 +107,17 @@ class Plan:
 
 
 def check_lines(mission: Mission) -> None:
-    """Raise InputError where a figure of the plan would have more lines than can be told apart."""
+    """Raise InputError if a figure of the plan would have more lines than can be told apart."""
     lines = len(mission.brains) * len(mission.worlds)
     if lines > MOST_LINES:
         raise InputError(
-            f"a line a brain, network and density would be {lines} lines, and a figure has {MOST_LINES} at the most: "
-            "name fewer of them"
+            f"a line for each brain, network and density would be {lines} lines, and a figure has at most "
+            f"{MOST_LINES}: name fewer of them"
         )
 
 
 def check_out(path: str | Path, *inputs: Path) -> None:
-    """Raise InputError where a plan cannot be written there."""
+    """Raise InputError if a plan cannot be written there."""
     if Path(path).suffix not in (".json", ".toml"):
         raise InputError(f"{option('out', str(path)) if in_shell() else path}: a plan is written as .json or .toml")
     check_writable(path, *inputs)

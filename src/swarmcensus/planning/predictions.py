@@ -1,8 +1,8 @@
-"""What theory says before anything is simulated: how long a swarm needs at best, at worst, and if it mixes its sums.
+"""Predictions of theory: how long a robot alone, a swarm that mixes its sums, and a swarm at best need for the goal.
 
-An estimate from E independent readings has the variance of a reading over E, as far as the floor has tiles enough; a
-robot alone has as many readings as it made, one that knows all those of the swarm. Where estimates are normal, their
-share in the region of right ones grows with E, and the least E that is enough is found by bisection.
+An estimate from E independent readings has the variance of a reading divided by E, if the floor has enough tiles. A
+robot alone has its own readings; a robot that knows everything has those of the swarm. If estimates are normal, the
+share of right ones grows with E, and bisection finds the least E that is enough.
 """
 
 import functools
@@ -21,36 +21,36 @@ from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy
 
-SENSORS = 1001  # that stand for all of a spread
-MOST_MIXED = 400  # robots of a network whose mixing is computed: a second
-POINTS = 80  # of time at which mixing is looked at
+SAMPLED_SENSORS = 1001  # sensors that represent a spread of accuracies
+MOST_MIXED = 400  # robots of a network whose mixing is computed, which takes a second
+POINTS = 80  # times at which mixing is computed
 MOST_READINGS = 1e15
-APART = 3  # candidates from one fill ratio to the next at which liars are looked at
-REFERENCE = 100  # robots: whose area stands for others where it follows from their density
+INNER_STEP = 3  # every third candidate is an inner fill ratio
+REFERENCE = 100  # robots of the swarm whose area represents others, if the area follows from a density
 
 
-class Start(NamedTuple):
-    """What theory says is enough, of a robot alone, of sums that are mixed, of all readings together: in rounds."""
+class Prediction(NamedTuple):
+    """The rounds that a robot alone, a swarm that mixes its sums, and a swarm that pools all readings need."""
 
     alone: float
     mixed: float
     pooled: float
 
-    def minutes(self, mission: Mission) -> "Start":
-        """The same in minutes."""
-        return Start(*(rounds * mission.round_minutes for rounds in self))
+    def minutes(self, mission: Mission) -> "Prediction":
+        """The prediction in minutes."""
+        return Prediction(*(rounds * mission.round_minutes for rounds in self))
 
 
 @functools.lru_cache(maxsize=64)
 def _reading(accuracy: object, fill_ratio: float) -> float:
-    """The variance of a corrected reading, of unequal sensors that of one which tells as much as they do on average."""
-    b, w = accuracy.draw(0, "planning", 0, 1, SENSORS)  # type: ignore[attr-defined]
-    told = float(theory.information(fill_ratio, b, w).mean())
-    return 1.0 / told if told > 0.0 else math.inf
+    """The variance of a corrected reading; for unequal sensors, of a sensor with their mean information."""
+    b, w = accuracy.draw(0, "planning", 0, 1, SAMPLED_SENSORS)  # type: ignore[attr-defined]
+    information = float(theory.information(fill_ratio, b, w).mean())
+    return 1.0 / information if information > 0.0 else math.inf
 
 
 def tiles_of(mission: Mission) -> float:
-    """How many tiles sensors can get over: those of the square in which a robot's centre is, and an arm around it."""
+    """How many tiles sensors can reach: those in the square of robots' centres, widened by the sensor's distance."""
     side = mission.side
     if side is None:
         return math.inf
@@ -60,25 +60,25 @@ def tiles_of(mission: Mission) -> float:
 
 
 def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
-    """The variance of an estimate from so many readings anywhere on the floor, about what it is held against."""
+    """The variance about the truth of an estimate from so many readings anywhere on the floor."""
     f, tiles = fill_ratio, tiles_of(mission)
-    whole = _reading(mission.accuracy, f)
+    of_reading = _reading(mission.accuracy, f)
     floor = mission.area.floor[0] if mission.area.floor else Floor()
     if math.isinf(tiles):
-        return whole / readings
+        return of_reading / readings
     ordered = floor != Floor()  # such floors have exactly so many black tiles
-    left = theory.tiles_variance(
+    of_floor = theory.tiles_variance(
         theory.even_concentration(readings, round(tiles)),
         f,
         round(tiles),
         drawn="exactly" if ordered else "one by one",
         truth="floor" if mission.on_floor else "nominal",
     )
-    return max(whole - f * (1.0 - f), 0.0) / readings + float(left)
+    return max(of_reading - f * (1.0 - f), 0.0) / readings + float(of_floor)
 
 
 def readings_needed(mission: Mission, fill_ratio: float) -> float:
-    """The least number of readings that are enough; infinite where none is."""
+    """The least number of readings that is enough; infinite if none is."""
     goal = mission.goal
 
     def enough(readings: float) -> bool:
@@ -95,55 +95,57 @@ def readings_needed(mission: Mission, fill_ratio: float) -> float:
     return high
 
 
-def limit_of(mission: Mission, fill_ratio: float) -> float:
-    """The standard deviation that no number of readings gets below: that of the floor's own share of black."""
+def least_deviation(mission: Mission, fill_ratio: float) -> float:
+    """The least standard deviation for any number of readings, that of the floor's own share of black."""
     return math.sqrt(variance(mission, fill_ratio, MOST_READINGS))
 
 
-def worst(mission: Mission) -> list[float]:
-    """The fill ratio that takes most readings, and both ends of the range, each once."""
-    every = mission.goal.candidates(*mission.known.fill_ratio)
-    first = float(max(every, key=lambda f: (readings_needed(mission, float(f)), limit_of(mission, float(f)))))
-    return list(dict.fromkeys([first, float(every[0]), float(every[-1])]))
+def worst_fill_ratios(mission: Mission) -> list[float]:
+    """The fill ratio that needs most readings, and both ends of the range, each once."""
+    candidates = mission.goal.candidates(*mission.known.fill_ratio)
+    hardest = float(
+        max(candidates, key=lambda f: (readings_needed(mission, float(f)), least_deviation(mission, float(f))))
+    )
+    return list(dict.fromkeys([hardest, float(candidates[0]), float(candidates[-1])]))
 
 
-def between(mission: Mission) -> list[float]:
-    """Other fill ratios of the range that are looked at: theory knows nothing of liars, who may do most harm inside."""
+def inner_fill_ratios(mission: Mission) -> list[float]:
+    """Other fill ratios of the range, examined if robots lie: theory cannot tell where liars do most harm."""
     if not mission.known.lying:
         return []
-    every = mission.goal.candidates(*mission.known.fill_ratio)[::APART].tolist()
-    return [f for f in every if f not in worst(mission)]
+    candidates = mission.goal.candidates(*mission.known.fill_ratio)[::INNER_STEP].tolist()
+    return [f for f in candidates if f not in worst_fill_ratios(mission)]
 
 
-def hardest(mission: Mission) -> Mission:
-    """The mission with that one of its accuracies which takes most readings in the first of its worlds."""
+def with_worst_accuracy(mission: Mission) -> Mission:
+    """The mission with only that of its accuracies which needs most readings in the first world."""
 
     def readings(accuracy: Accuracy) -> float:
         known = mission.known.model_copy(update={"accuracy": [accuracy]})
         world = mission.model_copy(update={"known": known}).worlds[0].sized(REFERENCE)
-        return readings_needed(world, worst(world)[0])
+        return readings_needed(world, worst_fill_ratios(world)[0])
 
     accuracy = max(mission.known.accuracy, key=readings)
     return mission.model_copy(update={"known": mission.known.model_copy(update={"accuracy": [accuracy]})})
 
 
-def start_of(mission: Mission, robots: int, readings: float) -> Start:
-    """How many rounds so many robots need for so many readings' worth, each, were those that lie or fail not there."""
+def predict(mission: Mission, robots: int, readings: float) -> Prediction:
+    """How many rounds robots need for estimates as good as from so many readings, without those that lie or fail."""
     working = robots - mission.lying(robots) - mission.failing(robots)
-    alone, pooled = readings / mission.looks, readings / mission.looks / working
+    alone, pooled = readings / mission.readings_per_round, readings / mission.readings_per_round / working
     alone, pooled = max(1.0, alone), max(1.0, pooled)
     if working == 1 or not math.isfinite(readings) or mission.known.link_success == 0.0:
-        return Start(alone, alone, pooled)
+        return Prediction(alone, alone, pooled)
     times = np.unique(np.geomspace(pooled, min(alone, LARGEST), POINTS).round())
     factors = _factors(mission, working, robots, times)
     if factors is None:
-        return Start(alone, math.sqrt(alone * pooled), pooled)
-    enough = np.flatnonzero(mission.looks / factors >= readings)
-    return Start(alone, float(times[enough[0]]) if enough.size else alone, pooled)
+        return Prediction(alone, math.sqrt(alone * pooled), pooled)
+    enough = np.flatnonzero(mission.readings_per_round / factors >= readings)
+    return Prediction(alone, float(times[enough[0]]) if enough.size else alone, pooled)
 
 
 def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> np.ndarray | None:
-    """The mean factor of the network after these rounds; None where it is not known."""
+    """The network's mean variance factor after these rounds; None if it is not known."""
     if mission.moves:
         assert mission.side is not None
         rate = meeting_rate(working, mission.side, mission.body)
@@ -159,16 +161,18 @@ def _factors(mission: Mission, working: int, robots: int, times: np.ndarray) -> 
 
 
 def meeting_rate(robots: int, side: float, body: Body) -> float:
-    """How many others a robot meets in a tick, in a square of this side in metres."""
+    """How many other robots a robot meets in a tick, in a square of this side in metres."""
     run = body.straight_mean
-    moving = run / (run + max(body.turn_most / 2.0, 1.0))  # turns on the spot take the rest of the time
+    moving = run / (run + max(body.turn_most / 2.0, 1.0))  # the share of time that is not spent turning on the spot
     speed = moving * body.speed * body.tick
     return 2.0 * body.radio_range * (robots - 1) / side**2 * 4.0 / math.pi * speed
 
 
 def meeting_factors(robots: int, rate: float, ticks: ArrayLike) -> NDArray[np.float64]:
-    """The factor of the network after so many ticks, of the shape of `ticks`: 1/t of a robot alone, 1/(N t) of one that
-    knows all."""
+    """The variance factor of a moving swarm after these ticks: 1/t for a robot alone, 1/(N t) if all is known.
+
+    Returns an array of the shape of `ticks`.
+    """
     t = np.asarray(ticks, np.float64)
     if robots == 1 or rate <= 0.0:
         return 1.0 / t

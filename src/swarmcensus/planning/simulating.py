@@ -1,4 +1,4 @@
-"""Missions simulated: the share of robots that are right, at many times of one run, with its interval over trials."""
+"""Simulates missions: the share of right robots at many times of one run, with its interval over trials."""
 
 import warnings
 from collections.abc import Callable, Sequence
@@ -21,15 +21,15 @@ from swarmcensus.statistics.intervals import estimate, expected_share
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-STEPS, FEWEST_STEPS = 100, 30  # of time that are looked at; fewer in swarms of more than
-MANY = 200  # robots, for the sake of memory
+STEPS, FEWEST_STEPS = 100, 30  # times at which shares are computed
+LARGE_SWARM = 200  # robots from which on there are fewer times, to save memory
 LEVEL = 0.95
 Floats = NDArray[np.float64]
 Show = Callable[[Progress], None]
 
 
 class Case(NamedTuple):
-    """What a swarm may meet: a fill ratio, and a kind of liar, None where nobody lies."""
+    """A fill ratio, and what liars do; None if nobody lies."""
 
     fill_ratio: float
     lie: Adversary | None = None
@@ -45,7 +45,7 @@ class Share(NamedTuple):
 
 @dataclass(frozen=True)
 class Curve:
-    """The shares of robots that are right, (time, trial), of one brain in one case."""
+    """The shares of right robots, (time, trial), with one brain in one case."""
 
     brain: str
     case: Case
@@ -53,11 +53,11 @@ class Curve:
     shares: Floats
 
     def at(self, k: int, level: float = LEVEL) -> Share:
-        """The share at the k-th time, and its interval of this level."""
+        """The share at the k-th time, with its interval of this level."""
         return Share(*estimate(self.shares[k][:, np.newaxis], "mean", share=True, level=level))
 
     def expected(self, k: int) -> float:
-        """The share to expect in other trials at the k-th time, if these trials had a part in choosing it."""
+        """The share to expect in other trials at the k-th time, if these trials were used to choose the time."""
         return expected_share(self.shares[k])
 
 
@@ -70,7 +70,7 @@ def study_of(
     trials: int,
     seed: int,
 ) -> Study:
-    """The study that tells how many of so many robots are right at these times, in every case. Raises InputError."""
+    """The study that measures the share of right robots at these times, in every case. Raises InputError."""
     known, topology = mission.known, mission.free.topology[0]
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
     world = {"topology": topology, "fill_ratio": fill_ratios, "link_success": known.link_success}
@@ -80,7 +80,7 @@ def study_of(
         world |= {**wide, "body": mission.body}
         world |= {"floor": mission.area.floor[0]} if mission.area.floor else {}
     else:
-        schedule = {"rounds": times[-1], "observations_per_round": mission.looks}
+        schedule = {"rounds": times[-1], "observations_per_round": mission.readings_per_round}
     stop = ["moving"] * mission.moves + ["sensing", "talking"]
     fails, liars = mission.failing(robots), mission.lying(robots)
     return Study(
@@ -97,9 +97,9 @@ def study_of(
 
 
 def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list[Curve]:
-    """Run it, and count: a curve for each brain and case. Raises InputError.
+    """Run a study: a curve for each brain and case. Raises InputError.
 
-    Among liars a trial whose numbers run away to infinity is one in which nobody is right.
+    If robots lie, numbers may diverge to infinity; in such a trial nobody is right.
     """
     if mission.known.lying:
         data = _among_liars(study, jobs, show)
@@ -107,7 +107,7 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list
         data = run(study, jobs, show)
         if "failed" in data.attrs:
             raise InputError(f"some trials of the plan failed: {data.attrs['failed'][:200]}")
-    found = []
+    found_curves = []
     for number, setting in enumerate(study.settings()):
         if data is None:
             right = np.zeros((len(study.checkpoints), study.trials, setting.honest), np.bool_)
@@ -119,12 +119,12 @@ def curves(mission: Mission, study: Study, jobs: int | None, show: Show) -> list
         shares = _of_working(setting, study.seed, right)
         lies = next((member.brain for member in setting.members), None)
         assert not isinstance(lies, Brain)
-        found.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
-    return found
+        found_curves.append(Curve(setting.brain.label, Case(setting.fill_ratio, lies), study.checkpoints, shares))
+    return found_curves
 
 
 def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | None:
-    """Run it, where numbers may run away in some trials, which are left empty; None where they do in all."""
+    """Run a study in which numbers may diverge; such trials are missing. None if they diverge in all trials."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", ".*failed", UserWarning)
         try:
@@ -140,7 +140,7 @@ def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | Non
 
 
 def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats:
-    """The share of the honest robots that did not fail, (time, trial)."""
+    """The share of right robots among honest ones that did not fail, (time, trial)."""
     if not setting.faults:
         return np.asarray(right.mean(axis=2))
     trials = range(right.shape[1])
@@ -150,11 +150,11 @@ def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats
 
 
 def times_until(first: float, last: int, robots: int) -> list[int]:
-    """Rounds that are looked at: by equal ratios, the last one among them."""
-    begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * MANY // robots))
+    """Rounds at equal ratios from `first` to `last`, fewer in large swarms."""
+    begin, steps = min(max(first, 1.0), last), min(STEPS, max(FEWEST_STEPS, STEPS * LARGE_SWARM // robots))
     return [*np.unique(np.geomspace(begin, last, steps).round().astype(int)).tolist()]
 
 
 def affordable(study: Study, most: float) -> int:
-    """How many trials of a study cost so many predicted seconds of one core."""
+    """How many trials of a study take at most so many predicted seconds on one core."""
     return int(most / predicted_seconds(study, study.settings()) * study.trials)

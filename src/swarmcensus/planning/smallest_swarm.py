@@ -1,21 +1,21 @@
-"""Whether a swarm is large enough for a time, and the smallest that is: by steps of a half, then by halves."""
+"""Finds the smallest swarm that is enough for a time: by growing or shrinking sizes, then by bisection."""
 
 from dataclasses import replace
 
 from swarmcensus.brains import Brain
 from swarmcensus.planning.mission import FEWEST_TRIALS
-from swarmcensus.planning.plans import Answer, Row, of_case, row_of
-from swarmcensus.planning.search import Search, TooLong, confirmed
+from swarmcensus.planning.plans import Answer, Row, row_of, with_case
+from swarmcensus.planning.search import Search, TooLong, cases_to_confirm
 from swarmcensus.planning.simulating import LEVEL, Share
 
-RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # by which sizes are tried that are surely too few, or enough
-STEP = 1.5  # from a size to the next, until one is enough and one is not
-SURE = 0.99  # the level at which few trials decide: they are asked again and again
-NEAR = 0.05  # of the size: as exactly as it is found
+RATIOS = (1.1, 1.2, 1.4, 1.7, 2.0)  # to the found size, of sizes tried for the ends of its interval
+STEP = 1.5  # from one size to the next, until one is enough and one is not
+SURE = 0.99  # the level at which few trials decide: higher than 95 %, as they decide many times
+NEAR = 0.05  # precision of the found size, as a share of it
 
 
 def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
-    """The share of so many robots that are right at that time."""
+    """The share of right robots after so many minutes, in a swarm of this size."""
     search.check_reach(robots)
     try:
         if search.inner:
@@ -28,8 +28,8 @@ def enough(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
 def smallest(search: Search, brain: Brain, minutes: float) -> Row:
     """The smallest swarm that is enough for so many minutes.
 
-    Sizes are tried from theory's on. Few trials decide where the confidence is outside of their interval, else as many
-    as the mission asks for do.
+    Sizes are tried from the predicted one on. Few trials decide if the confidence is outside of their interval; else
+    all trials do.
     """
     low, high = search.sizes
     search.check_reach(high)
@@ -37,7 +37,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
 
     def holds(robots: int) -> bool:
         if robots not in rows:
-            rows[robots] = _judged(search, brain, robots, minutes)
+            rows[robots] = _decide(search, brain, robots, minutes)
         return rows[robots].answer == "reached"
 
     try:
@@ -55,10 +55,10 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
         while size - too_few > max(1, NEAR * size):
             middle = (size + too_few) // 2
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
-        while True:  # what few trials decided is held to all
+        while True:  # all trials confirm what few trials decided
             found = _row(search, brain, size, minutes, chosen=True)
             if found.answer == "reached":
-                found = _fresh(search, brain, found)
+                found = _check_fresh(search, brain, found)
             if found.answer == "reached":
                 break
             if size == high:
@@ -71,7 +71,7 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
 
 
 def _ends(search: Search, brain: Brain, found: Row) -> tuple[int, int | None]:
-    """The interval of a size: from above the first smaller one that is surely too few to the first surely enough."""
+    """The interval of a size: above the next smaller size that is surely too few, up to the first surely enough."""
     wanted, size, (low, high) = search.mission.wanted.confidence, found.robots, search.sizes
 
     def share(robots: int) -> Share:
@@ -86,16 +86,16 @@ def _ends(search: Search, brain: Brain, found: Row) -> tuple[int, int | None]:
 
 
 def _theory_size(search: Search, minutes: float) -> int:
-    """The least size for which theory's time is short enough, within the sizes that there are."""
+    """The least allowed size for which the predicted time is short enough."""
     rounds, (low, high) = search.mission.rounds(minutes), search.sizes
     while low < high:
         middle = (low + high) // 2
-        low, high = (low, middle) if search.start(middle).mixed <= rounds else (middle + 1, high)
+        low, high = (low, middle) if search.predict(middle).mixed <= rounds else (middle + 1, high)
     return low
 
 
-def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
-    """Whether a size is enough, from few trials where these decide."""
+def _decide(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
+    """Whether a size is enough, from few trials if they decide, else from all trials."""
     row = _row(search, brain, robots, minutes, few=True)
     assert row.share is not None
     if row.share.low >= search.mission.wanted.confidence or row.share.high < search.mission.wanted.confidence:
@@ -103,10 +103,10 @@ def _judged(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
     return _row(search, brain, robots, minutes, chosen=True)
 
 
-def _fresh(search: Search, brain: Brain, row: Row) -> Row:
-    """The row with the share in trials that had no part in choosing its size: reached, unless they surely say no.
+def _check_fresh(search: Search, brain: Brain, row: Row) -> Row:
+    """The row with the share in fresh trials: "reached" unless that is surely below the confidence.
 
-    Trials in which a size looked good enough by chance are among those that choose it, so that their share is too high.
+    The share in the trials that chose the size is too high on average, as they may have chosen it by chance.
     """
     mission, [case, *_] = search.mission, search.worst[brain.label]
     [curve] = search.run(row.robots, [brain], [case], [mission.rounds(row.minutes)], mission.trials, fresh=True)
@@ -115,13 +115,13 @@ def _fresh(search: Search, brain: Brain, row: Row) -> Row:
 
 
 def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = False, chosen: bool = False) -> Row:
-    """What all trials say at the worst cases, or few trials at all that may be it; those that surely are not drop out.
+    """A size's row: from all trials at the worst cases, or from few trials at all possible worst cases.
 
-    Few trials have an interval of a level at which they decide. Where the answer chooses a size, it goes by the share
-    to expect in other trials.
+    Cases that surely are not the worst drop out. Few trials have an interval of level `SURE`. If the answer chooses a
+    size, it uses the share to expect in other trials.
     """
     mission, before = search.mission, search.worst.get(brain.label, search.cases)
-    cases, trials = (before, FEWEST_TRIALS) if few else (confirmed(before), mission.trials)
+    cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.trials)
     every = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
     every.sort(key=lambda one: float(one.shares.mean()))  # ties stay in the order of sizes before
     curve = every[0]
@@ -131,9 +131,9 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     if chosen:
         share = share._replace(value=curve.expected(0))
     answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
-    return replace(of_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
+    return replace(with_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
 
 
 def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:
-    theory = search.start(robots).minutes(search.mission)
+    theory = search.predict(robots).minutes(search.mission)
     return row_of(search.mission, brain.label, robots, minutes, theory)

@@ -4,9 +4,9 @@ It proposes a generation of candidates and receives their losses, whose order al
 losses it proposes the same candidates.
 
 CMA-ES cannot learn from a generation whose candidates all have the same loss (a flat one), but the search goes on.
-While no generation has had candidates that differ in the metric, every other one is drawn from the whole ranges; the
-search restarts around its best candidate if that is better than all before. Afterwards a flat generation widens the
-next.
+While no generation has had candidates that differ in the metric, generations are also drawn from the whole ranges, and
+the search restarts around the best of such a generation if it is better than all before. Afterwards a flat generation
+widens the next.
 """
 
 import math
