@@ -280,7 +280,8 @@ def test_messages_mean_the_same_in_any_order(hears, tmp_path):
     assert set(faults) == {"messages mean the same in any order"}
     [fault] = faults.values()
     assert re.match(
-        r"receive \(line 18\), with fuse after it, makes me.n \S+ of the messages \[.*they come in no", fault
+        r"receive \(line 18\), with fuse after it, makes me.n \S+ of the messages \[.*the order of messages should",
+        fault,
     )
 
 
@@ -492,7 +493,7 @@ def test_compiling_has_room_but_not_all(tmp_path, monkeypatch):
     path = changed(tmp_path / "good.py")
     ask = (
         "import sys; from swarmcensus.conformance import machine_code as m, suite as c\n"
-        "m.compiles = lambda brain: bytearray(c.COMPILE_ROOM)\n"
+        "m.compiles = lambda brain: bytearray(c.COMPILE_MEMORY_BYTES)\n"
         "c.checks = lambda every=c.checks(): {c.COMPILES: every[c.COMPILES]}\n"
         "c.report(sys.argv[1], 30.0)"
     )
@@ -553,8 +554,8 @@ def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck(t
     changes = [(old, new.replace(LOT, lot)) for old, new in LUCKY]
     fault = fault_in(changed(tmp_path / "mine.py", *changes), ORDER)
     assert fault
-    assert f"gives me.{field} another law" in fault or f"makes me.{field}" in fault
-    assert "they come in no order that means anything" in fault
+    assert f"gives me.{field} another distribution" in fault or f"makes me.{field}" in fault
+    assert "the order of messages should not matter" in fault
 
 
 def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_elsewhere(tmp_path):
@@ -562,7 +563,7 @@ def test_a_brain_that_keeps_the_last_message_is_caught_though_it_asks_for_luck_e
     own = (OWN, f"{OWN}    me.lot = me.luck\n")
     fault = fault_in(changed(tmp_path / "mine.py", *last, own), ORDER)
     assert fault
-    assert "they come in no order" in fault
+    assert "the order of messages should not matter" in fault
 
 
 @pytest.mark.long(
@@ -585,8 +586,8 @@ def test_readings_at_once_mean_the_same_by_law(tmp_path, line, lawful):
     )
     assert bool(fault) != lawful
     if fault:
-        assert "another law" in fault
-        assert "by 10 readings at once than by the same one by one" in fault
+        assert "another distribution" in fault
+        assert "from 10 readings at once than from the same one by one" in fault
 
 
 def test_a_vector_indexed_beyond_its_end_is_told(tmp_path):

@@ -45,14 +45,14 @@ def brains(options: argparse.Namespace) -> int:
             show_adversaries(liars)
         return 0
     from swarmcensus.brains import find
-    from swarmcensus.conformance.suite import check, subject
+    from swarmcensus.conformance.suite import brain_to_check, check
 
     if options.wearing:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
     if options.show is not None:
         if options.json:
             raise InputError("--json does not go with --show, which prints a program")
-        sys.stdout.write(subject(options.show, options.wearing).source)
+        sys.stdout.write(brain_to_check(options.show, options.wearing).source)
         return 0
     say(f"checking {options.check}, which is compiled for it: up to a minute")
     checks = check(options.check, wearing=options.wearing)

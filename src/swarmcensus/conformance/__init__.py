@@ -1,6 +1,6 @@
-"""Whether a brain file keeps its promises: lives to hold it against, checks, and machine code against CPython.
+"""Checks whether a brain file keeps the contract, and whether machine code and CPython agree.
 
 In: a brain file.
-Out: checks, each with a fault in a sentence or none.
+Out: checks, each with a fault in a sentence, or none.
 Must not know: studies, results, runs.
 """

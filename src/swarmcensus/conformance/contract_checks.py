@@ -1,4 +1,4 @@
-"""What a brain promises by docs/brain-contract.md, check by check, as CPython runs it; a fault is one sentence."""
+"""The checks of docs/brain-contract.md, in CPython; each fault is one sentence."""
 
 from collections.abc import Callable
 
@@ -7,46 +7,46 @@ import numpy as np
 from swarmcensus.brains import Brain
 from swarmcensus.brains.syntax import INTERVAL
 from swarmcensus.conformance.message_checks import any_order, sums_add
-from swarmcensus.conformance.reading_checks import looks_add_up
+from swarmcensus.conformance.reading_checks import readings_add_up
 from swarmcensus.conformance.sample_minds import (
     Fault,
     NotUsed,
-    at,
     call,
     copy_of,
     difference,
+    line_of,
     lives,
-    of,
+    number_at,
 )
 from swarmcensus.simulation.oracle import fixed
 
 
 def _fixed_memory(brain: Brain) -> None:
     for _ in lives(brain):
-        pass  # `call` looks at every mind
+        pass  # `call` checks every mind
 
 
 def _finite(brain: Brain) -> None:
     for where, me in lives(brain):
         x = call(brain, where, "estimate", me)
         if not (isinstance(x, int | float) and 0.0 <= x <= 1.0):
-            raise Fault(f"{at(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
+            raise Fault(f"{line_of(brain, 'estimate')} gives {x!r}, not a number in [0, 1] ({where})")
         message = call(brain, where, "broadcast", me)
-        said = at(brain, "broadcast")
+        result = line_of(brain, "broadcast")
         if message is None and brain.uses.silence:
             continue
         if not isinstance(message, tuple) or len(message) != len(brain.message):
-            raise Fault(f"{said} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
+            raise Fault(f"{result} gives {message!r}, not a tuple of {len(brain.message)} as MESSAGE says ({where})")
         for (name, long), value in zip(brain.message.items(), message, strict=True):
             if long and not (isinstance(value, list | tuple) and len(value) == long):
-                raise Fault(f"{said} gives {name} = {value!r}, not a vector of {long} ({where})")
+                raise Fault(f"{result} gives {name} = {value!r}, not a vector of {long} ({where})")
             for one in value if long else (value,):
                 if not (isinstance(one, int | float) and abs(one) <= np.finfo(float).max):
-                    raise Fault(f"{said} gives {name} = {one!r}, not a finite number ({where})")
+                    raise Fault(f"{result} gives {name} = {one!r}, not a finite number ({where})")
 
 
 def _decides(brain: Brain) -> None:
-    """An option or none, and whether it is done, of whatever mind."""
+    """`decide` gives an option or -1, and `done` and `jam` return true or false, in every mind."""
     if not (brain.decides or brain.ends or brain.jams):
         raise NotUsed
     for where, me in lives(brain):
@@ -55,28 +55,28 @@ def _decides(brain: Brain) -> None:
             if not isinstance(choice, int | float) or choice not in range(-1, brain.options):
                 most = brain.options - 1
                 raise Fault(
-                    f"{at(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to {most} "
-                    f"({where})"
+                    f"{line_of(brain, 'decide')} gives {choice!r}, neither -1 (undecided) nor an option from 0 to "
+                    f"{most} ({where})"
                 )
         for name in {"done", "jam"} & brain.contents.functions:
-            if not isinstance(said := call(brain, where, name, me), bool | int | float):
-                raise Fault(f"{at(brain, name)} gives {said!r}, neither True nor False ({where})")
+            if not isinstance(result := call(brain, where, name, me), bool | int | float):
+                raise Fault(f"{line_of(brain, name)} gives {result!r}, neither True nor False ({where})")
 
 
 def _bounds(brain: Brain) -> None:
     if not brain.has_interval:
         raise NotUsed
     for where, me in lives(brain):
-        said = call(brain, where, "interval", me)
-        if not is_interval(said):
-            raise Fault(f"{at(brain, 'interval')} gives {said!r}: {INTERVAL} ({where})")
+        result = call(brain, where, "interval", me)
+        if not is_interval(result):
+            raise Fault(f"{line_of(brain, 'interval')} gives {result!r}: {INTERVAL} ({where})")
 
 
-def is_interval(said: object) -> bool:
+def is_interval(result: object) -> bool:
     """Whether `interval` may return this."""
-    if not isinstance(said, tuple) or len(said) != 2 or not all(isinstance(end, int | float) for end in said):
+    if not isinstance(result, tuple) or len(result) != 2 or not all(isinstance(end, int | float) for end in result):
         return False
-    return bool(0.0 <= said[0] <= said[1] <= 1.0)
+    return bool(0.0 <= result[0] <= result[1] <= 1.0)
 
 
 def _steers(brain: Brain) -> None:
@@ -86,13 +86,13 @@ def _steers(brain: Brain) -> None:
         wish = call(brain, where, "steer", me)
         if not is_wish(wish):
             what = "neither two finite numbers, a speed and a turn, nor None"
-            raise Fault(f"{at(brain, 'steer')} gives {wish!r}, {what} ({where})")
+            raise Fault(f"{line_of(brain, 'steer')} gives {wish!r}, {what} ({where})")
 
 
 def is_wish(wish: object) -> bool:
     """Whether `steer` may return this."""
 
-    def finite(value: object) -> bool:  # for the engine, that is below 1e300
+    def finite(value: object) -> bool:  # the engine counts numbers below 1e300 as finite
         return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e300
 
     return wish is None or (isinstance(wish, tuple) and len(wish) == 2 and all(map(finite, wish)))
@@ -100,17 +100,19 @@ def is_wish(wish: object) -> bool:
 
 def _reads_only(brain: Brain) -> None:
     for where, me in lives(brain):
-        for name in asked_of(brain):
+        for name in query_functions(brain):
             before = copy_of(brain, me)
             call(brain, where, name, me)
             changed = difference(brain, before, me, close=0.0)
             if changed:
-                x, y = of(before, changed), of(me, changed)
-                raise Fault(f"{at(brain, name)} changes me.{changed} from {x!r} to {y!r}: it may only read ({where})")
+                x, y = number_at(before, changed), number_at(me, changed)
+                raise Fault(
+                    f"{line_of(brain, name)} changes me.{changed} from {x!r} to {y!r}: it may only read ({where})"
+                )
 
 
-def asked_of(brain: Brain) -> tuple[str, ...]:
-    """The functions that only tell something."""
+def query_functions(brain: Brain) -> tuple[str, ...]:
+    """The functions that return something and may not change the mind."""
     return (
         "broadcast",
         "estimate",
@@ -119,22 +121,26 @@ def asked_of(brain: Brain) -> tuple[str, ...]:
 
 
 def _same_again(brain: Brain) -> None:
-    """Two swarms live the same lives at the same time; one is asked more often."""
-    for (where, one), (_, other) in zip(lives(brain), lives(brain), strict=True):
-        changed = difference(brain, one, other, close=0.0)
+    """Two minds with equal histories stay equal and give equal answers, however often they are asked."""
+    for (where, first_mind), (_, second_mind) in zip(lives(brain), lives(brain), strict=True):
+        changed = difference(brain, first_mind, second_mind, close=0.0)
         if changed:
-            x, y = of(one, changed), of(other, changed)
+            x, y = number_at(first_mind, changed), number_at(second_mind, changed)
             raise Fault(
                 f"the same history gives me.{changed} = {x!r} and then {y!r}: something is kept outside of me, by "
-                f"{at(brain, 'observe')}, {at(brain, 'receive')} or {at(brain, 'fuse')} ({where})"
+                f"{line_of(brain, 'observe')}, {line_of(brain, 'receive')} or {line_of(brain, 'fuse')} ({where})"
             )
-        names = [name for name in asked_of(brain) if name != "steer"]
-        said = [[fixed(call(brain, where, name, me)) for name in names] for me in (one, other, other, other)]
-        for name, first, *again in zip(names, *said, strict=True):
-            if any(value != first for value in again):
+        names = [name for name in query_functions(brain) if name != "steer"]
+        answers = [
+            [fixed(call(brain, where, name, me)) for name in names]
+            for me in (first_mind, second_mind, second_mind, second_mind)
+        ]
+        for name, answer, *again in zip(names, *answers, strict=True):
+            if any(value != answer for value in again):
+                changed_answer = next(value for value in again if value != answer)
                 raise Fault(
-                    f"{at(brain, name)} gives {first!r} and then {next(v for v in again if v != first)!r} of the same "
-                    f"mind: something is kept outside of me ({where})"
+                    f"{line_of(brain, name)} gives {answer!r} and then {changed_answer!r} of the same mind: something "
+                    f"is kept outside of me ({where})"
                 )
 
 
@@ -146,7 +152,7 @@ PROMISES: dict[str, Callable[[Brain], None]] = {
     "tells an interval within [0, 1], the low end first": _bounds,
     "functions that tell something only read": _reads_only,
     "the same history gives the same mind": _same_again,
-    "readings at once mean the same as one by one": looks_add_up,
+    "readings at once mean the same as one by one": readings_add_up,
     "messages mean the same in any order": any_order,
     "SUMS only add up": sums_add,
 }

@@ -1,4 +1,4 @@
-"""Whether a brain compiles, and whether machine code and CPython agree."""
+"""Checks whether a brain compiles, and whether machine code and CPython agree."""
 
 import types
 import warnings
@@ -22,19 +22,19 @@ from swarmcensus.simulation.inferring import infer
 from swarmcensus.simulation.swarming import swarm
 from swarmcensus.worlds.bodies import Body
 
-CLOSE = 1e-12  # relative: the compiled exp and log of a brain may differ from CPython's in the last place
-EVERY = 5  # readings a round
+CLOSE = 1e-12  # relative: compiled exp and log may differ from CPython's in the last digit
+EVERY = 5  # readings per round
 LUCK = np.arange(1, 5, dtype=np.uint64)  # two keys
 
 
 def compiles(brain: Brain) -> None:
-    """Make machine code of all that `agrees` runs, and run none of it: what it does is for that check."""
+    """Compile all that `agrees` runs, without running it. Raises Fault."""
     uses = ("recorded", "moving") if brain.steers else ("recorded",)
     try:
         try:
             for use in uses:
                 compiler.compile_brain(brain, use)
-        except compiler.NotCompiled:  # once more, for the line
+        except compiler.NotCompiled:  # compiles again, to find the line
             for use in uses:
                 compiler.compile_brain(brain, use, exact=True)
     except MemoryError:
@@ -48,7 +48,7 @@ def compiles(brain: Brain) -> None:
 
 
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Accuracies b and w of 25 robots on a ring, their readings (step, robot; NaN where none) and its links."""
+    """Accuracies b and w of 25 robots on a ring, their readings (step, robot; NaN if none) and the ring's links."""
     random = np.random.default_rng(SEED)
     b, w = (np.array(side) for side in zip(*product(ACCURACIES, ACCURACIES), strict=True))
     robots = len(b)
@@ -58,10 +58,10 @@ def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
 
 
 def agrees(brain: Brain) -> None:
-    """Live a random history in CPython and in machine code."""
+    """Run a random history in CPython and in machine code; both must agree. Raises Fault."""
     b, w, readings, ring = history()
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind, and meant to be
+        warnings.simplefilter("ignore", UserWarning)  # some of these sensors are blind on purpose
         slow = infer(readings, ring, (b, w), EVERY, brain, compiled=False)
         fast = infer(readings, ring, (b, w), EVERY, brain)
     for name in (*(str(name) for name in slow.data_vars if name != "estimate"), "estimate"):
@@ -69,7 +69,7 @@ def agrees(brain: Brain) -> None:
         far = ~np.isclose(x, y, rtol=CLOSE, atol=CLOSE, equal_nan=True)
         if far.any():
             k, i, *item = np.argwhere(far)[0]
-            place = "".join(f"[{one}]" for one in item)
+            place = "".join(f"[{index}]" for index in item)
             raise Fault(
                 f"compiled, {name}{place} is {x[k, i, *item]!r} and in CPython {y[k, i, *item]!r} "
                 f"(b = {b[i]}, w = {w[i]}, round {k} of a random history)"
@@ -79,7 +79,10 @@ def agrees(brain: Brain) -> None:
 
 
 def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
-    """What minds (robot, field) want, compiled: (what, robot): whether anything, speed, turn; wheels have no limit."""
+    """How minds (robot, field) steer, compiled, without limits of wheels.
+
+    Returns (3, robot): whether they steer at all, speed, turn.
+    """
     body = Body(tick=1.0).numbers
     body["step"] = body["turn"] = np.inf
     wishes = np.empty((3, len(minds)))
@@ -89,11 +92,11 @@ def wishes_of(brain: Brain, minds: np.ndarray) -> np.ndarray:
 
 
 def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) -> None:
-    """Ask the minds of a trace (round, robot) where they want to go, in CPython and in machine code."""
+    """Compare how the minds of a trace (round, robot) steer in CPython and in machine code. Raises Fault."""
     luck = oracle.own_luck(brain, LUCK, 0, 1, LUCK_STEER, len(b))
     for k in range(trace.sizes["round"]):
         minds = np.empty((len(b), compiler.array_layout(brain).mind_width))
-        said = []
+        wishes = []
         for i in range(len(b)):
             me = brain.robot(float(b[i]), float(w[i]), float(i))
             for name, long in brain.lengths.items():
@@ -101,11 +104,11 @@ def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) 
                 setattr(me, name, Vector(value) if long else value)
             oracle.give(brain, me, luck, i)
             minds[i] = numbers({n: tuple(v) if isinstance(v := getattr(me, n), list) else v for n in me.__slots__})
-            said.append(brain.functions.steer(me))
-        if not all(map(is_wish, said)):
-            return  # which is another check's to say
+            wishes.append(brain.functions.steer(me))
+        if not all(map(is_wish, wishes)):
+            return  # another check reports this
         fast = wishes_of(brain, minds).T
-        for i, wish in enumerate(said):
+        for i, wish in enumerate(wishes):
             slow = (0.0, 0.0, 0.0) if wish is None else (1.0, *wish)
             if not np.allclose(fast[i], slow, rtol=CLOSE, atol=CLOSE):
                 compiled = tuple(fast[i, 1:].tolist()) if fast[i, 0] else None
@@ -116,15 +119,15 @@ def wishes_agree(brain: Brain, trace: xr.Dataset, b: np.ndarray, w: np.ndarray) 
 
 
 def step_by_step(brain: Brain) -> Callable[[], object]:
-    """The same history in machine code, call by call, each printed before it is made: the last one is that which hangs.
+    """A function that runs the history of `agrees` in machine code, printing each call before it is made.
 
-    All is compiled before this returns, nothing run.
+    The last printed call is the one that hangs. Everything is compiled before this returns, and nothing is run.
     """
     b, w, readings, ring = history()
     module = compiler.phases_of(brain)
     real = numba.float64
-    kind = np.dtype((np.record, codegen.record_fields(brain)))  # what Numba takes: it asks a record for NumPy's `data`
-    same: dict[int, tuple[Any, Any]] = {}  # of each mind: as the oracle has it, and as Numba takes it
+    kind = np.dtype((np.record, codegen.record_fields(brain)))  # Numba only takes records with NumPy's `data`
+    mind_and_record: dict[int, tuple[Any, Any]] = {}  # each mind, for the oracle and for Numba
     record = numba.from_dtype(kind)
     blank = tuple((0.0,) * long if long else 0.0 for long in brain.message.values())
     message = numba.typeof(blank)  # type: ignore[no-untyped-call]
@@ -137,26 +140,26 @@ def step_by_step(brain: Brain) -> Callable[[], object]:
         if brain.uses.name:
             minds["name"] = name
         me = minds[0]
-        same[id(me)] = me, minds.view(kind)[0]
+        mind_and_record[id(me)] = me, minds.view(kind)[0]
         return me
 
-    def told(name: str) -> Any:
-        if name == "jam":  # compiled it is a part of what is said, and cannot be called
+    def logged(name: str) -> Any:
+        if name == "jam":  # compiled it is part of broadcasting, and cannot be called
             function = brain.functions.jam
         else:
             inside = getattr(module, name)
             function = numba.jit(**inside.targetoptions | dict.fromkeys(INSIDE, False))(inside.py_func)
             function.compile((record, *given.get(name, ())))
 
-        def one(me: Any, *values: Any) -> Any:
+        def call(me: Any, *values: Any) -> Any:
             print(f"{name}({', '.join(['me', *map(repr, values)])}) (b = {me.b}, w = {me.w})", flush=True)
-            return function(me if name == "jam" else same[id(me)][1], *values)
+            return function(me if name == "jam" else mind_and_record[id(me)][1], *values)
 
-        return one
+        return call
 
     more = [name for name in ("decide", "done", "interval", "jam") if name in brain.contents.functions]
-    functions = types.SimpleNamespace(**{name: told(name) for name in (*FUNCTIONS, *more)})
-    alike = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
-    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **alike)
+    functions = types.SimpleNamespace(**{name: logged(name) for name in (*FUNCTIONS, *more)})
+    attributes = {name: getattr(brain, name) for name in ("memory", "uses", "decides", "ends", "has_interval", "jams")}
+    robots: Any = types.SimpleNamespace(functions=functions, robot=robot, **attributes)
     links = [np.concatenate([ring, ring[:, ::-1]])] * len(readings)
     return lambda: oracle.follow(robots, b, w, readings, 1, EVERY, True, links, LUCK)

@@ -1,4 +1,4 @@
-"""What a brain promises about the messages it hears: they come in no order, and SUMS only add up."""
+"""Checks of received messages: their order does not matter, and SUMS only add up."""
 
 import math
 from typing import Any
@@ -13,19 +13,19 @@ from swarmcensus.conformance.sample_minds import (
     SEED,
     Fault,
     NotUsed,
-    at,
     call,
     copy_of,
     difference,
     hear,
     is_message,
+    line_of,
     lives,
     long_lives,
     messages,
+    number_at,
     numbers_in,
-    of,
+    sample,
     short_lives,
-    some,
 )
 from swarmcensus.simulation.oracle import fixed
 
@@ -33,7 +33,7 @@ SIZES = (1, 2, 3, 6, 9, 17, 40, 120, 400)  # messages that come together
 
 
 def any_order(brain: Brain) -> None:
-    """The same messages leave the same mind, whatever their order; where there is luck, the same chances of it."""
+    """The same messages lead to the same mind in any order, or to the same distribution of minds if luck is used."""
     if "receive" in brain.uses.lucky:
         random_checks.any_order(brain)
         return
@@ -45,34 +45,34 @@ def any_order(brain: Brain) -> None:
         heard.append(call(brain, where, "broadcast", other))
     heard = [fixed(message) for message in heard if is_message(brain, message)]
     pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
-    if not heard and not any(pools):  # it is always silent
+    if not heard and not any(pools):  # the brain is always silent
         raise NotUsed
     for where, me in short_lives(brain):
-        _in_orders(brain, where, me, heard)
+        _check_orders(brain, where, me, heard)
     random = np.random.default_rng(SEED)
     for k, (where, me) in enumerate(long_lives(brain)):
         pool = pools[k // len(SIZES) % 2]
-        _in_orders(brain, where, me, some(random, pool, SIZES[k % len(SIZES)]))
+        _check_orders(brain, where, me, sample(random, pool, SIZES[k % len(SIZES)]))
 
 
-def _in_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
+def _check_orders(brain: Brain, where: str, me: Any, heard: list[Any]) -> None:
     """The same messages in many orders, then `fuse`."""
     orders = [heard, heard[::-1], heard[3:] + heard[:3], heard[::2] + heard[1::2], sorted(heard)]
-    # the sums that are formed of messages differ by so much, where those of large numbers come near 0
+    # rounding of sums over the messages, which matters if sums of large numbers are close to 0
     close = sum(1e-13 * value * value for message in heard for value in flat(message))
     minds = []
     for order in orders:
         mind = copy_of(brain, me)
         hear(brain, where, mind, order)
-        call(brain, where, "fuse", mind)  # with the luck of the mind that it was, whatever the order
+        call(brain, where, "fuse", mind)  # with the same random numbers for all orders
         minds.append(mind)
     for mind, order in zip(minds, orders, strict=True):
         field = difference(brain, minds[0], mind, absolute=close)
         if field:
-            x, y = of(minds[0], field), of(mind, field)
+            x, y = number_at(minds[0], field), number_at(mind, field)
             raise Fault(
-                f"{at(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages {_shown(heard)} "
-                f"and {y!r} of {_shown(order)}: they come in no order that means anything ({where})"
+                f"{line_of(brain, 'receive')}, with fuse after it, makes me.{field} {x!r} of the messages "
+                f"{_shown(heard)} and {y!r} of {_shown(order)}: the order of messages should not matter ({where})"
             )
 
 
@@ -83,33 +83,33 @@ def _shown(heard: list[Any]) -> str:
 
 
 def sums_add(brain: Brain) -> None:
-    """A message adds to SUMS what it adds in a blank mind, and to nothing else, whatever the mind."""
+    """In any mind a message adds to SUMS what it adds in a blank mind, and changes nothing else."""
     for name in brain.sums:
         if any(numbers({name: brain.memory[name]})):
             raise Fault(f"MEMORY[{name!r}] is {brain.memory[name]}: a field of SUMS starts at 0")
     if not brain.sums:
         raise NotUsed
     pools = [
-        [(message, _added(brain, where, message)) for where, message in messages(brain, extreme)]
+        [(message, _additions(brain, where, message)) for where, message in messages(brain, extreme)]
         for extreme in (False, True)
     ]
     if not all(pools):
-        return  # what is no message is another check's to say
+        return  # another check reports what is not a message
     random = np.random.default_rng(SEED)
     for k, (where, me) in enumerate(lives(brain)):
         own = fixed(call(brain, where, "broadcast", me))
         if own is None:
             continue
-        one = (own, _added(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
-        for mind in (copy_of(brain, me), _any_mind(brain, random)):
+        one = (own, _additions(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
+        for mind in (copy_of(brain, me), _random_mind(brain, random)):
             for _ in range(2):
-                _adds(brain, where, mind, [one])
+                _check_sums(brain, where, mind, [one])
     for k, (where, me) in enumerate(long_lives(brain)):
-        _adds(brain, where, copy_of(brain, me), some(random, pools[k % 2], max(SIZES)))
+        _check_sums(brain, where, copy_of(brain, me), sample(random, pools[k % 2], max(SIZES)))
 
 
-def _added(brain: Brain, where: str, message: Any) -> dict[str, float]:
-    """What a message adds to each field of a blank mind, and what is not in SUMS may not grow at all."""
+def _additions(brain: Brain, where: str, message: Any) -> dict[str, float]:
+    """What a message should add to each number of a mind: for SUMS what it adds in a blank mind, else 0."""
     blank = brain.robot(0.8, 0.7)
     call(brain, where, "receive", blank, message)
     summed = {*slots({name: brain.lengths[name] for name in brain.sums})}
@@ -118,29 +118,29 @@ def _added(brain: Brain, where: str, message: Any) -> dict[str, float]:
     return {name: x - was if name in summed else 0.0 for (name, x), (_, was) in pairs}
 
 
-def _adds(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
-    """Messages in a row add to SUMS what each of them adds in a blank mind."""
+def _check_sums(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict[str, float]]]) -> None:
+    """Check that messages in a row add to SUMS what each of them adds in a blank mind. Raises Fault."""
     before = copy_of(brain, mind)
     try:
         hear(brain, where, mind, [message for message, _ in heard])
     except Fault as fault:
-        raise Fault(f"{fault}, in a mind {_fields(before)}: by SUMS it depends on the message alone") from None
+        raise Fault(f"{fault}, in a mind {_fields(before)}: by SUMS it may only depend on the message") from None
     for name, was in numbers_in(brain, before):
-        grown = of(mind, name) - was
+        grown = number_at(mind, name) - was
         parts = [added[name] for _, added in heard]
         expected = sum(parts)
         rounding = 1e-12 * (max(1.0, abs(was)) + sum(map(abs, parts)))
         if not math.isclose(grown, expected, rel_tol=CLOSE, abs_tol=rounding):
             what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
             raise Fault(
-                f"{at(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
-                f"{expected!r} in a blank one that believes in b = 0.8, w = 0.7: by SUMS it adds to "
-                f"{', '.join(brain.sums)} alone, and what it adds depends on the message alone ({where})"
+                f"{line_of(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
+                f"{expected!r} in a blank one that assumes b = 0.8, w = 0.7: by SUMS it may only add to "
+                f"{', '.join(brain.sums)}, and what it adds depends on the message alone ({where})"
             )
 
 
-def _any_mind(brain: Brain, random: np.random.Generator) -> Any:
-    """Whatever numbers: what a sum grows by may not depend on them."""
+def _random_mind(brain: Brain, random: np.random.Generator) -> Any:
+    """A mind of random numbers, on which the growth of a sum may not depend."""
     mind = brain.robot(float(random.random()), float(random.random()))
     fields = len(slots(brain.lengths))
     values = (random.choice([-1.0, 1.0], fields) * 10.0 ** random.uniform(-2, 6, fields)).tolist()

@@ -1,4 +1,4 @@
-"""What a brain asks of a robot, counted while CPython runs the very file: numbers kept, numbers sent, lines run."""
+"""What a brain needs of a robot, counted while CPython runs the file: numbers kept, numbers sent, lines run."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -6,17 +6,17 @@ from typing import Any
 
 from swarmcensus.brains import Brain
 
-AGES = (10.0, 100.0, 1_000.0, 1_000_000.0)  # observations made before the counted round
-SWARMS = (10, 100, 1_000)  # robots, all of which this one hears
-SHARES = (0.0, 0.01, 0.3, 0.6, 0.99, 1.0)  # of black readings: all cases of the paper's Eqs. 4 and 5
+AGES = (10.0, 100.0, 1_000.0, 1_000_000.0)  # observations before the counted round
+SWARMS = (10, 100, 1_000)  # robots, of which each hears all others
+SHARES = (0.0, 0.01, 0.3, 0.6, 0.99, 1.0)  # of black readings, for all cases of the paper's Eqs. 4 and 5
 ACCURACIES = ((0.525, 0.525), (0.975, 0.975), (0.9, 0.6), (1.0, 1.0))
 
 
 def footprints(brain: Brain) -> dict[tuple[int, float], dict[str, int]]:
-    """For each (robots, observations made): the most that any history asked of a robot in the round after them.
+    """For each (robots, earlier observations): the most that a robot needs in the next round, over all histories.
 
-    "memory" and "message" count numbers, the sensor's two accuracies not among them; "observe", "broadcast",
-    "receive" (one message), "fuse" and "estimate" count the lines that one call runs, helpers included.
+    "memory" and "message" count numbers, without the sensor's two accuracies. "observe", "broadcast", "receive" (one
+    message), "fuse" and "estimate" count the lines that one call runs, including helper functions.
     """
     table = {}
     for robots in SWARMS:
@@ -50,7 +50,7 @@ def _round(brain: Brain, robots: int, age: float, share: float, b: float, w: flo
 
 
 def _numbers(values: Any) -> int:
-    """How many numbers these are; a large count where one of them is no plain number, and so may grow."""
+    """How many numbers these are; a huge count if one is not a plain number, which could grow."""
     return len(values) if all(isinstance(v, int | float) for v in values) else sys.maxsize
 
 
@@ -58,7 +58,7 @@ def _lines(function: Callable[..., Any], *arguments: Any) -> int:
     count = 0
 
     def trace(frame: Any, event: str, _: Any) -> Any:
-        nonlocal count  # of the brain's own lines: a finaliser of somebody else's may run in between
+        nonlocal count  # of the brain's own lines only: finalisers of other objects may run in between
         count += event == "line" and frame.f_code.co_filename == function.__code__.co_filename
         return trace
 

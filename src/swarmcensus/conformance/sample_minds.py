@@ -1,4 +1,4 @@
-"""Minds to hold a brain's promises against: short lives and long ones, what robots say, and what calls make of them."""
+"""Minds and messages on which a brain is checked, from short and long histories; and calls that check each result."""
 
 import functools
 import math
@@ -13,52 +13,52 @@ import numpy as np
 from swarmcensus.brains import Brain, Vector, places
 from swarmcensus.simulation.oracle import fixed
 
-ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # liars, the blind and the perfect among them
-PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at a case's edge
-NEARLY = ((0.999999, 0.999999), (0.000001, 0.000001), (0.5, 0.500001))  # perfect, always wrong, blind
+ACCURACIES = (0.0, 0.3, 0.5, 0.75, 1.0)  # includes always wrong, blind and perfect sensors
+PLAIN = (0.3, 0.6, 0.75, 0.9)  # no two add up to 1, and none is at the edge of a case
+EXTREME = ((0.999999, 0.999999), (0.000001, 0.000001), (0.5, 0.500001))  # nearly perfect, always wrong, blind
 SEED = 20
-LONG = ((0.9, 0.75), (0.3, 0.6), (0.75, 0.6), (1.0, 1.0), (0.5, 0.5), (0.0, 0.75))  # accuracies of long lives
-SHARE = 0.43  # of their readings are black
+LONG = ((0.9, 0.75), (0.3, 0.6), (0.75, 0.6), (1.0, 1.0), (0.5, 0.5), (0.0, 0.75))  # accuracies in long histories
+SHARE = 0.43  # share of black readings in them
 ROUNDS = 300
-STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # the rounds after which they are looked at
-LOOKS = (1, 10, 0, 3, 1, 2, 0)  # a round, again and again; and in some rounds many:
+STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # the rounds after which minds are checked
+LOOKS = (1, 10, 0, 3, 1, 2, 0)  # readings per round, in turn; and in some rounds many:
 MANY_LOOKS = {100: 1000, ROUNDS: 20000}
-HEARD = (0, 1, 2, 3, 0, 6, 1, 9, 0, 17, 2)
+HEARD = (0, 1, 2, 3, 0, 6, 1, 9, 0, 17, 2)  # messages per round, in turn; and in some rounds many:
 MANY_HEARD = {25: 40, 50: 120, 100: 400}
-LISTENED = 40  # rounds
-CLOSE = 1e-9  # relative, and absolute for numbers below 1: what rounding may change
+LISTEN_ROUNDS = 40  # rounds in which a brain that may be silent is listened to
+CLOSE = 1e-9  # allowed rounding: relative, and absolute for numbers below 1
 
 
 Luck = np.random.Generator | None
 
 
 class Fault(Exception):
-    """What is wrong with a brain, in words."""
+    """What is wrong with a brain, in a sentence."""
 
 
 class NotUsed(Exception):
-    """A brain has no part that a check could ask about."""
+    """A brain does not have the part that a check is about."""
 
 
 def in_a_line(error: BaseException) -> str:
-    """The kind of an error, and the first line of what it says."""
+    """The type of an error, and the first line of its message."""
     return ": ".join([type(error).__name__, *str(error).strip().splitlines()[:1]])
 
 
-def at(brain: Brain, name: str) -> str:
-    """A function of the brain, and the line that it begins in."""
+def line_of(brain: Brain, name: str) -> str:
+    """A function of the brain with its line, such as "receive (line 18)"."""
     return f"{name} (line {getattr(brain.functions, name).__code__.co_firstlineno})"
 
 
 def call(brain: Brain, where: str, name: str, me: Any, *given: Any, luck: Luck = None) -> Any:
-    """Call a function of the brain, and see what became of `me`; raises Fault."""
+    """Call a function of the brain, and check `me` afterwards. Raises Fault."""
     return calls(brain, where, name, me, [given], luck)
 
 
 def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[Any, ...]], luck: Luck = None) -> Any:
-    """Call a function of the brain again and again, and see what has become of `me` in the end; raises Fault.
+    """Call a function of the brain several times, and check `me` at the end. Raises Fault.
 
-    A brain that asks for luck has a fresh one at each call. Returns what the last call gives.
+    A brain that uses luck has a fresh random number in each call. Returns the result of the last call.
     """
     beliefs = me.b, me.w
     function = getattr(brain.functions, name)
@@ -78,7 +78,7 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         raise Fault(f"{name} fails at {line}: {in_a_line(error)}{hint} ({where})") from error
     if (me.b, me.w) != beliefs:
         raise Fault(
-            f"{at(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
+            f"{line_of(brain, name)} sets me.b and me.w from {beliefs} to {(me.b, me.w)}: they are only for reading, "
             f"and a belief that changes is a field of MEMORY ({where})"
         )
     if _are_floats(brain, me):
@@ -87,28 +87,28 @@ def calls(brain: Brain, where: str, name: str, me: Any, given: Iterable[tuple[An
         if type(value) is float and value == value:
             continue
         if not isinstance(value, int | float) or isinstance(value, bool):
-            raise Fault(f"{at(brain, name)} makes me.{field} {value!r}, not a number ({where})")
+            raise Fault(f"{line_of(brain, name)} makes me.{field} {value!r}, not a number ({where})")
         if value != value or (isinstance(value, int) and value.bit_length() > 1023):
             what = "NaN" if value != value else "a whole number too large for 8 bytes"
-            raise Fault(f"{at(brain, name)} makes me.{field} {what} ({where})")
+            raise Fault(f"{line_of(brain, name)} makes me.{field} {what} ({where})")
     return result
 
 
 def _are_floats(brain: Brain, me: Any) -> bool:
-    """Whether a mind remembers floats alone and no NaN, at a glance: False also where it takes a closer look."""
+    """Whether a mind surely has only floats and no NaN in memory; False means that a closer check is needed."""
     for name, long in brain.lengths.items():
         value = getattr(me, name)
         if long:
             if type(value) is not Vector or len(value) != long or {*map(type, value)} != {float}:
                 return False
-            value = sum(value)  # NaN if one of them is, or infinities of both signs
+            value = sum(value)  # NaN if one of them is NaN, or if there are infinities of both signs
         if type(value) is not float or value != value:
             return False
     return True
 
 
 def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:
-    """The numbers that a mind remembers, by their names: "t", or "belief[3]" of a vector."""
+    """The numbers in a mind's memory by name: "t", or "belief[3]" for an item of a vector."""
     for name, long in brain.lengths.items():
         value = getattr(me, name)
         if long:
@@ -117,51 +117,51 @@ def numbers_in(brain: Brain, me: Any) -> Iterator[tuple[str, Any]]:
             yield name, value
 
 
-def of(me: Any, place: str) -> Any:
-    """One of them."""
+def number_at(me: Any, place: str) -> Any:
+    """The number of this name, "t" or "belief[3]", in a mind's memory."""
     name, _, item = place.partition("[")
     return getattr(me, name)[int(item.rstrip("]"))] if item else getattr(me, name)
 
 
 def hear(brain: Brain, where: str, me: Any, heard: list[Any], luck: Luck = None) -> None:
-    """Receive messages one after the other; raises Fault."""
+    """Receive messages one after the other. Raises Fault."""
     calls(brain, where, "receive", me, [(message,) for message in heard], luck)
 
 
 def copy_of(brain: Brain, me: Any) -> Any:
     """A mind with the same fields and beliefs."""
-    other = brain.robot(me.b, me.w)
+    copy = brain.robot(me.b, me.w)
     for name, long in brain.lengths.items():
-        setattr(other, name, Vector(getattr(me, name)) if long else getattr(me, name))
-    for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)):
-        if asked:
-            setattr(other, name, getattr(me, name))
-    return other
+        setattr(copy, name, Vector(getattr(me, name)) if long else getattr(me, name))
+    for name, uses in (("luck", brain.uses.luck), ("name", brain.uses.name)):
+        if uses:
+            setattr(copy, name, getattr(me, name))
+    return copy
 
 
-def difference(brain: Brain, one: Any, other: Any, close: float = CLOSE, absolute: float = 0.0) -> str | None:
-    """The first number in which two minds differ by more than rounding: relative, and absolute where that is larger."""
-    if all(getattr(one, name) == getattr(other, name) for name in brain.lengths):
+def difference(brain: Brain, first: Any, second: Any, close: float = CLOSE, absolute: float = 0.0) -> str | None:
+    """The first number in which two minds differ by more than rounding, relative or absolute; None if there is none."""
+    if all(getattr(first, name) == getattr(second, name) for name in brain.lengths):
         return None
-    for (name, x), (_, y) in zip(numbers_in(brain, one), numbers_in(brain, other), strict=True):
+    for (name, x), (_, y) in zip(numbers_in(brain, first), numbers_in(brain, second), strict=True):
         if not math.isclose(x, y, rel_tol=close, abs_tol=max(close, absolute)):
             return name
     return None
 
 
 def is_done(brain: Brain, me: Any) -> bool:
-    """Whether a robot has seen enough: `observe` is then not called any more."""
+    """Whether a robot is done, after which `observe` is not called any more."""
     return brain.ends and bool(brain.functions.done(me))
 
 
 def lives(brain: Brain) -> Iterator[tuple[str, Any]]:
-    """Minds in the course of their lives, and where they stand: short lives, then long ones."""
+    """Minds of short histories, then of long ones, each with a description of its history."""
     yield from short_lives(brain)
     yield from long_lives(brain)
 
 
 def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
-    """Lives of four rounds: all accuracies; floors all black, all white and mixed, or no readings; talk or none."""
+    """Histories of four rounds: all accuracies; black, white and mixed floors, or no readings; talk or none."""
     random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
     floors = (("all black", 1.0), ("all white", 0.0), ("mixed", 0.5), ("none", math.nan))
     for b, w in product(ACCURACIES, ACCURACIES):
@@ -177,19 +177,19 @@ def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
                             call(brain, where, "observe", me, blacks, looks, luck=luck)
                     call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks, luck=luck)
                     if talk:
-                        blank = brain.robot(b, w, 2.0)  # knows nothing yet
+                        blank = brain.robot(b, w, 2.0)  # has no readings yet
                         for sender in (other, blank):
-                            said = call(brain, where, "broadcast", sender)
-                            if said is not None or not brain.uses.silence:
-                                call(brain, where, "receive", me, fixed(said), luck=luck)
+                            message = call(brain, where, "broadcast", sender)
+                            if message is not None or not brain.uses.silence:
+                                call(brain, where, "receive", me, fixed(message), luck=luck)
                     call(brain, where, "fuse", me, luck=luck)
                     yield where, me
 
 
 def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
-    """Lives of 300 rounds, in which a robot sees and hears nothing, a little, or very much."""
+    """Histories of 300 rounds, in which a robot has no, few or very many readings and messages."""
     random, luck = np.random.default_rng(SEED), np.random.default_rng(SEED + 1)
-    said = [message for _, message in messages(brain)]
+    spoken = [message for _, message in messages(brain)]
     for b, w in LONG:
         me = brain.robot(b, w)
         for k, looks, heard in zip(range(1, ROUNDS + 1), cycle(LOOKS), cycle(HEARD)):
@@ -199,47 +199,47 @@ def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
                 blacks = float(random.binomial(looks, SHARE))
                 if not is_done(brain, me):
                     call(brain, where, "observe", me, blacks, float(looks), luck=luck)
-            hear(brain, where, me, some(random, said, MANY_HEARD.get(k, heard)), luck)
+            hear(brain, where, me, sample(random, spoken, MANY_HEARD.get(k, heard)), luck)
             call(brain, where, "fuse", me, luck=luck)
             if k in STOPS:
                 yield where, me
 
 
-def some(random: np.random.Generator, said: list[Any], count: int) -> list[Any]:
-    """So many of these messages, any of them; none where there are none."""
+def sample(random: np.random.Generator, said: list[Any], count: int) -> list[Any]:
+    """A random sample of `count` messages, with repetitions; empty if there are none."""
     return [said[i] for i in random.integers(len(said) or 1, size=count if said else 0).tolist()]
 
 
-@functools.lru_cache(maxsize=4)  # a brain that takes its time with 100,000 readings does so once, not for every check
+@functools.lru_cache(maxsize=4)  # a brain may be slow with 100,000 readings: once for all checks
 def messages(brain: Brain, extreme: bool = True) -> tuple[tuple[str, Any], ...]:
-    """What robots say, and where they stand: before they know anything, soon and late.
+    """Messages of robots before any reading, early and late, each with a description of its history.
 
-    Their sensors are of all kinds, or where not `extreme`, neither perfect nor blind. What is no message, which one
-    check tells, is left out. Robots that may be silent are listened to for some rounds.
+    Sensors are of all kinds; if not `extreme`, they are neither perfect nor blind. Invalid messages are left out, as
+    another check reports them. Robots that may be silent are listened to for some rounds.
     """
-    return tuple(_said(brain, extreme))
+    return tuple(_messages(brain, extreme))
 
 
-def _said(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
+def _messages(brain: Brain, extreme: bool) -> Iterator[tuple[str, Any]]:
     luck = np.random.default_rng(SEED + 2)
-    pairs = (*product(ACCURACIES, ACCURACIES), *NEARLY) if extreme else product(PLAIN, PLAIN)
+    pairs = (*product(ACCURACIES, ACCURACIES), *EXTREME) if extreme else product(PLAIN, PLAIN)
     readings = ((0, 0), (1, 1), (0, 1), (5, 13), (0, 1000), (1000, 1000), (43210, 100000))
     for b, w in pairs:
         for name, (blacks, looks) in enumerate(readings if extreme else readings[:4]):
-            other = brain.robot(b, w, float(name))
+            speaker = brain.robot(b, w, float(name))
             where = f"b = {b}, w = {w}, {blacks} of {looks} readings black"
-            for _ in range(LISTENED if brain.uses.silence else 1):
-                if looks and not is_done(brain, other):
-                    call(brain, where, "observe", other, float(blacks), float(looks), luck=luck)
+            for _ in range(LISTEN_ROUNDS if brain.uses.silence else 1):
+                if looks and not is_done(brain, speaker):
+                    call(brain, where, "observe", speaker, float(blacks), float(looks), luck=luck)
                 if looks:
-                    call(brain, where, "fuse", other, luck=luck)
-                message = call(brain, where, "broadcast", other)
+                    call(brain, where, "fuse", speaker, luck=luck)
+                message = call(brain, where, "broadcast", speaker)
                 if is_message(brain, message):
                     yield where, fixed(message)
 
 
 def is_message(brain: Brain, message: object) -> bool:
-    """Whether `broadcast` may give this, and it is heard."""
+    """Whether `broadcast` may return this as a message that others hear."""
     return (
         isinstance(message, tuple)
         and len(message) == len(brain.message)

@@ -1,4 +1,4 @@
-"""One suite that any brain file can be run through, in a process of its own, which a brain may hang or bring down."""
+"""Runs a brain file through all checks, in a process of its own, as a brain may hang or crash it."""
 
 import faulthandler
 import json
@@ -17,22 +17,22 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.brains import adversary
 from swarmcensus.studies.checks import taken_in_results
 
-PATIENCE = 30.0  # seconds for a check: some hundred times what it takes
-MANY = 250  # numbers in a mind from which on a check may take longer
-COMPILE_PATIENCE = 300.0  # the shipped brains take 8 s and 0.6 GiB, Numba itself included
-ROOM = 2 << 30  # bytes that a check may take, beyond what the process has
-COMPILE_ROOM = 4 << 30
+PATIENCE = 30.0  # seconds for a check, about a hundred times what it takes
+MANY_NUMBERS = 250  # numbers in a mind from which on a check gets more time
+COMPILE_PATIENCE = 300.0  # seconds; shipped brains take 8 s and 0.6 GiB, including Numba itself
+MEMORY_BYTES = 2 << 30  # that a check may use, beyond what the process has
+COMPILE_MEMORY_BYTES = 4 << 30
 DEATHS = {"SIGSEGV": ": too deep a recursion", "SIGKILL": ": out of memory", "SIGABRT": ": most likely out of memory"}
 KEEPS, COMPILES, AGREES = "keeps the contract", "compiles", "CPython and machine code agree"
 CHILD = "import sys; from swarmcensus.conformance import suite; suite.{}(sys.argv[1], float(sys.argv[2]), sys.argv[3])"
-USUAL = "minimalistic"  # the brain that an adversary wears where none is named
+DEFAULT_BRAIN = "minimalistic"  # the brain that an adversary wears if none is named
 
 Test = Callable[[brains.Brain], None]
 
 
 @dataclass(frozen=True)
 class Check:
-    """One check: what it asks for, what is wrong (None where nothing is), and whether the brain has such a part."""
+    """One check: its name, what is wrong (None if nothing is), and whether the brain has the part it checks."""
 
     name: str
     fault: str | None
@@ -40,17 +40,17 @@ class Check:
 
 
 def checks() -> dict[str, Test]:
-    """All checks by their names, in order; each raises Fault."""
+    """All checks by name, in order; each raises Fault."""
     from swarmcensus.conformance.contract_checks import PROMISES
 
-    def compiles(brain: brains.Brain) -> None:  # Numba is loaded once it is needed
+    def compiles(brain: brains.Brain) -> None:  # imports Numba only when it is needed
         from swarmcensus.conformance import machine_code
         from swarmcensus.conformance.sample_minds import Fault
 
         try:
             machine_code.compiles(brain)
         except MemoryError:
-            raise Fault(f"Numba did not compile it within {COMPILE_ROOM >> 30} GiB of memory") from None
+            raise Fault(f"Numba did not compile it within {COMPILE_MEMORY_BYTES >> 30} GiB of memory") from None
 
     def agrees(brain: brains.Brain) -> None:
         from swarmcensus.conformance import machine_code
@@ -61,19 +61,22 @@ def checks() -> dict[str, Test]:
 
 
 class Mismatch(InputError):
-    """An adversary and a brain that do not go together: of neither file it is a fault."""
+    """An adversary and a brain do not go together, though neither file is at fault."""
 
 
-def subject(path: str | Path, wearing: str = "") -> brains.Brain:
-    """The brain of a name or file, or that of an adversary which is `wearing` one. Raises InputError."""
+def brain_to_check(path: str | Path, wearing: str = "") -> brains.Brain:
+    """The brain with this name or file, or the adversary with this name or file, `wearing` a brain.
+
+    Raises InputError.
+    """
     if str(path) in brains.PLUGINS or not adversary.exists(str(path), None):
         if wearing:
-            raise InputError(f"--wearing {wearing}: {path} is a brain, and it is adversaries that wear one")
+            raise InputError(f"--wearing {wearing}: {path} is a brain, and only adversaries wear one")
         hint = did_you_mean(str(path), [*brains.PLUGINS.names, *adversary.PLUGINS.names])
         if str(path) not in brains.PLUGINS and not Path(path).is_file() and hint:
-            raise InputError(f"brain {str(path)!r}: {hint}neither a brain nor an adversary of this name, nor a file")
+            raise InputError(f"brain {str(path)!r}: {hint}there is no brain, adversary or file of this name")
         return brains.load(path)
-    lies, brain = adversary.load(path), brains.load(wearing or USUAL)
+    lies, brain = adversary.load(path), brains.load(wearing or DEFAULT_BRAIN)
     try:
         return brains.lying_brain(lies, brain)
     except ValueError as error:
@@ -81,37 +84,37 @@ def subject(path: str | Path, wearing: str = "") -> brains.Brain:
 
 
 def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> list[Check]:
-    """Run a brain file through the suite, or an adversary `wearing` one; never raises for the brain's faults.
+    """Run all checks on a brain file, or on an adversary `wearing` one; the brain's faults are returned, not raised.
 
-    Where a check does not end within `patience` seconds, or ends its process, it is the last. Raises Mismatch.
+    A check that does not end within `patience` seconds, or ends its process, is the last. Raises Mismatch.
     """
     try:
-        brain = subject(path, wearing)
+        brain = brain_to_check(path, wearing)
     except Mismatch:
         raise
     except InputError as error:
         return [Check(KEEPS, str(error))]
     if name := taken_in_results(brain):
-        return [Check(KEEPS, f"PARAMETERS key {name!r} is a name that is taken in the results: call it otherwise")]
-    patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY)
+        return [Check(KEEPS, f"PARAMETERS key {name!r} is already a name in the results: choose another")]
+    patience *= max(1.0, len(brains.slots(brain.lengths)) / MANY_NUMBERS)
     done = _child("report", path, patience, wearing)
-    told = [json.loads(line) for line in done.stdout.splitlines()]
-    results = [Check(*one) for one in told if len(one) > 1]
-    if done.returncode or len(told[-1]) == 1:
-        begun = told[-1][0] if told else KEEPS
+    lines = [json.loads(line) for line in done.stdout.splitlines()]
+    results = [Check(*line) for line in lines if len(line) > 1]
+    if done.returncode or len(lines[-1]) == 1:
+        begun = lines[-1][0] if lines else KEEPS
         results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
     return results
 
 
 def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:
-    """Run some of the checks here; a fault that is known is not told again, and what does not compile not run."""
+    """Run checks in this process; a known fault is not repeated, and a brain that does not compile is not run."""
     import numpy as np
 
     def gist(fault: str) -> str:
-        return fault.rpartition(" (")[0] or fault  # without the life in which it was found
+        return fault.rpartition(" (")[0] or fault  # without the history in which it was found
 
     try:
-        brain = subject(path, wearing)
+        brain = brain_to_check(path, wearing)
     except InputError as error:
         yield Check(KEEPS, str(error))
         return
@@ -121,19 +124,19 @@ def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iter
         if name == AGREES and COMPILES in known:
             continue
         with np.errstate(all="ignore"):
-            fault, used = _tried(test, brain)
+            fault, used = _outcome(test, brain)
         yield Check(name, "the same as above" if fault and gist(fault) in known.values() else fault, used)
         if fault:
             known[name] = gist(fault)
 
 
 def fault_of(test: Test, brain: brains.Brain) -> str | None:
-    """What a check finds wrong."""
-    return _tried(test, brain)[0]
+    """What a check finds wrong, or None."""
+    return _outcome(test, brain)[0]
 
 
-def _tried(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
-    """What a check finds wrong, and whether the brain has what it is about."""
+def _outcome(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
+    """What a check finds wrong, or None, and whether the brain has the part that it checks."""
     from swarmcensus.conformance.sample_minds import Fault, NotUsed, in_a_line
 
     try:
@@ -148,12 +151,12 @@ def _tried(test: Test, brain: brains.Brain) -> tuple[str | None, bool]:
 
 
 def report(path: str, patience: float, wearing: str = "") -> None:
-    """The child: before each check print its name, after it all of its `Check`, as lines of JSON."""
+    """In the child process: print each check's name before it runs, and its `Check` afterwards, as lines of JSON."""
 
     def timed(name: str, test: Test) -> Test:
         def run(brain: brains.Brain) -> None:
             print(json.dumps([name]), flush=True)
-            _bound_memory(COMPILE_ROOM if name == COMPILES else ROOM)
+            _bound_memory(COMPILE_MEMORY_BYTES if name == COMPILES else MEMORY_BYTES)
             faulthandler.dump_traceback_later(COMPILE_PATIENCE if name == COMPILES else patience, exit=True)
             try:
                 test(brain)
@@ -167,10 +170,10 @@ def report(path: str, patience: float, wearing: str = "") -> None:
 
 
 def call_by_call(path: str, patience: float, wearing: str = "") -> None:
-    """The child that finds out which compiled function does not return."""
+    """In a child process: find out which compiled function does not return."""
     from swarmcensus.conformance.machine_code import step_by_step
 
-    run = step_by_step(subject(path, wearing))
+    run = step_by_step(brain_to_check(path, wearing))
     faulthandler.dump_traceback_later(patience, exit=True)
     run()
 
@@ -188,9 +191,9 @@ def _child(what: str, path: str | Path, patience: float, wearing: str) -> subpro
 
 
 def _why_it_ended(
-    done: subprocess.CompletedProcess[str], brain: brains.Brain, name: str, asked: tuple[str | Path, float, str]
+    done: subprocess.CompletedProcess[str], brain: brains.Brain, name: str, arguments: tuple[str | Path, float, str]
 ) -> str:
-    patience = asked[1]
+    patience = arguments[1]
     if done.returncode < 0:
         name = signal.Signals(-done.returncode).name
         return f"it ends its process by {name}{DEATHS.get(name, '')}"
@@ -205,7 +208,7 @@ def _why_it_ended(
         return f"{called} did not return within {patience:g} s: it was at line {own[0][0]}{helper}"
     if name == COMPILES:
         return f"Numba did not compile it within {COMPILE_PATIENCE:g} s"
-    again = _child("call_by_call", *asked) if name == AGREES else None
+    again = _child("call_by_call", *arguments) if name == AGREES else None
     hangs = again is not None and again.returncode and again.stdout
     if again is None or not (hangs or brain.steers):
         return f"the check itself took longer than {patience:g} s: the brain is slow, or this machine busy"
@@ -214,7 +217,7 @@ def _why_it_ended(
 
 
 def _bound_memory(room: int) -> None:
-    """Let this process grow by so many bytes and no more, where the system can tell how large it is."""
+    """Let this process grow by at most so many bytes, if the system can tell its size."""
     try:
         import resource
 
