@@ -294,7 +294,7 @@ def test_opinions_are_on_the_board_of_sides_alone(small, capsys):
         (["shipped.py"], "rename the file"),
         (["mine.py", "a/mine.py"], "results of both would be named mine"),
         (["bad.py"], "MESSAGE is missing"),
-        (["legacy"], "on the board anyway"),
+        (["legacy"], "on the leaderboard anyway"),
     ],
 )
 def test_what_is_wrong_is_said_before_anything_runs(small, capsys, arguments, said):

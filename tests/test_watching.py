@@ -120,28 +120,28 @@ def test_the_accuracy_that_a_page_shows_can_be_given_again(accuracy):
         ({"brian": "commons"}, "brian: did you mean 'brain'? known here: setting, trial"),
         (
             {"brain": "comons"},
-            "brain = comons: did you mean 'commons'? no brain of this study, nor a shipped",
+            "brain = comons: did you mean 'commons'? this is no brain of the study",
         ),
         ({"beside": "comons"}, "beside = comons: did you mean"),
         ({"robots": "1e3"}, "robots = 1e3: should be a whole number from 1 to 20,000"),
         ({"robots": "-1"}, "robots = -1: should be a whole number"),
         ({"robots": "٣"}, "robots = ٣: should be a whole number"),
         ({"setting": "99"}, "setting = 99: there are 0 to 7"),
-        ({"of": "00000000"}, "of = 00000000: this link is of another study than study.toml, or it has changed"),
+        ({"of": "00000000"}, "of = 00000000: this link is not for study.toml as it is now"),
         ({"accuracy": "1.5"}, "accuracy = 1.5: a sensor accuracy lies in"),
         ({"fill_ratio": "nan"}, "fill_ratio = nan: should be a number from 0 to 1"),
         ({"link_success": "2"}, "link_success = 2: should be a number from 0 to 1"),
-        ({"topology": "office.csv"}, "topology = office.csv: one of"),
+        ({"topology": "office.csv"}, "topology = office.csv: should be one of"),
         ({"setting": "2", "density": "1000"}, "density = 1000: should be above 0 and at most"),
         ({"setting": "2", "density": "0"}, "density = 0: should be above 0"),
-        ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd: one of"),
-        ({"density": "2"}, "density = 2: of robots that move, which those of this network do not"),
-        ({"setting": "2", "topology": "line", "floor": "half"}, "floor = half: of robots that move"),
+        ({"setting": "2", "floor": "/etc/passwd"}, "floor = /etc/passwd: should be one of"),
+        ({"density": "2"}, "density = 2: only for robots that move, not on this network"),
+        ({"setting": "2", "topology": "line", "floor": "half"}, "floor = half: only for robots that move"),
         ({"accuracy": "{black = 2, white = 1}"}, "accuracy = {black = 2, white = 1}: "),
         ({"accuracy": "[0.6"}, "accuracy = [0.6: "),
         ({"liars": "1"}, "none is honest"),
-        ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic: no adversary of that name"),
-        ({"topology": "full", "brain": "voter", "robots": "9000"}, "2,000 is the most here"),
+        ({"adversary": "minimalistic", "liars": "0.3"}, "adversary = minimalistic: there is no such adversary"),
+        ({"topology": "full", "brain": "voter", "robots": "9000"}, "fully connected: at most 2,000 can be watched"),
     ],
 )
 def test_what_is_wrong_is_told(offer, asked, said):
@@ -253,7 +253,7 @@ def test_what_cannot_be_watched_is_told(offer, tmp_path):
             offer_of(results.isel(setting=chosen))
     big = {"robots": 30_000, "accuracy": 0.7}
     study = sc.Study(trials=1, swarm=big, world={"topology": "ring", "fill_ratio": 0.5})
-    with pytest.raises(InputError, match="up to 20,000"):
+    with pytest.raises(InputError, match="at most 20,000 robots"):
         wanted(offer_of(study), {})
     with pytest.raises(InputError, match="tiles wide"):
         wanted(offer, {"topology": "moving", "density": "1e-300"})
@@ -318,16 +318,16 @@ def test_an_answer_that_is_no_json_becomes_an_error():
 @pytest.mark.parametrize(
     ("said", "error"),
     [
-        ("{", "a page says JSON, and this is none"),
-        ("[]", "a page says a JSON object"),
-        (b"\x00\x01", "a page says JSON of at most"),
-        ("x" * (MOST_TEXT + 1), "a page says JSON of at most"),
-        ("[" * 10_000, "this is none"),
+        ("{", "a request should be JSON"),
+        ("[]", "a request should be a JSON object"),
+        (b"\x00\x01", "a request should be JSON of at most"),
+        ("x" * (MOST_TEXT + 1), "a request should be JSON of at most"),
+        ("[" * 10_000, "should be JSON"),
         ('{"do": []}', "do = '[]': should be one of begin, frames, robot"),
         ('{"do": {"a": 1}}', "should be one of begin, frames, robot"),
         ('{"do": "run"}', "do = 'run': should be one of begin, frames, robot"),
         ('{"do": "begin", "ask": {"robots": 5}}', "ask: should be names and texts"),
-        ('{"do": "frames"}', "nothing is watched yet"),
+        ('{"do": "frames"}', "no trial yet"),
         ('{"do": "begin", "file": "x"}', "file: "),
         ('{"do": "begin", "id": 1e400, "ask": {}}', "id: should be a whole number"),
     ],

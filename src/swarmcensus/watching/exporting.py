@@ -1,4 +1,4 @@
-"""One recorded trial in one file: the page, its parts and all frames, which opens from disk without a server."""
+"""One recorded trial as an HTML file with all its frames, which opens from disk without a server."""
 
 import base64
 import zlib
@@ -16,46 +16,46 @@ from swarmcensus.watching.scenes import scene_of
 from swarmcensus.watching.sessions import form_of
 from swarmcensus.watching.shows import Show
 
-BLOCK = 500  # frames that are packed at a time
-MOST_FRAMES = 400_000_000  # bytes, before they are packed
-MINDS = 1_200_000  # bytes of what robots remember, packed
-STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # from one moment with memories to the next
+BLOCK = 500  # frames that are compressed together
+MOST_FRAMES = 400_000_000  # bytes of frames, uncompressed
+MINDS = 1_200_000  # bytes of memories, compressed
+STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)  # rounds from one recorded memory to the next
 
 
 def export(
     offer: Offer,
-    asked: dict[str, str],
+    query: dict[str, str],
     path: Path,
     played: Mapping[str, str] | None = None,
-    said: Callable[[float], None] = lambda share: None,
+    report: Callable[[float], None] = lambda share: None,
 ) -> int:
-    """Write a trial as an HTML file that opens at the moment `played`, and return its size in bytes.
+    """Write a trial as an HTML file that opens at the moment `played`. Returns its size in bytes.
 
-    Estimates, places, readings and links are of every round; what robots remember is of every round where there is
-    room, else of every so many. `said` hears how much is done. Raises InputError where the trial is too large, or the
-    file cannot be written.
+    Estimates, positions, readings and links are recorded in every round; memories in every round if they fit, else in
+    every 2nd, 5th, ... (see STEPS). `report` gets the share that is done. Raises InputError if the trial is too large,
+    or the file cannot be written.
     """
-    found = wanted(offer, asked)
-    shows = [Show(setting, found.seed, found.trial, found.study.measure) for setting in found.settings]
+    trial = wanted(offer, query)
+    shows = [Show(setting, trial.seed, trial.trial, trial.study.measure) for setting in trial.settings]
     rounds, robots = shows[0].setting.rounds, shows[0].setting.robots
     if (rounds + 1) * robots * 8 * len(shows) > MOST_FRAMES:
         raise InputError(
-            f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: fewer, or rounds=..."
+            f"{counted(robots, 'robot')} for {counted(rounds, 'round')} are too many for one file: take fewer"
         )
     frames, minds, names, step = [], [], [], _step(shows[0])
     for side, show in enumerate(shows):
         blocks, fields = [], []
         for ticks in _blocks(rounds):
             blocks.append(_packed(show.frames(ticks, side)))
-            if kept := [tick for tick in ticks if tick % step == 0]:
-                fields.append(_minds(show, kept))
-            said((side + ticks[-1] / rounds) / len(shows))
+            if recorded := [tick for tick in ticks if tick % step == 0]:
+                fields.append(_minds(show, recorded))
+            report((side + ticks[-1] / rounds) / len(shows))
         frames.append(blocks)
         names.append(fields[0][0])
-        minds.append(_packed(_shuffled(np.concatenate([one for _, one in fields], axis=2))))
+        minds.append(_packed(_shuffled(np.concatenate([values for _, values in fields], axis=2))))
     recording = {
         "scenes": [scene_of(show) for show in shows],
-        "form": form_of(offer, found),
+        "form": form_of(offer, trial),
         "frames": frames,
         "minds": minds,
         "names": names,
@@ -74,15 +74,15 @@ def _blocks(rounds: int) -> Iterator[list[int]]:
 
 
 def _step(show: Show) -> int:
-    """How many rounds from one moment with memories to the next, so that they find room: tried on the first rounds."""
+    """The step between recorded memories with which they fit, estimated from the first rounds."""
     rounds = show.setting.rounds
-    some = list(range(1, min(rounds, 200) + 1))
-    size = len(zlib.compress(_shuffled(_minds(show, some)[1]), 6)) / len(some) * (rounds + 1)
+    sample = list(range(1, min(rounds, 200) + 1))
+    size = len(zlib.compress(_shuffled(_minds(show, sample)[1]), 6)) / len(sample) * (rounds + 1)
     return next((step for step in STEPS if size / step <= MINDS), STEPS[-1])
 
 
 def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
-    """What robots remember at these moments: the fields' names, and their values (field, robot, moment)."""
+    """The memories of robots at these ticks: names of fields, and values (field, robot, tick)."""
     names, rows = [], []
     for tick in ticks:
         stretch, row = show.find(tick)
@@ -98,7 +98,7 @@ def _minds(show: Show, ticks: list[int]) -> tuple[list[str], np.ndarray]:
 
 
 def _shuffled(values: np.ndarray) -> bytes:
-    """Numbers with all their first bytes first, then all second ones: alike bytes pack well."""
+    """The bytes of numbers, first all first bytes, then all second ones: similar bytes compress well."""
     return np.ascontiguousarray(values, "<f4").view(np.uint8).reshape(-1, 4).T.tobytes()
 
 

@@ -1,4 +1,4 @@
-"""`sc.watch`: the live page from Python, in a notebook as a frame."""
+"""`sc.watch`: the live page from Python; in a notebook it is shown as a frame."""
 
 import contextlib
 from collections.abc import Mapping
@@ -18,14 +18,14 @@ from swarmcensus.watching.server import listen, serving
 
 @dataclass
 class Watching:
-    """A live page that is served while this process runs, or until `stop`."""
+    """A live page, served until `stop` or the end of this process."""
 
     address: str
     height: int
     _running: contextlib.ExitStack = field(repr=False)
 
     def stop(self) -> None:
-        """Serve it no longer."""
+        """End the server."""
         self._running.close()
 
     def _repr_html_(self) -> str:
@@ -40,14 +40,15 @@ def watch(
     port: int = 0,
     **asked: object,
 ) -> Watching:
-    """Serve the live page of a study, results, or a file of either, in the background; a notebook shows it as a frame.
+    """Serve the live page of a study, of results, or of a file of either, in the background.
 
-    `asked` is what to begin with, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4; `brain`
-    is one by its name, or a brain file, of results the one that they were made with; `height` that of the frame, in
-    pixels; `port` 0 takes a free one. `address` opens it in a browser on this machine. Raises InputError.
+    A notebook shows the returned object as a frame `height` pixels high; its `address` opens the page in a browser on
+    this machine. `brain` is the name of a brain or a brain file; for results, the file that they were made with.
+    `asked` are initial values of controls, such as setting=3, trial=7, robots=100, beside="commons", tick=500, robot=4.
+    Port 0 takes a free port. Raises InputError.
     """
     if not isinstance(of, str | Path | Study | xr.Dataset | None):
-        raise InputError(f"{type(of).__name__}: should be a study, results, the file of either, or nothing")
+        raise InputError(f"{type(of).__name__}: should be a study, results, a file of either, or None")
     for name, value, least, most in (("port", port, 0, 65_535), ("height", height, 100, 10_000)):
         if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
             raise InputError(f"{name}={value!r}: should be a whole number from {least} to {most:,}")
@@ -56,8 +57,8 @@ def watch(
     if brain is not None and not (files and (isinstance(of, xr.Dataset) or str(of).endswith(".nc"))):
         words["brain"] = str(brain)
     offer = offer_of(Path(of) if isinstance(of, str) else of, files)
-    found = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
-    check_moment(found, words)
+    trial = wanted(offer, {key: value for key, value in words.items() if key not in PLAYED})
+    check_moment(trial, words)
     served = listen(offer, port=port)
     running = contextlib.ExitStack()
     running.enter_context(serving(served))

@@ -1,6 +1,6 @@
-"""What a page may ask to see: the settings of a study or of results, with some of their values changed.
+"""What a page may show: the settings of a study or of results, with some of their values changed.
 
-A page names brains, floors and adversaries; none is a file but those that whoever began the server named.
+A page chooses brains, floors and adversaries by name. It can read no files, except those that the server was given.
 """
 
 import math
@@ -26,54 +26,54 @@ from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.networks import Topology
 from swarmcensus.worlds.patterns import Floor
 
-if TYPE_CHECKING:  # a page of a study comes half a second sooner without
+if TYPE_CHECKING:  # imported late: without it the page of a study appears half a second sooner
     import xarray as xr
 
 MOST_ROBOTS, MOST_ROUNDS = 20_000, 1_000_000
-MOST_TILES = 1_000_000  # from wall to wall
-MOST_PAIRS = 4_000_000  # of robots that all hear each other
+MOST_TILES = 1_000_000  # along a side of the arena
+MOST_PAIRS = 4_000_000  # of robots in a fully connected network
 SHOWN = {
     "swarm": {"brain": "minimalistic", "robots": 25, "accuracy": 0.75},
     "world": {"topology": "moving", "density": 1.0, "fill_ratio": 0.75},
     "schedule": {"ticks": 10_000},
-}  # where no study is named
+}  # the swarm that is shown without a study
 FLOORS = ("tiles", "half", {"clusters": 0.3}, {"stripes": 0.5})
 LIAR = "always-black"
 KEYS = (
     "setting", "trial", "seed", "brain", "beside", "robots", "accuracy", "fill_ratio", "topology", "density",
     "link_success", "floor", "liars", "adversary", "rounds", "of",
 )  # fmt: skip
-PLAYED = ("tick", "robot", "side", "colour")  # what of a page's address is about the page alone
-COLOURINGS = ("belief", "off", "error")  # what they believe, too high or too low, how wrong
+PLAYED = ("tick", "robot", "side", "colour")  # keys of an address that concern the view, not the trial
+COLOURINGS = ("belief", "off", "error")  # the estimate, its signed error, its absolute error
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What may be watched: settings by number, and what may take the place of their values."""
+    """What can be watched: settings by number, and values that can replace theirs."""
 
     name: str
     numbers: tuple[int, ...]
     find: Callable[[int], tuple[Study, Setting]]
     topologies: dict[str, Topology]
     floors: dict[str, Floor]
-    brains: dict[str, brains.Brain]  # those of the study, beside all that are installed
+    brains: dict[str, brains.Brain]  # those of the study, in addition to all installed ones
     adversaries: dict[str, Adversary]
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """One trial to be watched, and another setting in the same world beside it."""
+    """One trial to be watched, and optionally another setting in the same world beside it."""
 
     study: Study
     settings: tuple[Setting, ...]
     seed: int
     trial: int
-    asked: dict[str, str]  # what differs from the first trial of the first setting
-    mark: str  # of the setting before anything was changed: links of other studies have others
+    asked: dict[str, str]  # the values that were given, by key
+    mark: str  # identifies the unchanged setting, so that links to other studies are noticed
 
 
 def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = ()) -> Offer:
-    """Offer the settings of a study or of results, as files or not, or a small swarm; and brain files beside theirs.
+    """The offer of a study, of results, of a file of either, or of a small swarm; `given` are more brain files.
 
     Raises InputError.
     """
@@ -81,9 +81,9 @@ def offer_of(of: "Path | Study | xr.Dataset | None", given: tuple[Path, ...] = (
     if (isinstance(of, Path) and of.suffix == ".nc") or not isinstance(of, Path | Study | None):
         return _results(of, name, given)
     more = {brain.label: brain for brain in map(brains.load, given)}
-    asked = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
-    settings = asked.settings()
-    return _offer(name or asked.name, tuple(range(len(settings))), [asked], more, lambda k: (asked, settings[k]))
+    study = Study.load(of) if isinstance(of, Path) else of or Study(name="a small swarm", trials=1000, seed=1, **SHOWN)
+    settings = study.settings()
+    return _offer(name or study.name, tuple(range(len(settings))), [study], more, lambda k: (study, settings[k]))
 
 
 def _results(of: "Path | xr.Dataset", name: str, given: tuple[Path, ...]) -> Offer:
@@ -106,7 +106,7 @@ def _offer(
     find: Callable[[int], tuple[Study, Setting]],
 ) -> Offer:
     if not numbers:
-        raise InputError(f"{name}: there is no setting to be watched")
+        raise InputError(f"{name}: there is no setting to watch")
     grids = [grid for study in studies for grid in study.grids]
     floors = [floor for grid in grids if grid.moves for floor in grid.world.floor or ()]
     plain = [networks.parse_topology(kind, None, {}) for kind in wiring.PLUGINS.shipped]
@@ -116,14 +116,14 @@ def _offer(
         numbers=numbers,
         find=find,
         topologies={str(topology): topology for topology in (*named, *plain)},
-        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(one, None, {}) for one in FLOORS))},
+        floors={str(floor): floor for floor in (*floors, *(patterns.parse_floor(floor, None, {}) for floor in FLOORS))},
         brains={brain.label: brain for grid in grids for brain in grid.swarm.brain} | dict(more),
-        adversaries={one.name: one for study in studies for one in study.adversaries},
+        adversaries={liar.name: liar for study in studies for liar in study.adversaries},
     )
 
 
 def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
-    """The trial that is asked for, key by key; what is not asked for is as in the setting. Raises InputError."""
+    """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
     for key in asked:
         if key not in KEYS:
             known = (*KEYS, *PLAYED)
@@ -134,7 +134,7 @@ def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
     study, setting = offer.find(number)
     mark = setting.fingerprint(study.seed)[:8]
     if asked.get("of", mark) != mark:
-        raise InputError(f"of = {asked['of'][:40]}: this link is of another study than {offer.name}, or it has changed")
+        raise InputError(f"of = {asked['of'][:40]}: this link is not for {offer.name} as it is now")
     trial = _whole(asked, "trial", 0, 0, 2**31 - 1)
     seed = _whole(asked, "seed", study.seed, 0, 2**63 - 1)
     changed = _changed(offer, setting, asked)
@@ -148,7 +148,7 @@ def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
 
 
 def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
-    """Raise InputError for a moment, robot, side or colouring that a page could not show."""
+    """Raise InputError for a tick, robot, side or colouring that the page cannot show."""
     setting = found.settings[0]
     _whole(played, "tick", 0, 0, setting.rounds)
     _whole(played, "robot", 0, 0, setting.robots - 1)
@@ -183,7 +183,7 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
         values["link_success"] = _number(asked, "link_success", 0.0, 1.0)
     for key in ("density", "floor"):
         if key in asked and not moves:
-            raise InputError(f"{key} = {asked[key][:40]}: of robots that move, which those of this network do not")
+            raise InputError(f"{key} = {asked[key][:40]}: only for robots that move, not on this network")
     if "density" in asked:
         values["density"] = _number(asked, "density", 0.0, 1e6)
     if "floor" in asked:
@@ -192,20 +192,20 @@ def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Settin
         liars = [member for member in setting.members if not member.honest]
         known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
         share = _number(asked, "liars", 0.0, 1.0) if "liars" in asked else _share(liars, values["robots"])
-        who = _adversary(offer, asked["adversary"]) if "adversary" in asked else next(iter(known), None)
-        lying = Member(share, who or adversary.load(LIAR), honest=False, share=True)
+        liar = _adversary(offer, asked["adversary"]) if "adversary" in asked else next(iter(known), None)
+        lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
         others = tuple(member for member in setting.members if member.honest)
         values["members"] = (*others, *([lying] if lying.count(values["robots"]) else []))
     return replace(setting, **values)
 
 
 def _check(setting: Setting, study: Study) -> None:
-    """Raise InputError where values do not go together, or are more than can be watched."""
+    """Raise InputError if values do not go together, or are too large to be watched."""
     try:
         if setting.robots > MOST_ROBOTS or setting.rounds > MOST_ROUNDS:
             raise ValueError(
-                f"{setting.robots:,} robots for {setting.rounds:,}: up to {MOST_ROBOTS:,} for {MOST_ROUNDS:,} "
-                "can be watched"
+                f"{setting.robots:,} robots for {setting.rounds:,} rounds: at most {MOST_ROBOTS:,} robots "
+                f"for {MOST_ROUNDS:,} rounds can be watched"
             )
         setting.topology.check(setting.robots)
         if setting.body is not None:
@@ -218,7 +218,7 @@ def _check(setting: Setting, study: Study) -> None:
             (setting.floor or Floor()).check(arena.Arena(setting.arena_side, setting.body.tile))
         elif setting.robots**2 > MOST_PAIRS and not setting.additive and setting.topology.name == "full":
             raise ValueError(
-                f"{counted(setting.robots, 'robot')} that all hear each other: {MOST_PAIRS**0.5:,.0f} is the most here"
+                f"{counted(setting.robots, 'robot')} fully connected: at most {MOST_PAIRS**0.5:,.0f} can be watched"
             )
         for member in setting.members:
             given: dict[str, Any] = dict.fromkeys(Members.model_fields)
@@ -231,30 +231,31 @@ def _check(setting: Setting, study: Study) -> None:
 
 
 def _brain(offer: Offer, key: str, name: str) -> brains.Brain:
-    """A brain of the study, or one that is installed: never a file, whatever its name."""
+    """A brain of the study, or an installed one, but never a file."""
     if name not in offer.brains and name not in brains.PLUGINS:
         meant = did_you_mean(name[:40], names_of(offer))
         raise InputError(
-            f"{key} = {name[:40]}: {meant}no brain of this study, nor a shipped one; {option('brain')} names a file"
+            f"{key} = {name[:40]}: {meant}this is no brain of the study, nor an installed one; "
+            f"{option('brain')} adds a file"
         )
     return offer.brains[name] if name in offer.brains else brains.load(name, Path(os.devnull))
 
 
 def names_of(offer: Offer) -> list[str]:
-    """The brains that can be watched."""
+    """The names of all brains that can be watched."""
     return list(dict.fromkeys([*offer.brains, *brains.PLUGINS.names]))
 
 
 def _adversary(offer: Offer, name: str) -> Adversary:
     if name not in offer.adversaries and name not in adversary.PLUGINS:
         meant = did_you_mean(name[:40], adversary.PLUGINS.names)
-        raise InputError(f"adversary = {name[:40]}: {meant}no adversary of that name")
+        raise InputError(f"adversary = {name[:40]}: {meant}there is no such adversary")
     return offer.adversaries[name] if name in offer.adversaries else adversary.load(name, Path(os.devnull))
 
 
 def _one_of(known: Mapping[str, Any], key: str, name: str) -> Any:
     if name not in known:
-        raise InputError(f"{key} = {name[:40]}: {did_you_mean(name[:40], known)}one of {', '.join(known)}")
+        raise InputError(f"{key} = {name[:40]}: {did_you_mean(name[:40], known)}should be one of {', '.join(known)}")
     return known[name]
 
 
@@ -272,7 +273,7 @@ def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int
 
 
 def _accuracy(text: str) -> Any:
-    """As a study file has it; what is no TOML is the text itself. Raises ValueError where it has several lines."""
+    """An accuracy as in a study file: TOML's value, or else the text. Raises ValueError for several lines."""
     if "\n" in text:
         raise ValueError("should be one value, on one line")
     try:

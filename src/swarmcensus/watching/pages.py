@@ -17,7 +17,7 @@ SCRIPTS = (
 
 
 def live_page() -> str:
-    """The page that a server sends; a browser fetches styles and scripts from beside it."""
+    """The page that a server sends; the browser then fetches styles and scripts."""
     return render(PAGE / "index.html.jinja", styles=STYLES, scripts=SCRIPTS, recording=None)
 
 

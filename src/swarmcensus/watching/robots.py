@@ -1,4 +1,4 @@
-"""One robot in full: what it holds after a round, what it heard, reads and stands on."""
+"""One robot in full: its memory after a round, the messages that it heard, its reading and its tile."""
 
 from typing import Any
 
@@ -10,11 +10,11 @@ from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.watching.shows import Show
 
-LOOK_BACK = 200  # rounds, for messages
+LOOK_BACK = 200  # rounds that are searched for the latest messages
 
 
 def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
-    """What a robot holds after a round, field by field as `sc.replay` has it, what it heard, read and stands on."""
+    """A robot after a round: its fields as in `sc.replay`, the messages it heard, its reading and its tile."""
     stretch, row = show.find(tick)
     fields = show.fields(stretch, slice(row, row + 1))
     brain = show.setting.crew[show.group[robot]]
@@ -22,7 +22,7 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         float(side[0][robot if side.shape[1] > 1 else 0])
         for side in (*show.life.given.sensors[:2], *show.life.given.beliefs)
     )
-    told: dict[str, Any] = {
+    robot_data: dict[str, Any] = {
         "robot": robot,
         "tick": tick,
         "brain": brain.label,
@@ -37,21 +37,21 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
     ended = bool(show.ended(stretch)[row, robot])
     if show.moves:
         x, y, heading = map(float, stretch.poses[row, robot])
-        told |= {"x": x, "y": y, "heading": heading}
-        told |= {
-            "tile": json_value(stretch.colours[row, robot]),
-            "reading": None if ended else json_value(stretch.readings[row, robot]),
+        robot_data |= {"x": x, "y": y, "heading": heading}
+        robot_data |= {
+            "tile": plain(stretch.colours[row, robot]),
+            "reading": None if ended else plain(stretch.readings[row, robot]),
         }
     elif tick > 0 and show.blacks.size:
-        told |= {
+        robot_data |= {
             "looks": show.setting.observations_per_round,
             "blacks": 0.0 if ended else float(show.blacks[tick - 1, robot]),
         }
-    return told
+    return robot_data
 
 
 def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, Any]:
-    """The messages of this round, or of the last one before it in which any came, if that is at hand."""
+    """The messages of this round, or of the last earlier round with messages, if it is still stored."""
     tick = stretch.first + row
     for at in range(tick, max(tick - LOOK_BACK, 0), -1):
         kept = stretch if at >= stretch.first else show.life.kept(show.stretch_of(at))
@@ -64,7 +64,7 @@ def last_heard(show: Show, stretch: Stretch, row: int, robot: int) -> dict[str, 
 
 
 def heard_in(show: Show, stretch: Stretch, row: int, robot: int) -> list[dict[str, Any]]:
-    """The messages that a robot heard in a round: from whom, and what they say, or add to a memory's sums."""
+    """The messages that a robot heard in a round: the sender, and the contents or what they add to the sums."""
     senders = neighbours_of(show, stretch, row, robot)
     here = show.carried(stretch, row, np.full(senders.size, robot), senders) > 0
     brain = show.setting.brain
@@ -76,7 +76,7 @@ def heard_in(show: Show, stretch: Stretch, row: int, robot: int) -> list[dict[st
 
 
 def neighbours_of(show: Show, stretch: Stretch, row: int, robot: int) -> np.ndarray:
-    """Whom a robot can hear in a round, in order."""
+    """The robots that a robot can hear in a round, in order."""
     everyone = np.delete(np.arange(show.setting.robots), robot)
     links = show.life.given.links
     if links is not None:
@@ -88,5 +88,5 @@ def neighbours_of(show: Show, stretch: Stretch, row: int, robot: int) -> np.ndar
 
 
 def adds(show: Show) -> bool:
-    """Whether what a robot says is kept as what it adds to the sums of whoever hears it."""
+    """Whether messages are stored as what they add to the sums of their receivers."""
     return bool(show.life.swarm.additive)

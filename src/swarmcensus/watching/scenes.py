@@ -1,4 +1,4 @@
-"""What of a trial stays as it is while one watches: its floor or its network, who is who, and what it is called."""
+"""What stays the same during a trial: its title, the floor or the network, and which robots lie."""
 
 import base64
 from typing import Any
@@ -9,14 +9,14 @@ from swarmcensus.engine.constants import LISTED
 from swarmcensus.watching.shows import COLUMNS, Show
 from swarmcensus.worlds.arena import tiles_across
 
-MOST_TILES = 1024  # from wall to wall, that a page draws; beyond it the floor is an even grey
-MOST_LAID_OUT = 400  # robots that springs arrange; more stand in rows
+MOST_TILES = 1024  # along a side that a page draws; a larger floor is an even grey
+MOST_LAID_OUT = 400  # robots arranged by a spring layout; more stand in rows
 
 
 def scene_of(show: Show) -> dict[str, Any]:
-    """All of it, for JSON; arrays of numbers are base64."""
+    """The scene for JSON; arrays of numbers are base64."""
     setting = show.setting
-    told: dict[str, Any] = {
+    scene: dict[str, Any] = {
         "title": str(setting),
         "brain": setting.brain.label,
         "robots": setting.robots,
@@ -31,7 +31,7 @@ def scene_of(show: Show) -> dict[str, Any]:
         "dishonest": np.flatnonzero(~show.honest).tolist(),
     }
     if setting.body is None:
-        return told | {
+        return scene | {
             "unit": "round",
             "places": _numbers(places := places_of(show), "<f4"),
             "edges": _numbers(show.edges, "<u2"),
@@ -39,7 +39,7 @@ def scene_of(show: Show) -> dict[str, Any]:
             "room": _room(places),
         }
     body = setting.body
-    told |= {
+    scene |= {
         "unit": "tick",
         "seconds": body.tick,
         "side": setting.arena_side,
@@ -51,17 +51,17 @@ def scene_of(show: Show) -> dict[str, Any]:
     across = tiles_across(setting.arena_side, body.tile)
     if across <= MOST_TILES:
         ground = setting.ground(show.seed, show.trial)
-        told |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
+        scene |= {"across": across, "floor": base64.b64encode(np.packbits(ground.all_tiles()).tobytes()).decode()}
         turns = ground.turns()
         if turns.size:
-            told["turns"] = _numbers(turns, "<i4")
-    return told
+            scene["turns"] = _numbers(turns, "<i4")
+    return scene
 
 
 def places_of(show: Show) -> np.ndarray:
     """Where a page draws the robots of a fixed network (robot, 2), in [0, 1]."""
     robots = show.setting.robots
-    if robots > MOST_LAID_OUT:  # robot by robot in rows: what can be seen of so many is their colour
+    if robots > MOST_LAID_OUT:  # in rows: of so many, only colours can be seen
         columns = _columns(robots)
         return np.stack([np.arange(robots) % columns + 0.5, np.arange(robots) // columns + 0.5], axis=1) / columns
     links = show.life.given.links
@@ -82,16 +82,16 @@ def _columns(robots: int) -> int:
 
 
 def _room(places: np.ndarray) -> float:
-    """How far apart robots that are side by side are, as a rule; of a crowd in rows nobody asks."""
+    """The median distance between nearest neighbours; 1 for a crowd in rows, which does not need it."""
     if not 2 <= len(places) <= MOST_LAID_OUT:
         return 1.0
-    apart = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
-    np.fill_diagonal(apart, np.inf)
-    return float(np.median(apart.min(axis=1)))
+    distances = np.linalg.norm(places[:, np.newaxis] - places, axis=2)
+    np.fill_diagonal(distances, np.inf)
+    return float(np.median(distances.min(axis=1)))
 
 
 def _snake(robots: int) -> np.ndarray:
-    """Robots one beside the other, to and fro."""
+    """Robots in rows, alternately from left to right and from right to left."""
     columns = _columns(robots)
     row = np.arange(robots) // columns
     column = np.where(row % 2 == 0, np.arange(robots) % columns, columns - 1 - np.arange(robots) % columns)
@@ -104,8 +104,8 @@ def _springs(edges: np.ndarray, robots: int) -> np.ndarray:
     graph = networkx.Graph()
     graph.add_nodes_from(range(robots))
     graph.add_edges_from(edges.tolist())
-    found = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
-    places = np.array([found[i] for i in range(robots)])
+    layout = networkx.spring_layout(graph, seed=1, iterations=200 if robots <= 100 else 60)
+    places = np.array([layout[i] for i in range(robots)])
     span = np.ptp(places, axis=0).max() or 1.0
     return np.asarray(0.5 + 0.92 * (places - (places.max(axis=0) + places.min(axis=0)) / 2) / span)
 

@@ -1,4 +1,4 @@
-"""The server of the page: on loopback, for whoever has the token, and for no other site's pages."""
+"""The server of the page: on loopback, for browsers that have the token, and not for pages of other sites."""
 
 import contextlib
 import json
@@ -24,9 +24,9 @@ KINDS = {
     ".txt": "text/plain; charset=utf-8",
 }
 MOST_PAGES = 64
-MOST_WAITING = 64  # wishes of a page that are not answered yet
-NOTICE = 0.3  # seconds until a page that waits hears what is compiled
-AT_ONCE = 2  # pages that are computed for at a time
+MOST_WAITING = 64  # unanswered requests of a page
+NOTICE = 0.3  # seconds between messages to a waiting page about what is compiled
+AT_ONCE = 2  # pages that are served by computation at the same time
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self' ws: ; "
@@ -43,7 +43,7 @@ HEADERS = {
 
 @dataclass(frozen=True)
 class Served:
-    """A server, and how to get to it."""
+    """A server and its address."""
 
     offer: Offer
     host: str
@@ -52,17 +52,17 @@ class Served:
 
     @property
     def port(self) -> int:
-        """The port that it listens on."""
+        """The port of the server."""
         return int(self.socket.getsockname()[1])
 
     def address(self, fragment: str = "") -> str:
-        """What a browser opens."""
+        """The address that a browser opens."""
         host = f"[{self.host}]" if ":" in self.host else self.host
         return f"http://{host}:{self.port}/?token={self.token}{'#' * bool(fragment)}{fragment}"
 
 
 def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
-    """Take a port; 0 takes a free one. Raises InputError where it cannot be had, or what serves is not installed."""
+    """Listen on a port; 0 takes a free one. Raises InputError if it is not available, or the server not installed."""
     try:
         import starlette  # noqa: F401
         import uvicorn  # noqa: F401
@@ -74,7 +74,7 @@ def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
     try:
         made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         made.bind((host, port))
-        made.listen()  # who comes before the server answers should wait, and not be refused
+        made.listen()  # so that a browser that is early waits, and is not refused
     except (OSError, OverflowError) as error:
         made.close()
         raise InputError(f"cannot listen on {host}, port {port}: {getattr(error, 'strerror', None) or error}") from None
@@ -82,7 +82,7 @@ def listen(offer: Offer, host: str = "127.0.0.1", port: int = 0) -> Served:
 
 
 def app_of(served: Served) -> Any:
-    """The application: the page, its parts, and the socket over which it asks."""
+    """The application: the page, its parts, and the socket for its requests."""
     import anyio
     from starlette.applications import Starlette
     from starlette.requests import Request
@@ -99,7 +99,7 @@ def app_of(served: Served) -> Any:
 
     async def page(request: Request) -> Response:
         if not _is_meant(served, request.headers.get("host", "")):
-            return reply(421, "This server answers to its own address alone.\n")
+            return reply(421, "This server answers only under its own address.\n")
         if not _knows(served, request.url.query):
             return reply(403, "This address lacks the token: open the one that swarmcensus watch printed.\n")
         return reply(200, live_page(), KINDS[".html"])
@@ -107,7 +107,7 @@ def app_of(served: Served) -> Any:
     async def part(request: Request) -> Response:
         name = request.path_params["name"]
         if not _is_meant(served, request.headers.get("host", "")) or name not in parts:
-            return reply(404, "There is nothing here.\n")
+            return reply(404, "Not found.\n")
         return reply(200, *parts[name])
 
     async def talk(page: WebSocket) -> None:
@@ -119,41 +119,41 @@ def app_of(served: Served) -> Any:
         await page.accept()
         pages.add(id(page))
         session = Session(served.offer)
-        into, wishes = anyio.create_memory_object_stream[str | bytes](MOST_WAITING)
+        into, requests = anyio.create_memory_object_stream[str | bytes](MOST_WAITING)
         try:
             async with anyio.create_task_group() as talking:
                 talking.start_soon(listen, page, into, talking.cancel_scope)
-                async for words in wishes:
-                    for answer in await answered(page, session, words):
+                async for text in requests:
+                    for answer in await answered(page, session, text):
                         await say(page, answer)
-        except* (WebSocketDisconnect, RuntimeError):  # it went while it was answered
+        except* (WebSocketDisconnect, RuntimeError):  # the page was closed meanwhile
             pass
         finally:
             pages.discard(id(page))
             into.close()
-            wishes.close()
+            requests.close()
 
     async def listen(page: WebSocket, into: Any, talking: Any) -> None:
-        """Hear what a page says while it is answered: as long as a message waits, its signs of life are not read."""
-        while (said := await page.receive())["type"] != "websocket.disconnect":
-            await into.send(said["text"] if said.get("text") is not None else said["bytes"])
-        talking.cancel()  # what it asked for last need not be computed
+        """Receive requests while others are answered: an unread one would hide the signs of life behind it."""
+        while (message := await page.receive())["type"] != "websocket.disconnect":
+            await into.send(message["text"] if message.get("text") is not None else message["bytes"])
+        talking.cancel()  # its last requests need no answer
 
-    async def answered(page: WebSocket, session: Session, words: str | bytes) -> list[Spoken]:
-        """What a session answers; until then the page is told what is compiled."""
+    async def answered(page: WebSocket, session: Session, text: str | bytes) -> list[Spoken]:
+        """The answers of a session to a request; until then the page is told what is compiled."""
         async with anyio.create_task_group() as meanwhile:
             meanwhile.start_soon(notice, page)
-            answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(words)), limiter=limiter)
+            answers = await anyio.to_thread.run_sync(lambda: spoken(session.answer(text)), limiter=limiter)
             meanwhile.cancel_scope.cancel()
         return answers
 
     async def notice(page: WebSocket) -> None:
-        told = ""
+        last = ""
         while True:
             await anyio.sleep(NOTICE)
-            if (now := COMPILATIONS.now) != told and now:
+            if (now := COMPILATIONS.now) != last and now:
                 await say(page, json.dumps({"compiling": now}))
-                told = now
+                last = now
 
     async def say(page: WebSocket, answer: Spoken) -> None:
         if isinstance(answer, bytes):
@@ -162,18 +162,18 @@ def app_of(served: Served) -> Any:
             await page.send_text(answer)
 
     async def nothing(request: Request, _: Exception) -> Response:
-        return reply(404, "There is nothing here.\n")
+        return reply(404, "Not found.\n")
 
     app = Starlette(
         routes=[Route("/", page), Route("/{name}", part), WebSocketRoute("/live", talk)],
         exception_handlers={404: nothing, 405: nothing},
     )
-    app.router.redirect_slashes = False  # a redirect is answered to any host, and without our headers
+    app.router.redirect_slashes = False  # a redirect would answer any host, and lack our headers
     return app
 
 
 def _is_meant(served: Served, host: str) -> bool:
-    """Whether a browser came by a name of this machine: a page of another site that pretends to lie here did not."""
+    """Whether the host is a name of this machine, against DNS rebinding; any host is right beyond loopback."""
     try:
         name = urlsplit(f"//{host}").hostname
     except ValueError:
@@ -190,7 +190,7 @@ def _knows(served: Served, query: str) -> bool:
 
 
 def server_of(served: Served) -> Any:
-    """The server, not yet begun."""
+    """The server, not yet started."""
     import uvicorn
 
     return uvicorn.Server(
@@ -209,32 +209,32 @@ def server_of(served: Served) -> Any:
     )
 
 
-def warm(served: Served, asked: Mapping[str, str]) -> None:
-    """Compute the first of what a page will ask for, while a browser is on its way."""
+def warm(served: Served, query: Mapping[str, str]) -> None:
+    """Compute the first frames while the browser is still opening."""
 
     def begin() -> None:
         page = Session(served.offer)
-        page.answer(json.dumps({"do": "begin", "ask": dict(asked)}))
+        page.answer(json.dumps({"do": "begin", "ask": dict(query)}))
         page.answer(json.dumps({"do": "frames", "from": 0, "count": 2}))
 
     threading.Thread(target=begin, daemon=True).start()
 
 
 def serve(served: Served) -> None:
-    """Serve until Ctrl-C, and until the process is ended where Ctrl-C is ignored, as a shell's background has it.
+    """Serve until Ctrl-C, or until the process ends if a shell runs it in the background, where Ctrl-C is ignored.
 
-    The server has a thread of its own, so that what is computed or compiled for a page keeps no process from its end.
+    The server has its own thread, so that no computation or compilation for a page delays the end of the process.
     """
     with serving(served) as thread, contextlib.suppress(KeyboardInterrupt):
         while thread.is_alive():
-            time.sleep(0.5)  # Python 3.11 takes a thread for ended when Ctrl-C interrupts its join
+            time.sleep(0.5)  # not join: in Python 3.11 a join that Ctrl-C interrupts marks the thread as ended
 
 
 @contextlib.contextmanager
 def serving(served: Served) -> Iterator[threading.Thread]:
-    """Serve in a thread while a block runs; what is computed for a page when the block ends is left alone."""
+    """Serve in a thread while a block runs; computations that run when the block ends are abandoned."""
     server = server_of(served)
-    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)  # as are those that it begins
+    thread = threading.Thread(target=server.run, args=([served.socket],), daemon=True)  # so are threads that it starts
     thread.start()
     while not server.started and thread.is_alive():
         time.sleep(0.01)

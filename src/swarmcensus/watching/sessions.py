@@ -1,6 +1,6 @@
-"""One page's side of the talk: what it asks in JSON, and what is answered, whatever carries it.
+"""The protocol with one page: requests in JSON and their answers, independent of the transport.
 
-Nothing is computed but what a page asks for, a piece at a time: a page that is slow, or gone, costs nothing more.
+Only what a page requests is computed, a piece at a time, so that a slow or closed page costs nothing.
 """
 
 import json
@@ -20,22 +20,22 @@ from swarmcensus.watching.shows import Show
 
 MOST_FRAMES = 600  # in one answer
 MOST_BYTES = 3_000_000
-PATIENCE = 0.2  # seconds until a page hears how far a long way is
-MOST_TEXT = 16_384  # bytes that a page may say at once
+PATIENCE = 0.2  # seconds of computation before a page is told that it takes longer
+MOST_TEXT = 16_384  # characters of a request
 Answer = bytes | dict[str, Any]
 Spoken = bytes | str  # an answer as a socket carries it
 
 
 class Session:
-    """What one page sees."""
+    """The session of one page."""
 
     def __init__(self, offer: Offer) -> None:
-        """Begin with nothing."""
+        """Start without a trial."""
         self.offer = offer
         self.shows: tuple[Show, ...] = ()
 
     def answer(self, said: str | bytes) -> list[Answer]:
-        """Answer what a page said; what is wrong with it is an answer too."""
+        """Answer a request; errors are answers too."""
         number: Any = None
         try:
             asked = _read(said)
@@ -47,7 +47,7 @@ class Session:
             return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](asked)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
-        except Exception as error:  # a page should hear of it, and go on
+        except Exception as error:  # report it to the page, which can continue
             return [_internal_error(number, error)]
 
     def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
@@ -64,7 +64,7 @@ class Session:
         return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, found)}]
 
     def _frames(self, asked: Mapping[str, Any]) -> list[Answer]:
-        """Frames of all sides, or how far the way to them is."""
+        """Frames of all sides, or a note that they take longer."""
         last = self._last()
         first, step = _whole(asked, "from", 0, last), _whole(asked, "step", 1, last or 1)
         most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
@@ -76,7 +76,7 @@ class Session:
             try:
                 there = all(self._reached(show, tick, began) for show in self.shows)
             except InputError:
-                if done:  # what came before a brain failed can be seen
+                if done:  # show what came before a brain failed
                     break
                 raise
             if not there:
@@ -87,7 +87,7 @@ class Session:
         return self._given(asked, done)
 
     def _reached(self, show: Show, tick: int, began: float) -> bool:
-        """Go on towards a round for as long as a page bears to wait; whether it is there."""
+        """Compute towards a round for at most PATIENCE seconds; whether it is reached."""
         with COMPILATIONS.of(show.setting):
             while not show.ready(tick):
                 if time.monotonic() - began > PATIENCE:
@@ -113,12 +113,12 @@ class Session:
 
     def _last(self) -> int:
         if not self.shows:
-            raise InputError("nothing is watched yet: say begin first")
+            raise InputError("no trial yet: send begin first")
         return self.shows[0].setting.rounds
 
 
 def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
-    """What a page's controls offer, and what they show now."""
+    """The choices of a page's controls, and their current values."""
     setting = found.settings[0]
     liars = [member for member in setting.members if not member.honest]
     now = {
@@ -158,7 +158,7 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
 
 
 def spoken(answers: list[Answer]) -> list[Spoken]:
-    """Write answers as a socket carries them; what cannot be written as JSON becomes an error that a page can read."""
+    """Answers as a socket sends them; one that cannot be written as JSON becomes an error for the page."""
     try:
         return [part if isinstance(part, bytes) else json.dumps(part, allow_nan=False) for part in answers]
     except (TypeError, ValueError) as error:
@@ -172,13 +172,13 @@ def _internal_error(number: Any, error: Exception) -> dict[str, Any]:
 
 def _read(said: str | bytes) -> dict[str, Any]:
     if isinstance(said, bytes) or len(said) > MOST_TEXT:
-        raise InputError(f"a page says JSON of at most {MOST_TEXT:,} letters")
+        raise InputError(f"a request should be JSON of at most {MOST_TEXT:,} characters")
     try:
         asked = json.loads(said)
     except (ValueError, RecursionError):
-        raise InputError("a page says JSON, and this is none") from None
+        raise InputError("a request should be JSON") from None
     if not isinstance(asked, dict):
-        raise InputError("a page says a JSON object")
+        raise InputError("a request should be a JSON object")
     number = asked.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number")

@@ -1,9 +1,9 @@
 """One trial as a page sees it: frames as bytes.
 
-A message of frames is little-endian: eight 32-bit words (`KIND`, side, how many frames, robots, columns of numbers,
-which layers, links, 0); of all frames their numbers (f64, see COLUMNS), rounds (u32), where links begin (u32, and the
-end), layers (u16) and flags and headings (u8), both robot by robot; and the links, of robots that move as pairs (u16),
-else a number for each edge (u8), 1 where it carried a message.
+A message of frames is little-endian. It begins with eight 32-bit words: `KIND`, side, number of frames, of robots, of
+columns, the layers present, number of links, 0. Then follow, for all frames, the numbers (f64, see COLUMNS), rounds
+(u32), start of each frame's links and their end (u32), layers (u16, robot by robot), flags and headings (u8, robot by
+robot), and links: pairs of robots (u16) if they move, else one number per edge (u8), 1 if it carried a message.
 """
 
 import functools
@@ -26,23 +26,23 @@ KIND = 0x53574152
 COLUMNS = (
     "truth", "mean", "deviation", "lowest", "low", "median", "high", "highest", "right", "sent", "heard", "bytes",
     "interval_low", "interval_high", "decided", "decided_right", "done",
-)  # fmt: skip  # of the honest robots; shares of them, and numbers of messages of all
+)  # fmt: skip  # of the honest robots; only the numbers of messages are of all robots
 QUARTERS = ("lowest", "low", "median", "high", "highest")
 COUNTS = ("sent", "heard", "bytes")
 HAS_INTERVALS, HAS_DECISIONS, MOVES = 1, 2, 4
-LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the high four bits are its option + 1
+LOOKED, READ_BLACK, ON_BLACK, DONE = 1, 2, 4, 8  # flags of a robot; the upper four bits are its option + 1
 SCALE = 65_535
-NO_ESTIMATE = 65_535  # in the layer of estimates, whose scale ends one below
-MOST_LINKS = 20_000  # that a page draws
-MOST_READINGS = 4_000_000  # that are told of a network
-KEPT = 4  # stretches whose numbers are kept
+NO_ESTIMATE = 65_535  # in the layer of estimates, where 1 is stored as 65,534
+MOST_LINKS = 20_000  # drawn by a page
+MOST_READINGS = 4_000_000  # readings of a fixed network that are shown
+KEPT = 4  # stretches whose frames are kept
 
 
 class Show:
-    """One trial of a setting, as it is watched."""
+    """One trial of a setting that is watched."""
 
     def __init__(self, setting: Setting, seed: int, trial: int, measure: Measure) -> None:
-        """Begin it, to be held against the truth that a study measures against. Raises InputError if it cannot run."""
+        """Prepare the trial; `measure` gives the truth and the bins. Raises InputError if it cannot run."""
         self.setting, self.seed, self.trial, self.bins = setting, seed, trial, measure.bins
         self.life = Life(setting, seed, trial)
         given = self.life.given
@@ -50,35 +50,35 @@ class Show:
         self.group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
         self.moves = setting.body is not None
         self.edges = np.zeros((0, 2), np.int64) if self.moves else edges_of(self)
-        self._told: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
+        self._encoded: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
         self._ground = setting.ground(seed, trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
         names = {name for brain in setting.crew for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
 
     def stretch_of(self, tick: int) -> int:
-        """In which stretch a round is, -1 for round 0."""
+        """The stretch that contains a round; -1 for round 0."""
         return (tick - 1) // self.life.length
 
     def ready(self, tick: int) -> bool:
-        """Go on towards a round by one stretch; whether it is there."""
+        """Compute one stretch towards a round; whether the round is reached."""
         return tick <= 0 or self.life.approach(self.stretch_of(tick))
 
     def find(self, tick: int) -> tuple[Stretch, int]:
-        """The stretch of a round, and its row there."""
+        """The stretch that contains a round, and the row of the round in it."""
         k = self.stretch_of(tick)
         stretch = self.life.start if k < 0 else self.life.at(k)
         return stretch, tick - stretch.first
 
     def frames(self, ticks: list[int], side: int = 0) -> bytes:
-        """These rounds, one after the other, as bytes."""
+        """The frames of these rounds as bytes."""
         numbers, layers, flags, links, starts = [], [], [], [], [0]
         for tick in ticks:
             stretch, row = self.find(tick)
-            told = self._tell(stretch)
-            numbers.append(told[0][row])
-            layers.append(told[1][:, row])
-            flags.append(told[2][:, row])
+            stretch_numbers, stretch_layers, stretch_flags = self._encode(stretch)
+            numbers.append(stretch_numbers[row])
+            layers.append(stretch_layers[:, row])
+            flags.append(stretch_flags[:, row])
             links.append(self._links(stretch, row))
             starts.append(starts[-1] + len(links[-1]))
         kind = np.uint16 if self.moves else np.uint8
@@ -87,26 +87,26 @@ class Show:
             part.tobytes()
             for part in (
                 np.array(words, "<u4"), np.array(numbers, "<f8"), np.array(ticks, "<u4"), np.array(starts, "<u4"),
-                np.array(layers, "<u2"), np.array(flags, np.uint8), *(np.asarray(one, kind) for one in links),
+                np.array(layers, "<u2"), np.array(flags, np.uint8), *(np.asarray(pairs, kind) for pairs in links),
             )
         )  # fmt: skip
 
     @property
     def layers(self) -> int:
-        """Which layers a frame has: estimates, positions where robots move, intervals."""
+        """The layers of a frame beside estimates: positions if robots move, intervals, decisions."""
         crew = self.setting.crew
         intervals = HAS_INTERVALS * any(brain.has_interval for brain in crew)
         return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in crew) + MOVES * self.moves
 
-    def _tell(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Of a stretch the numbers (round, column), layers (layer, round, robot) and flags and headings (2, ...)."""
-        if stretch.first not in self._told:
-            self._told[stretch.first] = self._seen(stretch)
-            while len(self._told) > KEPT:
-                self._told.popitem(last=False)
-        return self._told[stretch.first]
+    def _encode(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
+        if stretch.first not in self._encoded:
+            self._encoded[stretch.first] = self._encode_anew(stretch)
+            while len(self._encoded) > KEPT:
+                self._encoded.popitem(last=False)
+        return self._encoded[stretch.first]
 
-    def _seen(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _encode_anew(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         x, rounds = stretch.estimates, np.arange(len(stretch.estimates)) + stretch.first
         truths = self.truths(rounds)
         fields = {} if not self.layers & ~MOVES else self.fields(stretch, slice(None))
@@ -125,29 +125,29 @@ class Show:
             flags[1] = np.round(stretch.poses[..., 2] % (2 * np.pi) / (2 * np.pi) * 256).astype(np.int64) % 256
         flags[0] += (DONE * (done == 1.0)).astype(np.uint8)
         flags[0] += (np.clip(np.nan_to_num(decided, nan=-1.0), -1, 14).astype(np.int64) + 1 << 4).astype(np.uint8)
-        mine = self.honest
+        honest = self.honest
         values = {
             "truth": truths,
-            "mean": x[:, mine].mean(axis=1),
-            "deviation": x[:, mine].std(axis=1),
-            **dict(zip(QUARTERS, np.quantile(x[:, mine], np.linspace(0.0, 1.0, 5), axis=1), strict=True)),
-            "right": right(x[:, mine], truths, self.bins),
+            "mean": x[:, honest].mean(axis=1),
+            "deviation": x[:, honest].std(axis=1),
+            **dict(zip(QUARTERS, np.quantile(x[:, honest], np.linspace(0.0, 1.0, 5), axis=1), strict=True)),
+            "right": right(x[:, honest], truths, self.bins),
             "sent": stretch.messages[:, 0],
             "heard": stretch.messages[:, 1],
             "bytes": stretch.messages[:, 0] * self.setting.brain.message_bytes,
-            "interval_low": low[:, mine].mean(axis=1),
-            "interval_high": high[:, mine].mean(axis=1),
-            "decided": share(decided[:, mine], decided[:, mine] >= 0.0),
-            "decided_right": share(decided[:, mine], decided[:, mine] == self.options_right(truths)[:, np.newaxis]),
-            "done": share(done[:, mine], done[:, mine] == 1.0),
+            "interval_low": low[:, honest].mean(axis=1),
+            "interval_high": high[:, honest].mean(axis=1),
+            "decided": share(decided[:, honest], decided[:, honest] >= 0.0),
+            "decided_right": share(decided[:, honest], decided[:, honest] == self.options_right(truths)[:, np.newaxis]),
+            "done": share(done[:, honest], done[:, honest] == 1.0),
         }
-        # what is no count needs no more digits than a picture shows, and packs better without
+        # single precision suffices for a picture, and compresses better; counts stay exact
         exact = {name: value if name in COUNTS else np.float32(value) for name, value in values.items()}
         numbers = np.stack([np.broadcast_to(exact[name], truths.shape) for name in COLUMNS], axis=1)
         return numbers, np.round(np.stack(layers)).astype(np.uint16), flags
 
     def ended(self, stretch: Stretch) -> np.ndarray:
-        """Who makes no reading in these rounds, having been done before (round, robot)."""
+        """Robots that were done before a round, and so make no reading in it (round, robot)."""
         before = np.zeros(stretch.estimates.shape, np.bool_)
         if any(brain.ends for brain in self.setting.crew):
             before[0] = stretch.done
@@ -155,27 +155,27 @@ class Show:
         return before
 
     def options_right(self, truths: np.ndarray) -> np.ndarray:
-        """Which option is right in rounds of these fill ratios; NaN where nobody decides."""
+        """The right option for these fill ratios; NaN if no brain decides."""
         options = [brain.options for brain in self.setting.crew if brain.decides]
         return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
-        """The fill ratio of these rounds that robots are held against."""
+        """The true fill ratio of these rounds, which robots are judged by."""
         if self._on_floor and self._ground is not None:
             return self._ground.truth(rounds)
         return self.setting.fill_ratios(np.maximum(rounds, 1))
 
     def fields(self, stretch: Stretch, rows: slice) -> dict[str, np.ndarray]:
-        """What minds hold after some rounds of a stretch, as a trace has it; vectors have an axis more."""
+        """The fields of all minds after some rounds of a stretch, as in a trace; vectors have one more axis."""
         parts = (a[rows] for a in (stretch.history, stretch.estimates))
-        again = stretch.first > 0  # the first row is taken for that before any observation, when nobody decides
+        again = stretch.first > 0  # fields_of takes the first row for the start, before any decision
         history, estimates = (np.concatenate([part[:again], part]) for part in parts)
-        with blaming(self.setting, self.life.given.first):  # intervals are asked for in every round here
-            found = fields_of(self.setting.crew, self.life.swarm, history, estimates)
-        return {name: values[int(again) :] for name, values in found.items()}
+        with blaming(self.setting, self.life.given.first):  # intervals are computed in every round here
+            fields = fields_of(self.setting.crew, self.life.swarm, history, estimates)
+        return {name: values[int(again) :] for name, values in fields.items()}
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:
-        """Robots that move: pairs in reach, one after the other. Else a number for each edge: 1 where it carried."""
+        """The links of a round: pairs of robots in range if they move, else one number per edge, 1 if it carried."""
         tick = stretch.first + row
         if self.moves:
             begin, end = np.searchsorted(stretch.links[:, 0], [tick, tick + 1])
@@ -184,7 +184,7 @@ class Show:
 
     @functools.cached_property
     def blacks(self) -> np.ndarray:
-        """How many readings of each round said black on a fixed network (round, robot); nothing of a large swarm."""
+        """Number of black readings per round on a fixed network (round, robot); empty for a large swarm."""
         setting, given = self.setting, self.life.given
         if setting.rounds * setting.robots > MOST_READINGS:
             return np.zeros((0, 0))
@@ -193,7 +193,7 @@ class Show:
         return out
 
     def carried(self, stretch: Stretch, row: int, receivers: np.ndarray, senders: np.ndarray) -> np.ndarray:
-        """Whether a message came along each link in a round (link), 1 where it did; receivers have all theirs here."""
+        """Whether each link carried a message in a round (link), 0 or 1; all links of each receiver are needed."""
         given, setting, tick = self.life.given, self.setting, stretch.first + row
         out = np.zeros(receivers.size, np.uint8)
         delay = setting.message_delay
@@ -216,18 +216,18 @@ class Show:
 
 
 def right(x: np.ndarray, truths: np.ndarray, bins: int) -> np.ndarray:
-    """The share of each row that is in the bin of the truth."""
+    """The share of each row in the bin of the truth."""
     ends = right_bins(truths, bins)
     return np.asarray(((x >= ends[:, :1]) & (x < ends[:, 1:])).mean(axis=1))
 
 
-def share(known: np.ndarray, those: np.ndarray) -> np.ndarray:
-    """The share of each row for which something holds; NaN where nothing is known."""
-    return np.where(np.isnan(known).all(axis=1), np.nan, those.mean(axis=1))
+def share(known: np.ndarray, holds: np.ndarray) -> np.ndarray:
+    """The share of each row in which `holds` is true; NaN where all of `known` is NaN."""
+    return np.where(np.isnan(known).all(axis=1), np.nan, holds.mean(axis=1))
 
 
 def edges_of(show: Show) -> np.ndarray:
-    """The links (link, 2) of receiver and sender that a page draws: none where they are too many."""
+    """The links that a page draws as receiver and sender (link, 2); none if there are too many."""
     links, robots = show.life.given.links, show.setting.robots
     assert links is not None
     if links.mode == LISTED:
