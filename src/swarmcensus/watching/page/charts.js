@@ -1,14 +1,14 @@
 "use strict";
-// Curves of the whole run beside the swarm, drawn as it is seen: estimates, shares, messages.
+// Curves of the run: estimates, shares, messages. They grow as frames are seen.
 
 const MOST_POINTS = 2000;
-const FINE = 500; // rounds of which each is a point
-const GAP = 12; // pixels: what was not seen is no line
-const NEAR = 0.1; // of the fill ratio, seen close up
+const FINE = 500; // first rounds, which have one point each
+const GAP = 12; // pixels from which on missing points interrupt a line
+const NEAR = 0.1; // half the height of the close-up around the fill ratio
 const SIDES = ["--a", "--b"];
 const SHORT = new Intl.NumberFormat("en", { notation: "compact" });
 
-// Numbers of each round at first, and then of every so many: points of a curve, from 0 on.
+// The points of curves: every round at first, later every n-th.
 class History {
   constructor(scene) {
     this.columns = scene.columns;
@@ -31,14 +31,14 @@ class History {
     return this.rows[this.columns.indexOf(name)];
   }
 
-  // the first run of points before a moment that were not seen, as rounds; null where all were
+  // the first run of missing points before a tick, as rounds; null if none is missing
   missing(tick) {
     const end = this.at(tick);
     const from = this.seen.subarray(0, end).indexOf(0);
     if (from < 0) return null;
     const next = this.seen.subarray(from, end).indexOf(1);
     const to = next < 0 ? end : from + next;
-    const last = from < FINE ? Math.min(to - 1, FINE) : to - 1; // as far as points are equally far apart
+    const last = from < FINE ? Math.min(to - 1, FINE) : to - 1; // only equally spaced points
     const by = last > from ? (this.ticks[last] - this.ticks[from]) / (last - from) : 1;
     return { from: this.ticks[from], by, count: last - from + 1 };
   }
@@ -79,7 +79,7 @@ class Charts {
   }
 
   xs() {
-    return this.histories[0].ticks.map((tick) => tick || (this.log ? Number.EPSILON : 0)); // a logarithm has no 0
+    return this.histories[0].ticks.map((tick) => tick || (this.log ? Number.EPSILON : 0)); // 0 has no logarithm
   }
 
   make(title, unit, series, values, bands = [], more = {}) {
@@ -152,7 +152,7 @@ class Charts {
     return this.make("Estimates: median, middle half and range of the honest robots", "fill ratio", series, () => names.map(([side, name]) => this.histories[side].of(name)), bands, { range: () => this.closely() });
   }
 
-  // the axis of estimates
+  // the range of the axis of estimates
   closely() {
     const truth = this.histories[0].of("truth").findLast((value) => value !== null) ?? 0.5;
     return this.close ? [Math.max(0, truth - NEAR), Math.min(1, truth + NEAR)] : [0, 1];
@@ -173,7 +173,7 @@ class Charts {
         names.push([side, "done"]);
       }
     });
-    return this.make("Robots that are right", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: () => [0, 1] });
+    return this.make("Shares of the honest robots", "share", series, () => names.map(([side, name]) => this.histories[side].of(name)), [], { range: () => [0, 1] });
   }
 
   messages() {
@@ -190,7 +190,7 @@ class Charts {
     for (const frame of frames) this.histories[side].put(frame);
   }
 
-  // as often as an eye can tell, but not with every picture
+  // at most five times a second, not with every frame
   show(tick, now, force = false) {
     this.tick = tick;
     if (!force && now < this.due) return;
@@ -206,7 +206,7 @@ class Charts {
     }
   }
 
-  // the axis grows with what was seen
+  // the end of the time axis, which grows with the frames seen
   end() {
     const { seen, ticks } = this.histories[0];
     return Math.max(2, Math.min(this.scenes[0].rounds, Math.max(50, Math.ceil(1.2 * (ticks[seen.lastIndexOf(1)] || 0)))));

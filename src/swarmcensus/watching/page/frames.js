@@ -1,5 +1,5 @@
 "use strict";
-// What a message of frames holds: see watching/shows.py.
+// Decodes messages of frames; watching/shows.py describes them.
 
 const KIND = 0x53574152;
 const LAYER = { intervals: 1, decisions: 2, moves: 4 };
@@ -40,13 +40,13 @@ function framesOf(buffer) {
   return { side, frames };
 }
 
-// what a robot believes; null where it has no estimate
+// the estimate of a robot; null without one
 function estimateOf(frame, robot) {
   const value = frame.estimates[robot];
   return value === 65535 ? null : value / 65534;
 }
 
-// what a robot's sensor said at this moment, and whether it was wrong; null where it did not look
+// the reading of a robot in this tick, and whether it was wrong; null without one
 function lookOf(frame, robot) {
   const flag = frame.flags[robot];
   const said = Boolean(flag & FLAG.readBlack);

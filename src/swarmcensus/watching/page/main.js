@@ -1,5 +1,5 @@
 "use strict";
-// What buttons and keys do, and the beginning.
+// Actions of buttons and keys, and the start of the page.
 
 const KEYS = {
   " ": () => (state.playing ? pause() : play()),
@@ -23,7 +23,7 @@ const KEYS = {
   d: () => move(0.2, 0),
 };
 
-// whoever moves the view wants to see something else than the robot that it follows
+// moving the view ends following a robot
 function unfollow() {
   state.follow = $("follow").checked = false;
   again();
@@ -53,7 +53,7 @@ document.addEventListener("keydown", (event) => {
   does(event);
 });
 
-for (const speed of SPEEDS) $("speed").append(element("option", { value: String(speed) }, speed === Infinity ? "as fast as it computes" : `${speed.toLocaleString("en")} a second`));
+for (const speed of SPEEDS) $("speed").append(element("option", { value: String(speed) }, speed === Infinity ? "as fast as possible" : `${speed.toLocaleString("en")} per second`));
 $("speed").value = "60";
 $("speed").addEventListener("change", () => {
   state.speed = Number($("speed").value);
@@ -78,7 +78,7 @@ $("which").addEventListener("change", () => {
   const robot = Number.parseInt($("which").value, 10);
   if (robot >= 0 && robot < state.scenes[0].robots) {
     choose(robot);
-    $("which").blur(); // so that keys are heard again
+    $("which").blur(); // so that keys work again
   }
   else $("which").value = state.chosen ?? "";
 });

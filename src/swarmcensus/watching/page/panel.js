@@ -1,8 +1,8 @@
 "use strict";
-// What stands beside the swarm: the world's controls, the numbers of the moment, and one robot in full.
+// The panels beside the swarm: controls of the world, numbers of the moment, and one robot in full.
 
 const CONTROLS = [
-  ["brain", "Brain"], ["beside", "Beside it"], ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
+  ["brain", "Brain"], ["beside", "Compare with"], ["robots", "Robots", { type: "number", min: 1, max: 20000, step: 1 }],
   ["accuracy", "Sensor accuracy", { type: "text" }], ["fill_ratio", "Fill ratio", { type: "number", min: 0, max: 1, step: 0.05 }],
   ["topology", "Network"], ["density", "Swarm density", { type: "number", min: 0, step: 0.5 }], ["floor", "Floor"],
   ["link_success", "Link success", { type: "number", min: 0, max: 1, step: 0.05 }],
@@ -18,7 +18,7 @@ function element(name, attributes = {}, ...children) {
   return made;
 }
 
-// what is typed stays where it is, and what has the focus keeps it
+// keeps the elements, so that typed text and focus survive
 function buildControls(host, form, change, fixed) {
   const rows = [];
   for (const [key, text, attributes] of CONTROLS) {
@@ -63,7 +63,7 @@ function tableOf(caption, rows) {
 
 function tellRobot(host, told, scene) {
   const belief = told.sensor;
-  const rows = [["estimate", told.estimate], ["truth", told.truth], ["off by", told.estimate === null ? null : Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
+  const rows = [["estimate", told.estimate], ["truth", told.truth], ["error", told.estimate === null ? null : Number(Math.abs(told.estimate - told.truth).toPrecision(4))]];
   if (told.tile !== undefined) {
     rows.push(["stands on", told.tile === null ? "–" : told.tile ? "black" : "white"]);
     rows.push(["its sensor says", told.reading === null ? "not looking" : `${told.reading ? "black" : "white"}${told.reading === told.tile ? "" : ", wrong"}`]);
@@ -75,13 +75,13 @@ function tellRobot(host, told, scene) {
   }
   const at = told.recorded !== undefined && told.recorded !== told.tick ? `, as of ${scene.unit} ${shown(told.recorded)}` : "";
   const parts = [
-    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : " that lies"}, ${scene.unit} ${shown(told.tick)}`),
+    element("p", { class: "note" }, `Robot ${told.robot}, ${told.brain}${told.honest ? "" : ", a liar"}, ${scene.unit} ${shown(told.tick)}`),
     tableOf("Belief and sensor", rows),
     tableOf(`Memory${at}`, Object.entries(told.fields)),
   ];
   if (told.heard) {
     const when = told.heard_at === told.tick ? `this ${scene.unit}` : `${scene.unit} ${shown(told.heard_at)}`;
-    const caption = told.heard.length ? `Heard in ${when}${told.adds ? ", as it adds up" : ""}` : "Heard nothing lately";
+    const caption = told.heard.length ? `Heard in ${when}${told.adds ? ", as added to sums" : ""}` : "No recent messages";
     parts.push(tableOf(caption, told.heard.slice(0, 40).map(({ from, said }) => [`robot ${from}`, Object.entries(said).map(([name, value]) => `${name} ${shown(value)}`).join(", ")])));
     if (told.heard.length > 40) parts.push(element("p", { class: "note" }, `and ${shown(told.heard.length - 40)} more`));
   }

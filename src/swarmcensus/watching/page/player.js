@@ -1,5 +1,5 @@
 "use strict";
-// The player: which frames are asked for and when, and what is shown of them.
+// The player: which frames are fetched and when, and what is shown of them.
 
 function keep(sides) {
   sides.forEach((frames, side) => {
@@ -10,7 +10,7 @@ function keep(sides) {
   });
 }
 
-// frames from a moment on, so that they are there when they are due
+// fetch frames from a tick on, before they are needed
 async function fetchAt(from, run) {
   if (state.asking || state.halted || from > rounds()) return;
   state.asking = true;
@@ -21,7 +21,7 @@ async function fetchAt(from, run) {
     forget();
   } catch (error) {
     if (run !== state.run) return;
-    state.halted = true; // until somebody wants something else
+    state.halted = true; // until another moment or trial is chosen
     complain(error);
     if (state.playing) pause();
   } finally {
@@ -29,7 +29,7 @@ async function fetchAt(from, run) {
   }
 }
 
-// what belongs to a moment beside its frame, once one stays there: what was looked at before, and all of the curves
+// complete a moment that is looked at for longer: recent readings of the chosen robot, and the whole curves
 async function settle(run, tick) {
   const stays = () => run === state.run && tick === state.tick && !state.playing && !state.halted;
   const lately = () => Array.from({ length: LATELY }, (_, k) => tick - k).filter((one) => one >= 0 && !state.frames.has(one));
@@ -49,7 +49,7 @@ async function settle(run, tick) {
   }
 }
 
-// what lies far behind is asked for again if anyone goes back: the page grows no larger
+// drop frames far from the current one, to limit memory; they are fetched again when needed
 function forget() {
   const behind = Math.min(Math.max(MEMORIES / state.scenes[0].robots, AHEAD), 10 * AHEAD);
   if (state.frames.size <= 2 * AHEAD + behind) return;
@@ -59,7 +59,7 @@ function forget() {
   for (const tick of ticks.slice(Math.max(0, here) + 2 * AHEAD)) state.frames.delete(tick);
 }
 
-// how far frames wait without a gap, from here on
+// the last tick up to which frames are there without a gap
 function waiting(by) {
   let tick = state.tick;
   while (state.frames.has(tick + by) && tick + by <= rounds()) tick += by;
@@ -100,9 +100,9 @@ function tickOn(now) {
 
 function tellWhy() {
   const { lost, compiling } = state.source;
-  const working = compiling ? `Compiling ${compiling}, once on this machine: this takes up to a minute …` : "On its way …";
+  const working = compiling ? `Compiling ${compiling}, which takes up to a minute, once on this machine …` : "Loading …";
   const why = lost ? "The connection is lost. Trying again …" : working;
-  if ($("waiting").textContent !== why) $("waiting").textContent = why; // which is read aloud
+  if ($("waiting").textContent !== why) $("waiting").textContent = why; // only on changes, because screen readers read it aloud
 }
 
 function show(frames, now) {
@@ -130,7 +130,7 @@ function show(frames, now) {
   if (!state.playing || now - state.told > 100) {
     state.told = now;
     tellNumbers($("numbers"), state.scenes, frames);
-    $("rate").textContent = state.playing ? `${state.pictures.length} pictures a second` : "";
+    $("rate").textContent = state.playing ? `${state.pictures.length} frames per second` : "";
     tellChosen();
   }
 }
@@ -199,7 +199,7 @@ function choose(robot, side = state.side) {
   state.side = side;
   $("which").value = robot ?? "";
   $("to-robot").textContent = robot === null ? "Robot ↓" : `Robot ${robot} ↓`;
-  if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Robot ${robot} is on its way …`));
+  if (robot !== null && $("told").dataset.robot !== String(robot)) $("told").replaceChildren(element("p", { class: "note" }, `Loading robot ${robot} …`));
   $("which-side").value = side;
   again();
   remember();

@@ -1,22 +1,22 @@
 "use strict";
-// Where frames come from: a server that computes them, or a recording in the page. Both are asked in the same words.
+// The source of frames: a server that computes them, or a recording in the page. Both have the same methods.
 
-const GONE = "The server is gone. If the same one answers again, as after a sleep of the machine, this page goes on; else begin swarmcensus watch again, and open the address that it prints.";
-const OTHER = "Another server answers here: swarmcensus watch was begun again. Open the address that it printed.";
-const FULL = "The server takes no more pages: close one that is open, and this page goes on.";
-const FAILED = "The connection was lost twice while the server worked on this, so it is not asked again.";
-const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds from try to try: whoever has tried so often complains, and tries on
+const GONE = "The server is gone. If it answers again, such as after a sleep of the machine, this page continues. Otherwise start swarmcensus watch again and open the address that it prints.";
+const OTHER = "Another server answers here, because swarmcensus watch was started again. Open the address that it printed.";
+const FULL = "The server takes no more pages. Close an open one, and this page continues.";
+const FAILED = "The connection was lost twice while the server worked on this request, so the page does not repeat it.";
+const WAITS = [250, 500, 1000, 2000, 4000]; // milliseconds between attempts to connect; after these the page complains, and keeps trying
 
 class Live {
   constructor() {
     this.token = new URLSearchParams(location.search).get("token") || "";
     this.number = 0;
     this.waiting = new Map();
-    this.begun = null; // what the server shows this page
-    this.tries = 0; // since the last answer
+    this.begun = null; // the latest request to begin that the server answered
+    this.tries = 0; // attempts since the last answer
     this.lost = false;
-    this.why = ""; // what was said of a connection that does not come back
-    this.again = false; // whether the server is still to begin again what it showed before
+    this.why = ""; // the complaint about a lost connection that is shown
+    this.again = false; // whether the server has not yet prepared the trial again after a reconnection
     this.compiling = "";
     this.parts = [];
     this.closed = () => {};
@@ -36,7 +36,7 @@ class Live {
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => {
       this.lost = false;
-      this.again = this.begun !== null; // the server knows nothing of before
+      this.again = this.begun !== null; // the server does not remember this page
       this.socket.onmessage = ({ data }) => this.take(data);
       if (this.again) this.send(0, { do: "begin", ask: this.begun });
       for (const [id, { words }] of this.waiting) this.send(id, words);
@@ -54,7 +54,7 @@ class Live {
     };
   }
 
-  // only an answer shows that the server works: a connection may open and close again at once
+  // only an answer proves that the server works: a connection may open and close again at once
   answered() {
     if (!this.tries) return;
     this.tries = 0;
@@ -62,10 +62,10 @@ class Live {
     this.found();
   }
 
-  // a socket does not tell a server that refuses this page from one that is gone, but the page's address does
+  // a socket cannot distinguish a server that refuses this page from one that is gone; an HTTP request can
   async tellWhy(gone) {
-    const asked = fetch(`/?token=${encodeURIComponent(this.token)}`, { method: "HEAD" });
-    const status = await asked.then((answer) => answer.status, () => null);
+    const reply = fetch(`/?token=${encodeURIComponent(this.token)}`, { method: "HEAD" });
+    const status = await reply.then((answer) => answer.status, () => null);
     const late = status === 200 ? FULL : GONE;
     const why = status === 403 ? OTHER : gone ? late : "";
     if (!this.lost || !why || why === this.why) return;
@@ -73,12 +73,12 @@ class Live {
     this.closed(new Error(why));
   }
 
-  // wishes are answered one after the other, so the first that waits is the one that was worked on
+  // requests are answered in order, so the first that waits is the one that the server worked on
   blame() {
-    const [id, asked] = this.waiting.entries().next().value || [];
-    if (!asked || ++asked.closed < 2) return;
+    const [id, request] = this.waiting.entries().next().value || [];
+    if (!request || ++request.closed < 2) return;
     this.waiting.delete(id);
-    asked.reject(new Error(FAILED));
+    request.reject(new Error(FAILED));
   }
 
   send(id, words) {
@@ -98,16 +98,16 @@ class Live {
     this.compiling = "";
     this.answered();
     if (answer.id === 0) this.again = false;
-    const asked = this.waiting.get(answer.id);
+    const request = this.waiting.get(answer.id);
     const parts = this.parts;
     this.parts = [];
-    if (!asked) return;
+    if (!request) return;
     this.waiting.delete(answer.id);
-    if (answer.error) asked.reject(new Error(answer.error));
-    else asked.resolve({ ...answer, parts });
+    if (answer.error) request.reject(new Error(answer.error));
+    else request.resolve({ ...answer, parts });
   }
 
-  // what is asked while there is no connection is asked once there is one
+  // requests made without a connection are sent once there is one
   ask(does, more) {
     return new Promise((resolve, reject) => {
       const id = ++this.number;
@@ -123,7 +123,7 @@ class Live {
     return answer;
   }
 
-  // the frames of each side, or none yet where the way there is long
+  // the frames of each side; null if the server needs longer
   async frames(from, step, count) {
     const answer = await this.ask("frames", { from, step, count });
     return answer.going ? null : answer.parts.map((part) => part.frames);

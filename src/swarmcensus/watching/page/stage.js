@@ -1,14 +1,14 @@
 "use strict";
-// One swarm: the floor and who stands where, or the network and what it carries, in units of its width, y downwards.
-// Konva keeps the layers, turns units into pixels, and tells what is clicked and dragged.
+// One swarm: the floor and the robots on it, or the network and its messages, in units of the width, with y downwards.
+// Konva manages layers, scales units to pixels, and reports clicks and drags.
 
-Konva.autoDrawEnabled = false; // a picture is drawn when a frame is due
+Konva.autoDrawEnabled = false; // draw() is called explicitly for each frame
 Konva.dragDistance = 4;
 Konva.pixelRatio = Math.min(window.devicePixelRatio || 1, 2);
 
 const FLOOR = { black: [112, 117, 122], white: [226, 229, 232], grey: (f) => [226 - 114 * f, 229 - 112 * f, 232 - 110 * f] };
 const GREEN = "#007a59";
-const DENSE = 1000; // lines of a network that are drawn thin
+const DENSE = 1000; // number of lines from which on they are drawn thin
 
 function circles(g, places, r) {
   for (const [x, y] of places) {
@@ -30,7 +30,7 @@ class Stage {
     this.listen(choose, changed, moved);
   }
 
-  // a path that is drawn anew with each picture, its lines as wide on the screen as told
+  // a path that is traced again for each frame; the width of its lines is in pixels at any zoom
   path(layer, trace, attributes = {}) {
     const sceneFunc = (g, own) => {
       g.beginPath();
@@ -69,7 +69,7 @@ class Stage {
     const { crowd } = this.scene;
     if (crowd) this.swarm.add(this.pixels(crowd, { width: 1, height: 1 }));
     this.still = this.path(this.ground, (g) => this.lines.forEach(({ i, j }) => this.trace(g, i, j)), { visible: !crowd, strokeWidth: 1 });
-    // of a crowd, whose lines would hide each other, those of the robot that is chosen
+    // in a crowd lines would hide each other: only those of the chosen robot are drawn
     const shown = ({ i, j }) => !crowd || i === this.chosen || j === this.chosen;
     const lit = (g) => {
       for (const line of this.lines) if (shown(line) && line.links.some((e) => this.frame.links[e])) this.trace(g, line.i, line.j);
@@ -86,14 +86,14 @@ class Stage {
     this.discs = crowd ? [] : this.groups.map((_, step) => this.path(this.swarm, (g) => circles(g, this.groups[step], this.radius)));
     this.headings = this.path(this.swarm, (g) => this.traceHeadings(g), { stroke: "#000000", visible: moves });
     this.wrong = this.path(this.swarm, (g) => circles(g, this.misread(), 1.35 * this.radius), { stroke: "#d55e00", visible: moves });
-    // a shape, and no colour alone, says who lies
+    // liars are marked by a shape, not by colour alone
     this.liars = this.path(this.swarm, (g) => this.traceCrosses(g), { stroke: "#cc79a7" });
     this.rings = [["#000000", 5], ["#ffffff", 2.5]].map(([stroke, strokeWidth]) => new Konva.Circle({ stroke, strokeWidth, strokeScaleEnabled: false }));
     this.reach = new Konva.Circle({ radius: moves ? this.scene.range / this.scene.side : 0, stroke: "#009e73", strokeWidth: 1.5, dash: [4, 5], strokeScaleEnabled: false });
     this.swarm.add(...this.rings, this.reach);
   }
 
-  // a picture of as many dots across, on whose dots one paints
+  // an image of `across` x `across` pixels to paint on
   pixels(across, place) {
     this.dots = document.createElement("canvas");
     this.dots.width = this.dots.height = across;
@@ -130,7 +130,7 @@ class Stage {
     return [x, y];
   }
 
-  // directed links as lines to draw, each with the one or two links that it stands for
+  // the lines to draw, each with the one or two directed links that it stands for
   paired() {
     const lines = new Map();
     for (let e = 0; 2 * e < this.edges.length; e++) {
@@ -162,7 +162,7 @@ class Stage {
     return best;
   }
 
-  // what is drawn of a robot, never too small to be seen
+  // the radius of a robot, never too small to be visible
   fitRobots() {
     const { moves, radius, side, crowd, room } = this.scene;
     if (moves) this.radius = Math.max(radius / side, 2.2 * this.pixel);
@@ -187,7 +187,7 @@ class Stage {
     this.swarm.draw();
   }
 
-  // what stays as it is, is not drawn again
+  // draw the ground only if it changed
   drawGround() {
     const turned = this.turns?.length ? this.turns.reduce((sum, turn) => sum + (turn <= this.frame.tick), 0) : 0;
     const grey = this.even ? `rgb(${FLOOR.grey(this.frame.numbers[0]).map(Math.round).join(" ")})` : "";

@@ -1,10 +1,10 @@
 "use strict";
-// What the robot that is chosen has looked at lately: a dot a look, of the colour that its sensor said.
+// The recent readings of the chosen robot: one dot per reading, in the colour that its sensor said.
 
 class Trail {
   constructor(stage) {
     this.stage = stage;
-    const dots = (asked, times, attributes) => stage.path(stage.swarm, (g) => circles(g, this.places(asked), times * this.size), { visible: false, ...attributes });
+    const dots = (wanted, times, attributes) => stage.path(stage.swarm, (g) => circles(g, this.places(wanted), times * this.size), { visible: false, ...attributes });
     this.parts = [
       dots(() => true, 1.4, { fill: "#0072b2" }),
       dots(({ said }) => !said, 1, { fill: "#ffffff" }),
@@ -18,17 +18,17 @@ class Trail {
     for (const part of this.parts) part.visible(visible);
     if (!visible) return;
     this.size = Math.min(Math.max(scene.tile / scene.side / 2, 1.5 * pixel), 5 * pixel);
-    this.parts[3].visible(this.size > 2 * pixel); // smaller ones would hide one another
+    this.parts[3].visible(this.size > 2 * pixel); // smaller rings would overlap
   }
 
-  // where its sensor was at the looks that are asked for
-  places(asked) {
+  // where its sensor was at the readings that `wanted` selects
+  places(wanted) {
     const { scene, before, chosen } = this.stage;
     const [ahead, left] = scene.sensor.map((metres) => metres / scene.side);
     const found = [];
     for (const frame of before) {
       const look = lookOf(frame, chosen);
-      if (!look || !asked(look)) continue;
+      if (!look || !wanted(look)) continue;
       const angle = (frame.headings[chosen] / 256) * 2 * Math.PI;
       const [x, y] = this.stage.place(chosen, frame);
       found.push([x + ahead * Math.cos(angle) - left * Math.sin(angle), y - ahead * Math.sin(angle) - left * Math.cos(angle)]);

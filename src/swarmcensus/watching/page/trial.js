@@ -1,14 +1,14 @@
 "use strict";
-// What is watched: the trial that was asked for, and an address that holds the moment.
+// The trial that is shown, and the address of the current moment.
 
 const $ = (id) => document.getElementById(id);
 const SPEEDS = [1, 2, 5, 10, 20, 30, 60, 120, 300, 1000, 3000, 10000, Infinity];
-const PICTURES = 60; // a second
-const AHEAD = 120; // frames that wait to be shown
-const MEMORIES = 30000; // robots in all frames that are kept
-const LATELY = 300; // rounds, of what a robot has looked at
-const AT_ONCE = 120; // frames, where many are missing
-const PATIENCE = 200; // milliseconds: whoever stays at a moment for as long is not on the way to another
+const PICTURES = 60; // frames drawn per second
+const AHEAD = 120; // frames that are fetched in advance
+const MEMORIES = 30000; // robots in all stored frames together
+const LATELY = 300; // rounds for which the readings of the chosen robot are shown
+const AT_ONCE = 120; // frames per request, if many are missing
+const PATIENCE = 200; // milliseconds after which a moment counts as chosen, and not as passed through
 const recordedText = $("recorded");
 
 const state = {
@@ -51,13 +51,13 @@ function remember() {
 
 const titled = () => `${state.form.name}: ${state.scenes[0].title}; seed ${state.form.now.seed}, trial ${state.form.now.trial}`;
 
-// one wish after the other, and the last of those that came meanwhile: what the server has is what the page shows
+// one request at a time, then the latest of those made meanwhile, so that server and page show the same trial
 async function begin(ask, tick = 0, robot = state.chosen) {
   state.wish = { ask, tick, robot };
   if (state.preparing) return;
   state.preparing = true;
   $("title").textContent = "preparing …";
-  let [refused, instead] = [null, false]; // of a link that cannot be, the first trial is shown instead
+  let [refused, instead] = [null, false]; // for an invalid link the first trial is shown instead
   while (state.wish) {
     const wish = state.wish;
     try {
@@ -102,7 +102,7 @@ function buildPage() {
   state.stages = scenes.map((scene, side) => {
     const host = element("div", { class: "stage", tabindex: 0, role: "img", "aria-label": `${shown(scene.robots)} robots with ${scene.brain}` });
     const liars = scene.dishonest.length ? `, ${shown(scene.dishonest.length)} of ${shown(scene.robots)} lie (crossed out)` : "";
-    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} a message${liars}`), host));
+    $("stages").append(element("figure", {}, element("figcaption", {}, `${scene.brain}: ${shown(scene.memory)} bytes of memory, ${shown(scene.message)} per message${liars}`), host));
     if (side === focused) host.focus({ preventScroll: true });
     return new Stage(host, scene, state.view, { choose: (robot) => choose(robot, side), changed: again, moved: unfollow });
   });
@@ -112,11 +112,11 @@ function buildPage() {
   $("which-side").replaceChildren(...scenes.map((scene, side) => element("option", { value: side }, scene.brain)));
   $("which-side").value = state.side;
   $("which-side").hidden = scenes.length < 2;
-  if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see all that it remembers, reads and hears."));
+  if (state.chosen === null) $("told").replaceChildren(element("p", { class: "note" }, "Click a robot, or type its number, to see its memory, its reading and the messages that it hears."));
   buildControls($("controls"), form, change, Boolean(recordedText));
   state.charts = new Charts($("curves"), scenes, seek);
   state.charts.build($("log").checked, $("close").checked);
-  if (recordedText) $("world-note").textContent = "A recording: swarmcensus watch shows other worlds. Its estimates are rounded to four digits.";
+  if (recordedText) $("world-note").textContent = "This is a recording; swarmcensus watch shows other worlds. Estimates are rounded to four digits.";
   legend();
 }
 
@@ -128,11 +128,11 @@ function legend() {
   });
   [$("legend-low").textContent, $("legend-high").textContent] = TOLD[state.colour];
   const { moves, crowd, dishonest, edges } = state.scenes[0] || {};
-  const carried = crowd ? "green: links to the chosen one that carried a message" : "green: links that carried a message";
+  const carried = crowd ? "green: links of the chosen robot that carried a message" : "green: links that carried a message";
   $("legend-text").textContent = [
-    ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: what the chosen robot has looked at lately"] : []),
+    ...(moves ? ["green: who hears whom", "orange ring: a wrong reading", "dots: recent readings of the chosen robot"] : []),
     ...(crowd ? ["each square a robot"] : []),
-    ...(moves ? [] : [edges ? carried : "its links are too many to be drawn"]),
+    ...(moves ? [] : [edges ? carried : "too many links to draw"]),
     ...(dishonest?.length ? ["crossed out: it lies"] : []),
   ].join(" · ");
 }

@@ -1,5 +1,5 @@
 "use strict";
-// what part of the swarm is seen, by both sides of a pair
+// the visible part of the swarm, shared by both sides of a pair
 class View {
   constructor() {
     this.zoom = 1;
@@ -14,12 +14,12 @@ class View {
     else this.look(centre);
   }
 
-  // never so far that nothing is left to be seen
+  // the centre stays inside the arena
   look(centre) {
     if (this.zoom > 1) this.centre = centre.map((c) => Math.min(Math.max(c, 0), 1));
   }
 
-  // by a share of what is seen
+  // by shares of the visible width
   move(right, down) {
     this.look([this.centre[0] + right / this.zoom, this.centre[1] + down / this.zoom]);
   }
