@@ -105,11 +105,8 @@ def _given(options: argparse.Namespace, draw: Callable[..., Any]) -> dict[str, A
     with _failures(options.kind):
         known = keys_of(draw).model_fields
     given = {name: value for name in KIND_OPTIONS if (value := getattr(options, name)) is not None}
-    fitting = {
-        name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields]
-        for name in given
-        if name not in known
-    }
+    unknown = [name for name in given if name not in known]
+    fitting = {name: [k for k in PLUGINS.shipped if name in keys_of(find(k)).model_fields] for name in unknown}
     if options.kind in PLUGINS.shipped:
         remeasured = [name for name in DRAWN_BY if getattr(options, name) is not None]
         fitting |= {name: [*DRAWN_BY[name]] for name in remeasured if options.kind not in DRAWN_BY[name]}

@@ -157,9 +157,7 @@ def _values(frame: Any, name: str, column: str, below: bool) -> tuple[str, list[
     times, digits = TIMES.get(name, 1.0), DIGITS.get(name, 2)
     ends = [times * frame[column + end] for end in ("", "_low", "_high")]
     widths = (ends[2] - ends[1]).where(np.isfinite(ends[2]))
-    usual = max(
-        decimals_for(widths.median(), digits), int(times > 1.0)
-    )  # decimals, unless a narrow interval needs more
+    usual = max(decimals_for(widths.median(), digits), int(times > 1.0))  # more for a narrow interval
     if name not in TIMES:  # values of a metric may be whole, infinite, or equal up to rounding
         finite = ends[0][np.isfinite(ends[0])]
         usual = 0 if widths.isna().all() and (finite == finite.round()).all() else min(usual, MOST_DECIMALS)

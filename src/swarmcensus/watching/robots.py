@@ -39,8 +39,8 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
         x, y, heading = map(float, stretch.poses[row, robot])
         robot_data |= {"x": x, "y": y, "heading": heading}
         robot_data |= {
-            "tile": plain(stretch.colours[row, robot]),
-            "reading": None if ended else plain(stretch.readings[row, robot]),
+            "tile": json_value(stretch.colours[row, robot]),
+            "reading": None if ended else json_value(stretch.readings[row, robot]),
         }
     elif tick > 0 and show.blacks.size:
         robot_data |= {
