@@ -46,7 +46,7 @@ def add_plot_options(sub: argparse.ArgumentParser) -> None:
         help="any other option of the kind, such as scale=linear; may be repeated",
     )
     sub.add_argument(
-        "--local", action="store_true", default=None, help="draw the local estimate instead of the final one (scatter)"
+        "--local", action="store_true", default=None, help="draw local instead of informed estimates (scatter)"
     )
     sub.add_argument(
         "--theory", action="store_true", default=None, help="add curves of theory (scatter, decisions, curves)"

@@ -8,7 +8,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.cli.options import from_zero, positive, round_or_time
 from swarmcensus.cli.output import answer, reporting, wrote
-from swarmcensus.cli.source import MOST_ROWS, add_limit_option, add_source_options, again, read
+from swarmcensus.cli.source import MOST_ROWS, RESULTS_HELP, add_limit_option, add_source_options, again, read
 
 if TYPE_CHECKING:
     from swarmcensus.runs.verifying import Verification
@@ -61,10 +61,10 @@ def show(options: argparse.Namespace) -> int:
 
 def add_merge_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `merge`."""
-    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc")
+    sub.add_argument("results", type=Path, nargs="+", metavar="RESULTS.nc", help="results files to merge")
     sub.add_argument("--out", type=Path, metavar="FILE.nc", required=True, help="file of the merged results")
     sub.add_argument(
-        "--fresh", action="store_true", help="replace a results file --out, even if it has trials that the others lack"
+        "--fresh", action="store_true", help="replace --out even if it holds trials that the merged files lack"
     )
 
 
@@ -82,7 +82,7 @@ def merge(options: argparse.Namespace) -> int:
 
 def add_verify_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `verify`."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
     which = sub.add_mutually_exclusive_group()
     which.add_argument(
         "--sample",

@@ -6,11 +6,12 @@ from pathlib import Path
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.output import wrote
 from swarmcensus.cli.plot import brain_of, figure_files, save_figure
+from swarmcensus.cli.source import RESULTS_HELP
 
 
 def add_replay_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `replay`."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
     sub.add_argument("--setting", type=int, required=True, help="number of the setting, as 'show' prints it")
     sub.add_argument("--trial", type=int, required=True, help="number of the trial, from 0")
     sub.add_argument("--brain", metavar="FILE", help="the brain file, if the brain is your own")

@@ -54,7 +54,7 @@ def reproduce(options: argparse.Namespace) -> int:
 
 def add_study_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `run`."""
-    sub.add_argument("study", type=Path, metavar="STUDY.toml")
+    sub.add_argument("study", type=Path, metavar="STUDY.toml", help="a study file ('new study' writes one)")
     sub.add_argument(
         "--out",
         type=Path,
@@ -134,7 +134,7 @@ def _cluster(options: argparse.Namespace) -> str | None:
 
 def add_status_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `status`."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help="the file of --out, finished or not")
 
 
 def status(options: argparse.Namespace) -> int:

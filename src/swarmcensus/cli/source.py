@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 from swarmcensus.cli.options import from_zero
 
+RESULTS_HELP = "a results file, as 'run' writes it"
 MOST_ROWS = 40  # of a table, unless --limit asks for more
 
 
@@ -23,7 +24,7 @@ class Source(NamedTuple):
 
 def add_source_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of all commands that read the settings of a results file."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc")
+    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
     sub.add_argument(
         "--where", metavar="EXPR", help="only these settings, such as 'topology == \"ring\" and robots == 100'"
     )
