@@ -27,45 +27,46 @@ from swarmcensus.results.summaries import is_idle
 from swarmcensus.statistics.intervals import FEWEST
 
 
-def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
+def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs: bool) -> None:
     """Print the worlds of a comparison: as many as fit into `limit` rows, at least one (0: all), then the verdict.
 
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
-    worlds = _fitting(found, limit)
-    world, contender = rows_of(found, worlds)
+    worlds = _fitting(comparison, limit)
+    world, contender = rows_of(comparison, worlds)
     first = np.append(True, world[1:] != world[:-1])
-    names = list(found.field.worlds[0])
+    names = list(comparison.field.worlds[0])
     left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
     for name in names:
-        values = [found.field.worlds[w][name] for w in world]
+        values = [comparison.field.worlds[w][name] for w in world]
         texts = ["-" if is_idle(value) else grouped(value) for value in values]
         left[name] = [text if new else "" for text, new in zip(texts, first, strict=True)]
-    left["contender"] = [found.contenders[c] for c in contender]
+    left["contender"] = [comparison.contenders[c] for c in contender]
     if not names:
         del left["world"]
-    cells = columns(found, worlds)
+    cells = columns(comparison, worlds)
     pages = [_rows(left, cells)]
     if pages[0].__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
         pages = [_rows(left, {name: column}) for name, column in cells.items()]
     out.print(title)
     for page in pages:
         out.print(page)
-    for line in _legend(found, cells):
+    for line in _legend(comparison, cells):
         out.print(line, style="dim")
-    if worlds < len(found.field.worlds):
+    if worlds < len(comparison.field.worlds):
         out.print(
-            f"{worlds:,} of {counted(len(found.field.worlds), 'world')}; show all: {again} --limit 0", soft_wrap=True
+            f"{worlds:,} of {counted(len(comparison.field.worlds), 'world')}; show all: {again} --limit 0",
+            soft_wrap=True,
         )
     if with_pairs:
         out.print()
-        out.print(_pairs(found, worlds))
+        out.print(_pairs(comparison, worlds))
         for line in PAIRS:
             out.print(line, style="dim")
-    _print_verdict(found)
+    _print_verdict(comparison)
     if not with_pairs:
-        count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in found.contests)
+        count = sum(int((~np.isnan(contest.corrected)).sum()) for contest in comparison.contests)
         out.print(
             f"to show all {count:,} differences with effects and p-values: {again} --pairs, or --csv FILE"
             if count > 1
@@ -74,13 +75,13 @@ def show(found: Comparison, title: str, again: str, limit: int, with_pairs: bool
         )
 
 
-def _print_verdict(found: Comparison) -> None:
+def _print_verdict(comparison: Comparison) -> None:
     """Print the verdict and its cautions."""
     out = console()
     out.print()
-    for sentence in found.verdict:
+    for sentence in comparison.verdict:
         out.print(sentence)
-    for caution in found.cautions:
+    for caution in comparison.cautions:
         out.print(f"caution: {caution}", style="yellow")
 
 
@@ -92,9 +93,9 @@ PAIRS = (
 )
 
 
-def _fitting(found: Comparison, limit: int) -> int:
+def _fitting(comparison: Comparison, limit: int) -> int:
     """How many worlds fit into `limit` rows (0: all); at least one."""
-    rows = np.cumsum((found.settings >= 0).sum(axis=1))
+    rows = np.cumsum((comparison.settings >= 0).sum(axis=1))
     return len(rows) if not limit else max(1, int(np.searchsorted(rows, limit, side="right")))
 
 
@@ -115,17 +116,17 @@ def _rows(left: dict[str, list[str]], cells: dict[str, list[Cell]]) -> Table:
     return table(heads, zip(*left.values(), *texts, strict=True))
 
 
-def _pairs(found: Comparison, worlds: int) -> Table:
+def _pairs(comparison: Comparison, worlds: int) -> Table:
     texts = ("measure", "one", "other", "[95 %]", "one is better in", "told apart")
-    rows: Sequence[tuple[str, ...]] = pair_rows(found, worlds)
-    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or found.field.worlds[0]]
+    rows: Sequence[tuple[str, ...]] = pair_rows(comparison, worlds)
+    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or comparison.field.worlds[0]]
     heads = [(PAIR_HEADS[k], PAIR_HEADS[k] not in texts) for k in kept]
     return table(heads, ([row[k] for k in kept] for row in rows))
 
 
-def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
+def _legend(comparison: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     """The meaning of columns and marks, and the coordinates that all worlds share."""
-    trials = found.contests[0].trials[found.settings >= 0]
+    trials = comparison.contests[0].trials[comparison.settings >= 0]
     few = "; no intervals: fewer than 6 trials" if trials.max() < FEWEST else (
         "; [95 %]: bootstrap over trials; always: in every trial"
     )  # fmt: skip
@@ -134,11 +135,11 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     meanings = [
         f"{column_head(measure)}: {measure.meaning}"
         + f" ({measure.unit})" * (measure.unit not in ("1", "rounds", "observations"))
-        for measure in found.measures
+        for measure in comparison.measures
     ]
-    tests = test_count(found.contests)
+    tests = test_count(comparison.contests)
     same = [
-        f"{name} {grouped(value)}" for name, value in found.field.common.items()
+        f"{name} {grouped(value)}" for name, value in comparison.field.common.items()
         if not (is_idle(value) or (name == "link_success" and value == 1.0))
     ]  # fmt: skip
     costs = [name for name in COSTS.values() if name in cells]
@@ -147,7 +148,7 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
         "; ".join(meanings),
         f"values: median over {many} of the median robot (means for shares and for messages and bytes){few}",
         *([f"{', '.join(costs)}: cost of a robot{f', {means}' * bool(means)}; memory in bytes"] if costs else []),
-        f"{legend(found)}; {counted(tests, 'test')}, corrected by Holm's method",
+        f"{legend(comparison)}; {counted(tests, 'test')}, corrected by Holm's method",
         *([f"all with {', '.join(same)}"] if same else []),
     ]
 
@@ -155,26 +156,26 @@ def _legend(found: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
 Column = tuple[str, bool, list[str]]  # head, whether it holds numbers, cells
 
 
-def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], limit: int) -> None:
+def show_groups(comparison: Comparison, title: str, again: str, axes: Sequence[str], limit: int) -> None:
     """Print one row per combination of values and contender, at most `limit` (0: all), then the verdict.
 
     `again` is the shell line of the command. On a narrow terminal each measure has its own table.
     """
     out = console()
-    everything = found.by(*axes)
+    everything = comparison.by(*axes)
     rows = everything.head(limit or len(everything))
     left: list[Column] = [(name, False, _once(rows, axes[: k + 1])) for k, name in enumerate(axes)]
     left += [(name, name == "worlds", rows[name].map(str).tolist()) for name in ("contender", "worlds")]
-    parts = [_columns(found, k, rows) for k in range(len(found.measures))]
+    parts = [_columns(comparison, k, rows) for k in range(len(comparison.measures))]
     pages = [[*left, *(column for part in parts for column in part)]]
     if _table(pages[0]).__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
         pages = [[*left, *part] for part in parts]
     out.print(title)
     for page in pages:
         out.print(_table(page))
-    out.print(f"number of worlds: {legend(found)}", style="dim")
-    if found.against is not None:
-        reference = found.contenders[found.against]
+    out.print(f"number of worlds: {legend(comparison)}", style="dim")
+    if comparison.against is not None:
+        reference = comparison.contenders[comparison.against]
         out.print(
             f"ratio: its value divided by that of {reference}, median over worlds, and the worst "
             "(for shares: difference in percentage points)",
@@ -182,7 +183,7 @@ def show_groups(found: Comparison, title: str, again: str, axes: Sequence[str], 
         )
     if len(rows) < len(everything):
         out.print(f"{len(rows):,} of {counted(len(everything), 'row')}; show all: {again} --limit 0", soft_wrap=True)
-    _print_verdict(found)
+    _print_verdict(comparison)
 
 
 def _once(rows: Any, axes: Sequence[str]) -> list[str]:
@@ -191,14 +192,14 @@ def _once(rows: Any, axes: Sequence[str]) -> list[str]:
     return list(rows[axes[-1]].map(grouped).where(keys != keys.shift(), ""))
 
 
-def _columns(found: Comparison, k: int, rows: Any) -> list[Column]:
-    measure = found.measures[k]
-    ways = RANKED if found.against is None else AGAINST
+def _columns(comparison: Comparison, k: int, rows: Any) -> list[Column]:
+    measure = comparison.measures[k]
+    ways = RANKED if comparison.against is None else AGAINST
     heads = [f"{measure.label} " * (way == ways[0]) + MARKS.get(way, way) for way in ways]
     out: list[Column] = [
         (head, True, rows[f"{measure.name}_{way}"].map(grouped).tolist()) for head, way in zip(heads, ways, strict=True)
     ]
-    if found.against is not None:
+    if comparison.against is not None:
         for name in (gap_name(measure.share), "worst"):
             out.append((name, True, [_gap(value, measure.share) for value in rows[f"{measure.name}_{name}"]]))
     return out

@@ -50,12 +50,12 @@ def explain(options: argparse.Namespace) -> int:
         if getattr(options, name) is not None:
             raise InputError(f"--{name} does not go with --setting, which shows one setting")
     data = read(options).stored
-    found = one_setting.explain(data, options.setting)
+    explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
     if options.json:
-        answer("explanation", found._asdict())
+        answer("explanation", explanation._asdict())
     else:
-        show(found, str(options.results))
+        show(explanation, str(options.results))
     return 0
 
 
@@ -68,64 +68,66 @@ def _all(options: argparse.Namespace) -> int:
     if options.json and options.limit is not None:
         raise InputError(f"--limit {options.limit} does not go with --json, which has all settings")
     stored, data = read(options)
-    found = agreement(data)
+    result = agreement(data)
     if options.json:
-        answer("agreement", found._asdict())
+        answer("agreement", result._asdict())
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
-    explain_table.show(found, data, head(stored, options.results), again(options, "explain"), limit)
+    explain_table.show(result, data, head(stored, options.results), again(options, "explain"), limit)
     return 0
 
 
-def show(found: "Explanation", path: str) -> None:
+def show(explanation: "Explanation", path: str) -> None:
     """Print what one setting measured and what theory expects, then what its error consists of."""
     from swarmcensus.basics.terminal import UNFOLDED, console
 
     out = console()
-    out.print(f"{path}, setting {found.setting}: {found.what}; {counted(found.trials, 'trial')}")
+    out.print(f"{path}, setting {explanation.setting}: {explanation.what}; {counted(explanation.trials, 'trial')}")
     for most in range(MOST_CHECKPOINTS, 0, -1):  # as many checkpoints as the terminal has room for
-        rows = _table(found, most)
+        rows = _table(explanation, most)
         if rows.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum <= out.width:
             break
     out.print(rows)
-    out.print(f"error: the median of |x - f|; error, sd, bias: after {found.rounds:,} {found.unit}", style="dim")
-    for name in (name for name in NAMES if name in found.theory):
+    out.print(
+        f"error: the median of |x - f|; error, sd, bias: after {explanation.rounds:,} {explanation.unit}", style="dim"
+    )
+    for name in (name for name in NAMES if name in explanation.theory):
         out.print(f"{NAMES[name]}: {MEANS[name]}", style="dim")
-    k, low, high = found.convergence_round
-    out.print(f"K: {k:,.0f} {found.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
-    total = sum(found.terms.values())
-    if found.terms and total < NEGLIGIBLE:
+    k, low, high = explanation.convergence_round
+    out.print(f"K: {k:,.0f} {explanation.unit}" + (f" [{low:,.0f}, {high:,.0f}]" if math.isfinite(low) else ""))
+    total = sum(explanation.terms.values())
+    if explanation.terms and total < NEGLIGIBLE:
         out.print(f"mean squared error: {total:.3g}, due to rounding or a prior: nothing limits it")
-    elif found.terms:
-        value, low, high = found.efficiency
+    elif explanation.terms:
+        value, low, high = explanation.efficiency
         ends = f" [{low:.3g}, {high:.3g}]" if math.isfinite(low) else ""
         out.print(f"efficiency: {value:.3g}{ends}, the bound of the whole swarm over the mean squared error")
-        parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in found.terms.items())
-        out.print(f"mean squared error: {found.squared_error[0]:.3g}, made of {parts}")
-        out.print(f"What limits it most is {found.limit}")
-    for why in dict.fromkeys(found.absent.values()):
-        names = [NAMES[name] for name, reason in found.absent.items() if reason == why]
+        parts = ", ".join(f"{name} {100 * part / total:.0f} %" for name, part in explanation.terms.items())
+        out.print(f"mean squared error: {explanation.squared_error[0]:.3g}, made of {parts}")
+        out.print(f"What limits it most is {explanation.limit}")
+    for why in dict.fromkeys(explanation.absent.values()):
+        names = [NAMES[name] for name, reason in explanation.absent.items() if reason == why]
         missing = "no line of theory" if len(names) == len(NAMES) else f"no line for {', '.join(names)}"
         out.print(f"{missing}: {why}")
 
 
-def _table(found: "Explanation", most: int) -> Any:
+def _table(explanation: "Explanation", most: int) -> Any:
     from swarmcensus.basics.terminal import table
 
-    last = len(found.checkpoints) - 1
+    last = len(explanation.checkpoints) - 1
     few = min(last, most - 1)
     shown = [last - round(k * last / few) for k in range(few, -1, -1)] if few > 0 else [last] * (last >= 0)
     heads = [("", False), ("error", True), ("sd", True), ("bias", True)]
-    heads += [(f"right % at {found.checkpoints[k]:,}", True) for k in shown[:1]]
-    heads += [(f"at {found.checkpoints[k]:,}", True) for k in shown[1:]]
+    heads += [(f"right % at {explanation.checkpoints[k]:,}", True) for k in shown[:1]]
+    heads += [(f"at {explanation.checkpoints[k]:,}", True) for k in shown[1:]]
     rows = [
-        ["measured", _number(found.median_error[0]), _number(found.sd), _number(found.bias)]
-        + [_percent(found.right[k][0]) for k in shown]
+        ["measured", _number(explanation.median_error[0]), _number(explanation.sd), _number(explanation.bias)]
+        + [_percent(explanation.right[k][0]) for k in shown]
     ]
-    if math.isfinite(found.median_error[1]):
-        ends = [_ends(found.right[k], _percent) for k in shown]
-        rows.append(["[95 %]", _ends(found.median_error, _number), "", "", *ends])
-    for name, line in ((name, found.theory[name]) for name in NAMES if name in found.theory):
+    if math.isfinite(explanation.median_error[1]):
+        ends = [_ends(explanation.right[k], _percent) for k in shown]
+        rows.append(["[95 %]", _ends(explanation.median_error, _number), "", "", *ends])
+    for name, line in ((name, explanation.theory[name]) for name in NAMES if name in explanation.theory):
         numbers = [_number(float(part[-1])) for part in (line.median_error, line.sd, line.bias)]
         rows.append([NAMES[name], *numbers, *(_percent(float(line.right[k])) for k in shown)])
     return table(heads, rows)

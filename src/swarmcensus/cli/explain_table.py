@@ -21,13 +21,13 @@ MEANS = (
 )
 
 
-def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
+def show(agreement: "Agreement", data: xr.Dataset, title: str, again: str, limit: int) -> None:
     """Print the first `limit` settings (0: all) of `data`, and how many of all agree. `again`: the command's line."""
     from swarmcensus.explaining.agreement import UNKNOWN
 
-    shown = found.settings[: limit or None]
+    shown = agreement.settings[: limit or None]
     shown_data = data.sel(setting=[row.setting for row in shown])
-    all_of = coordinates(data.sel(setting=[row.setting for row in found.settings]))
+    all_of = coordinates(data.sel(setting=[row.setting for row in agreement.settings]))
     varied = [name for name, values in all_of.items() if (values != values[0]).any()]
     same = [f"{name} {values[0]}" for name, values in all_of.items() if name not in varied and values[0] != NOTHING]
     texts = coordinates(shown_data)
@@ -37,7 +37,7 @@ def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: in
     page = _rows(left, shown, reasons)
     if page.__rich_measure__(out, out.options.update(max_width=UNFOLDED)).maximum > out.width:
         each = zip(*left.values(), strict=True)
-        joined = [", ".join(f"{k} {v}" for k, v in zip(left, one, strict=True) if v != NOTHING) for one in each]
+        joined = [", ".join(f"{k} {v}" for k, v in zip(left, values, strict=True) if v != NOTHING) for values in each]
         page = _rows({"with": joined} if left else {}, shown, reasons, narrow=True)
     out.print(title)
     out.print(page)
@@ -45,21 +45,22 @@ def show(found: "Agreement", data: xr.Dataset, title: str, again: str, limit: in
         out.print(line, style="dim")
     for number, why in enumerate(reasons, start=1):
         out.print(f"[{number}] no verdict: {why}")
-    if len(shown) < len(found.settings):
+    if len(shown) < len(agreement.settings):
         out.print(
-            f"{len(shown):,} of {counted(len(found.settings), 'setting')}; show all: {again} --limit 0",
+            f"{len(shown):,} of {counted(len(agreement.settings), 'setting')}; show all: {again} --limit 0",
             soft_wrap=True,
         )
-    out.print(verdict_of(found))
+    out.print(verdict_of(agreement))
 
 
-def verdict_of(found: "Agreement") -> str:
+def verdict_of(agreement: "Agreement") -> str:
     """How many settings agree, and how many are expected to differ by chance."""
-    if not found.exact:
+    if not agreement.exact:
         return "no verdict for any of these settings: theory is not exact, or there are too few trials"
     return (
-        f"{found.agree:,} of {counted(found.exact, 'setting')} with exact theory agree (by chance "
-        f"{found.by_chance:.2g} would differ; the probability that any does is at most {100 * found.by_chance:.2g} %)"
+        f"{agreement.agree:,} of {counted(agreement.exact, 'setting')} with exact theory agree (by chance "
+        f"{agreement.by_chance:.2g} would differ; the probability that any does is at most "
+        f"{100 * agreement.by_chance:.2g} %)"
     )
 
 

@@ -16,27 +16,27 @@ HEADS = {
 OF_THEORY = [("theory: all", True), ("mixed", True), ("alone", True)]
 
 
-def show(found: Plan) -> None:
+def show(plan: Plan) -> None:
     """Print a plan; on a narrow terminal without the columns of theory."""
-    out, mission = terminal.console(), found.mission
-    out.print(f"{mission.name}: {HEADS[found.question]}; {_world(found)}")
+    out, mission = terminal.console(), plan.mission
+    out.print(f"{mission.name}: {HEADS[plan.question]}; {_world(plan)}")
     out.print(f"wanted: {100 * mission.wanted.confidence:g} % of robots {mission.goal}")
     out.print()
     heads = [*_heads(mission), *OF_THEORY]
-    cells = [_cells(found, row) for row in found.rows]
+    cells = [_cells(plan, row) for row in plan.rows]
     rows = terminal.table(heads, cells)
     narrow = rows.__rich_measure__(out, out.options.update(max_width=terminal.UNFOLDED)).maximum > out.width
     if narrow:  # the columns of theory are in the file of --out
         rows = terminal.table(heads[:-3], [row[:-3] for row in cells])
     out.print(rows)
-    out.print(_meaning(found, theory=not narrow), style="dim")
+    out.print(_meaning(plan, theory=not narrow), style="dim")
 
 
-def _world(found: Plan) -> str:
+def _world(plan: Plan) -> str:
     """The world of the mission, in one line."""
-    mission, known = found.mission, found.mission.known
+    mission, known = plan.mission, plan.mission.known
     low, high = known.fill_ratio
-    parts = [", ".join(_places(mission)), f"accuracy {found.rows[0].accuracy}"]
+    parts = [", ".join(_places(mission)), f"accuracy {plan.rows[0].accuracy}"]
     if len(known.accuracy) > 1:
         parts[-1] += f", the worst of {', '.join(map(str, known.accuracy))}"
     parts.append(f"f = {low:g}" if low == high else f"f from {low:g} to {high:g}")
@@ -82,8 +82,8 @@ def _heads(mission: Mission) -> list[tuple[str, bool]]:
     return [*heads, ("", False)]
 
 
-def _cells(found: Plan, row: Row) -> list[str]:
-    networks, densities, sides, lies = _several(found.mission)
+def _cells(plan: Plan, row: Row) -> list[str]:
+    networks, densities, sides, lies = _several(plan.mission)
     share = ""
     if row.share:
         value, low, high = (100.0 * number for number in row.share)
@@ -94,7 +94,7 @@ def _cells(found: Plan, row: Row) -> list[str]:
     if row.minutes_low is not None:
         high_end = "more" if row.minutes_high is None else _digits(row.minutes_high)
         minutes += f" [{_digits(row.minutes_low)}, {high_end}]"
-    if row.answer == "not reached" and found.question != "enough":
+    if row.answer == "not reached" and plan.question != "enough":
         minutes = f"> {minutes}"
     worst = "" if row.fill_ratio is None else f"{row.fill_ratio:g}"
     return [
@@ -107,16 +107,16 @@ def _cells(found: Plan, row: Row) -> list[str]:
         share,
         worst,
         *[row.lie or ""] * lies,
-        _answer(found, row),
+        _answer(plan, row),
         *map(_digits, reversed(row.theory)),
     ]
 
 
-def _answer(found: Plan, row: Row) -> str:
-    if found.question != "enough" or not row.share:
+def _answer(plan: Plan, row: Row) -> str:
+    if plan.question != "enough" or not row.share:
         return {"reached": "", "not reached": "not reached", "not simulated": "theory alone"}[row.answer]
     answer = "enough" if row.answer == "reached" else "not enough"
-    if row.share.low < found.mission.wanted.confidence <= row.share.high:
+    if row.share.low < plan.mission.wanted.confidence <= row.share.high:
         answer += ", but not certain"
     return answer
 
@@ -128,10 +128,10 @@ def _digits(value: float) -> str:
     return f"{value:.{max(0, 2 - math.floor(math.log10(value)))}f}" if value > 0.0 else "0"
 
 
-def _meaning(found: Plan, theory: bool) -> str:
+def _meaning(plan: Plan, theory: bool) -> str:
     """What the columns and answers mean."""
-    mission, trials = found.mission, max(row.trials for row in found.rows)
-    fewer = min((row.trials for row in found.rows if row.trials), default=trials)
+    mission, trials = plan.mission, max(row.trials for row in plan.rows)
+    fewer = min((row.trials for row in plan.rows if row.trials), default=trials)
     who = "share of honest, working robots that are right" if mission.known.lying else "share of robots that are right"
     lines = [
         f"right: {who} at that time, for the worst f of the range; "
@@ -149,6 +149,6 @@ def _meaning(found: Plan, theory: bool) -> str:
         )
     if mission.free.density:
         lines.append("side: of the square that results from the density and the number of robots")
-    if any(not row.trials for row in found.rows):
+    if any(not row.trials for row in plan.rows):
         lines.append("theory alone: a simulation would take hours")
     return "\n".join(lines)

@@ -114,31 +114,39 @@ def verify(options: argparse.Namespace) -> int:
     seed = secrets.randbelow(2**31) if options.seed is None else options.seed
     sample = 1.0 if options.all else options.sample
     with reporting("verify") as progress:
-        found = verifying.verify(
+        verification = verifying.verify(
             options.results, sample, brain=options.brain, seed=seed, jobs=options.jobs, progress=progress
         )
     if options.json:
-        about = {"results": options.results, "trials_checked": found.checked, "trials_stored": found.stored}
-        about |= {"seed": None if options.all else seed, "differences": found.differences}
-        about |= {"labels": found.labels, "notes": found.notes, "unchecked": found.unchecked}
-        answer("verification", about)
-        return _code(found)
-    for difference in (*found.labels, *found.differences):
+        answer("verification", {
+            "results": options.results,
+            "trials_checked": verification.checked,
+            "trials_stored": verification.stored,
+            "seed": None if options.all else seed,
+            "differences": verification.differences,
+            "labels": verification.labels,
+            "notes": verification.notes,
+            "unchecked": verification.unchecked,
+        })  # fmt: skip
+        return _code(verification)
+    for difference in (*verification.labels, *verification.differences):
         print(difference)
-    what = f"{found.checked:,} of {counted(found.stored, 'trial')} run again" + (
-        "" if options.all else f" (--seed {seed})"
-    )
-    same = "the numbers are the same to the last bit" if found.labels or found.notes else "the same to the last bit"
-    same = same if found.checked else "no trial could be run again"
-    differ = f"{len(found.differences):,} differ" if found.differences else same
-    labels = [f"labels that do not match the study: {len(found.labels):,}"] if found.labels else []
-    print("; ".join([f"{options.results}: {what}: {differ}", *labels, *found.notes]))
-    print("not compared:", *found.unchecked, sep="\n  ")
-    return _code(found)
+    trials = f"{verification.checked:,} of {counted(verification.stored, 'trial')} run again"
+    trials += "" if options.all else f" (--seed {seed})"
+    equal = "the same to the last bit"
+    if verification.labels or verification.notes:
+        equal = f"the numbers are {equal}"
+    if not verification.checked:
+        equal = "no trial could be run again"
+    differences = f"{len(verification.differences):,} differ" if verification.differences else equal
+    labels = [f"labels that do not match the study: {len(verification.labels):,}"] if verification.labels else []
+    print("; ".join([f"{options.results}: {trials}: {differences}", *labels, *verification.notes]))
+    print("not compared:", *verification.unchecked, sep="\n  ")
+    return _code(verification)
 
 
-def _code(found: "Verification") -> int:
-    return DIFFER if found.differences or found.labels else 0
+def _code(verification: "Verification") -> int:
+    return DIFFER if verification.differences or verification.labels else 0
 
 
 def add_export_options(sub: argparse.ArgumentParser) -> None:

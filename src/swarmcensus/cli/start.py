@@ -177,16 +177,16 @@ def _first_words(study: Path) -> str:
 
 def doctor(options: argparse.Namespace) -> int:
     """Show what is installed and what is missing; the exit code is 2 if something required is."""
-    found = health()
+    installation = health()
     if options.json:
-        answer("installation", found.as_dict | {"faults": found.faults})
+        answer("installation", installation.as_dict | {"faults": installation.faults})
     else:
         from swarmcensus.basics.terminal import console, table
 
-        console().print(table([("part", False), ("found", False)], [(k, str(v)) for k, v in found.lines()]))
-        for fault in found.faults:
+        console().print(table([("part", False), ("found", False)], [(k, str(v)) for k, v in installation.lines()]))
+        for fault in installation.faults:
             print(f"\n{fault}")
-    return 2 if found.faults else 0
+    return 2 if installation.faults else 0
 
 
 LIBRARIES = (

@@ -90,8 +90,8 @@ def _behind(column: str, values: Floats, own: int, others: list[int], names: lis
 def _rivals(own: int, others: list[int], score: Score, names: list[str]) -> list[Rival]:
     """Contenders that are ahead of it over all worlds, trial by trial; p-values are corrected by Holm's method."""
     known = [own, *(k for k in others if not np.isnan(score.ranks[k]))]
-    asked = ContestInput(score.numbers[:, known], "median" if score.low else "mean", score.low, not score.low)
-    (contest,) = contests([asked], with_intervals=False, against=0)
+    contest_input = ContestInput(score.numbers[:, known], "median" if score.low else "mean", score.low, not score.low)
+    (contest,) = contests([contest_input], with_intervals=False, against=0)
     pairs = range(len(known) - 1)  # the first duels are those of this contender
     corrected = holm(contest.duels.p[: len(known) - 1])
     rivals = [

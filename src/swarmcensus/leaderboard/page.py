@@ -52,7 +52,7 @@ def _table(scores: Scores, score: Score, marked: set[str]) -> str:
     order = score.order
     best = [np.nan] * len(COLUMNS)
     for k in range(len(COLUMNS)):
-        rivals = [score.values[one, k] for one in order if scores.contenders[one] not in scores.bounds]
+        rivals = [score.values[c, k] for c in order if scores.contenders[c] not in scores.bounds]
         known = np.array(rivals)[~np.isnan(rivals)]
         if known.size:
             best[k] = known.min() if low else known.max()

@@ -111,10 +111,10 @@ class Evidence:
         if data is None or not all(name in data for name in where):
             raise Missing(f"{study}: {where}")
         masks = [data[name].values == value for name, value in where.items()]
-        found = np.flatnonzero(np.logical_and.reduce(masks))
-        if found.size != 1:
-            raise Missing(f"{study}: {found.size} settings with {where}")
-        return data, int(found[0])
+        places = np.flatnonzero(np.logical_and.reduce(masks))
+        if places.size != 1:
+            raise Missing(f"{study}: {places.size} settings with {where}")
+        return data, int(places[0])
 
     def values(self, study: str, variable: str, **where: object) -> Floats:
         """`column` of a variable that is never negative. Raises Missing if it or one of its trials is missing."""

@@ -188,14 +188,14 @@ def _sides(details: Sequence[Detail]) -> tuple[list[Detail], list[Detail]]:
 
 def _parts(*parts: tuple[str, Sequence[Detail]]) -> str:
     """What happens in which settings, and by how much, such as "later in 1 setting, by 0.6 % (...)"."""
-    return " and ".join(f"{what} {_where(found)}" for what, found in parts)
+    return " and ".join(f"{what} {_where(details)}" for what, details in parts)
 
 
-def _where(found: Sequence[Detail]) -> str:
-    if not found:
+def _where(details: Sequence[Detail]) -> str:
+    if not details:
         return "in none"
-    by = _span([f"{100 * abs(d.value - 1):.1f}" for d in sorted(found, key=lambda d: abs(d.value - 1))])
-    return f"in {counted(len(found), 'setting')}, by {by} % ({'; '.join(d.setting for d in found)})"
+    by = _span([f"{100 * abs(d.value - 1):.1f}" for d in sorted(details, key=lambda d: abs(d.value - 1))])
+    return f"in {counted(len(details), 'setting')}, by {by} % ({'; '.join(d.setting for d in details)})"
 
 
 def _span(ordered: Sequence[object]) -> str:

@@ -202,6 +202,6 @@ def minimal(evidence: Evidence, right: Range) -> Iterator[Detail]:
     table = minimalism.footprints(brains.load("minimalistic"))
     least = table[minimalism.SWARMS[0], minimalism.AGES[0]]
     for name, few in least.items():
-        growth = max(found[name] for found in table.values()) - few
+        growth = max(footprint[name] for footprint in table.values()) - few
         unit = "numbers" if name in ("memory", "message") else "lines"
         yield Detail(f"{name}, {few} {unit}", float(growth), None, YES if growth <= right[1] else NO)

@@ -68,7 +68,7 @@ class Wanted:
     settings: tuple[Setting, ...]
     seed: int
     trial: int
-    asked: dict[str, str]  # the values that were given, by key
+    request: dict[str, str]  # the values that were given, by key
     mark: str  # identifies the unchanged setting, so that links to other studies are noticed
 
 
@@ -122,28 +122,28 @@ def _offer(
     )
 
 
-def wanted(offer: Offer, asked: Mapping[str, str]) -> Wanted:
+def wanted(offer: Offer, request: Mapping[str, str]) -> Wanted:
     """The trial that a request describes, key by key; other values are those of the setting. Raises InputError."""
-    for key in asked:
+    for key in request:
         if key not in KEYS:
             known = (*KEYS, *PLAYED)
             raise InputError(f"{key[:40]}: {did_you_mean(key[:40], known)}known here: {', '.join(known)}")
-    number = _whole(asked, "setting", offer.numbers[0], 0, 2**31)
+    number = _whole(request, "setting", offer.numbers[0], 0, 2**31)
     if number not in offer.numbers:
         raise InputError(f"setting = {number}: there are {offer.numbers[0]} to {offer.numbers[-1]}")
     study, setting = offer.find(number)
     mark = setting.fingerprint(study.seed)[:8]
-    if asked.get("of", mark) != mark:
-        raise InputError(f"of = {asked['of'][:40]}: this link is not for {offer.name} as it is now")
-    trial = _whole(asked, "trial", 0, 0, 2**31 - 1)
-    seed = _whole(asked, "seed", study.seed, 0, 2**63 - 1)
-    changed = _changed(offer, setting, asked)
+    if request.get("of", mark) != mark:
+        raise InputError(f"of = {request['of'][:40]}: this link is not for {offer.name} as it is now")
+    trial = _whole(request, "trial", 0, 0, 2**31 - 1)
+    seed = _whole(request, "seed", study.seed, 0, 2**63 - 1)
+    changed = _changed(offer, setting, request)
     _check(changed, study)
     settings = [changed]
-    if asked.get("beside"):
-        settings.append(replace(changed, brain=_brain(offer, "beside", asked["beside"])))
+    if request.get("beside"):
+        settings.append(replace(changed, brain=_brain(offer, "beside", request["beside"])))
         _check(settings[1], study)
-    given = {key: value for key, value in asked.items() if value != ""}
+    given = {key: value for key, value in request.items() if value != ""}
     return Wanted(study, tuple(settings), seed, trial, given, mark)
 
 
@@ -157,42 +157,42 @@ def check_moment(found: Wanted, played: Mapping[str, str]) -> None:
         raise InputError(f"colour = {played['colour'][:40]}: should be one of {', '.join(COLOURINGS)}")
 
 
-def _changed(offer: Offer, setting: Setting, asked: Mapping[str, str]) -> Setting:
-    asked = {key: value for key, value in asked.items() if value != ""}
+def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Setting:
+    request = {key: value for key, value in request.items() if value != ""}
     values: dict[str, Any] = {}
-    if "brain" in asked:
-        values["brain"] = _brain(offer, "brain", asked["brain"])
-    if "topology" in asked:
-        values["topology"] = _one_of(offer.topologies, "topology", asked["topology"])
+    if "brain" in request:
+        values["brain"] = _brain(offer, "brain", request["brain"])
+    if "topology" in request:
+        values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
     moves = values.get("topology", setting.topology).moves
     if moves and setting.body is None:
         values |= {"body": Body(), "density": 1.0, "floor": Floor(), "rounds": 10_000, "observations_per_round": 1}
         values["delay"] = 0
     if not moves and setting.body is not None:
         values |= {"body": None, "density": None, "floor": None, "rounds": 1000, "observations_per_round": 10}
-    values["robots"] = _whole(asked, "robots", setting.robots, 1, MOST_ROBOTS)
-    values["rounds"] = _whole(asked, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
-    if "accuracy" in asked:
+    values["robots"] = _whole(request, "robots", setting.robots, 1, MOST_ROBOTS)
+    values["rounds"] = _whole(request, "rounds", values.get("rounds", setting.rounds), 1, MOST_ROUNDS)
+    if "accuracy" in request:
         try:
-            values["accuracy"] = sensors.parse_accuracy(_accuracy(asked["accuracy"]))
+            values["accuracy"] = sensors.parse_accuracy(_accuracy(request["accuracy"]))
         except ValueError as error:
-            raise InputError(f"accuracy = {asked['accuracy'][:40]}: {str(error)[:200]}") from None
-    if "fill_ratio" in asked:
-        values |= {"fill_ratio": _number(asked, "fill_ratio", 0.0, 1.0), "change": None}
-    if "link_success" in asked:
-        values["link_success"] = _number(asked, "link_success", 0.0, 1.0)
+            raise InputError(f"accuracy = {request['accuracy'][:40]}: {str(error)[:200]}") from None
+    if "fill_ratio" in request:
+        values |= {"fill_ratio": _number(request, "fill_ratio", 0.0, 1.0), "change": None}
+    if "link_success" in request:
+        values["link_success"] = _number(request, "link_success", 0.0, 1.0)
     for key in ("density", "floor"):
-        if key in asked and not moves:
-            raise InputError(f"{key} = {asked[key][:40]}: only for robots that move, not on this network")
-    if "density" in asked:
-        values["density"] = _number(asked, "density", 0.0, 1e6)
-    if "floor" in asked:
-        values["floor"] = _one_of(offer.floors, "floor", asked["floor"])
-    if "liars" in asked or "adversary" in asked:
+        if key in request and not moves:
+            raise InputError(f"{key} = {request[key][:40]}: only for robots that move, not on this network")
+    if "density" in request:
+        values["density"] = _number(request, "density", 0.0, 1e6)
+    if "floor" in request:
+        values["floor"] = _one_of(offer.floors, "floor", request["floor"])
+    if "liars" in request or "adversary" in request:
         liars = [member for member in setting.members if not member.honest]
         known = [member.brain for member in liars if isinstance(member.brain, Adversary)]
-        share = _number(asked, "liars", 0.0, 1.0) if "liars" in asked else _share(liars, values["robots"])
-        liar = _adversary(offer, asked["adversary"]) if "adversary" in asked else next(iter(known), None)
+        share = _number(request, "liars", 0.0, 1.0) if "liars" in request else _share(liars, values["robots"])
+        liar = _adversary(offer, request["adversary"]) if "adversary" in request else next(iter(known), None)
         lying = Member(share, liar or adversary.load(LIAR), honest=False, share=True)
         others = tuple(member for member in setting.members if member.honest)
         values["members"] = (*others, *([lying] if lying.count(values["robots"]) else []))
@@ -263,8 +263,8 @@ def _share(members: list[Member], robots: int) -> float:
     return sum(member.count(robots) for member in members) / robots
 
 
-def _whole(asked: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:
-    text = asked.get(key, "")
+def _whole(request: Mapping[str, str], key: str, usual: int, least: int, most: int) -> int:
+    text = request.get(key, "")
     if text == "":
         return usual
     if not re.fullmatch(r"\d{1,19}", text, re.ASCII) or not least <= int(text) <= most:
@@ -282,10 +282,10 @@ def _accuracy(text: str) -> Any:
         return text
 
 
-def _number(asked: Mapping[str, str], key: str, least: float, most: float) -> float:
-    value = _number_or_text(asked[key])
+def _number(request: Mapping[str, str], key: str, least: float, most: float) -> float:
+    value = _number_or_text(request[key])
     if isinstance(value, str) or not least <= value <= most:
-        raise InputError(f"{key} = {asked[key][:40]}: should be a number from {least:g} to {most:g}")
+        raise InputError(f"{key} = {request[key][:40]}: should be a number from {least:g} to {most:g}")
     return value
 
 

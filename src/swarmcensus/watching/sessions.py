@@ -34,41 +34,41 @@ class Session:
         self.offer = offer
         self.shows: tuple[Show, ...] = ()
 
-    def answer(self, said: str | bytes) -> list[Answer]:
+    def answer(self, text: str | bytes) -> list[Answer]:
         """Answer a request; errors are answers too."""
         number: Any = None
         try:
-            asked = _read(said)
-            number = asked.get("id")
+            request = _read(text)
+            number = request.get("id")
             does = {"begin": self._begin, "frames": self._frames, "robot": self._robot}
-            do = asked.get("do")
+            do = request.get("do")
             if not isinstance(do, str) or do not in does:
                 raise InputError(f"do = {str(do)[:40]!r}: should be one of {', '.join(does)}")
-            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](asked)]
+            return [part if isinstance(part, bytes) else {"id": number, **part} for part in does[do](request)]
         except InputError as error:
             return [{"id": number, "error": str(error)}]
         except Exception as error:  # report it to the page, which can continue
             return [_internal_error(number, error)]
 
-    def _begin(self, asked: Mapping[str, Any]) -> list[Answer]:
-        ask = asked.get("ask")
+    def _begin(self, request: Mapping[str, Any]) -> list[Answer]:
+        ask = request.get("ask")
         if not isinstance(ask, dict) or not all(isinstance(v, str) for pair in ask.items() for v in pair):
             raise InputError("ask: should be names and texts")
-        found = wanted(self.offer, ask)
-        measure = found.study.measure
+        trial = wanted(self.offer, ask)
+        measure = trial.study.measure
         shows = []
-        for setting in found.settings:
+        for setting in trial.settings:
             with COMPILATIONS.of(setting):
-                shows.append(Show(setting, found.seed, found.trial, measure))
+                shows.append(Show(setting, trial.seed, trial.trial, measure))
         self.shows = tuple(shows)
-        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, found)}]
+        return [{"scenes": [scene_of(show) for show in self.shows], "form": form_of(self.offer, trial)}]
 
-    def _frames(self, asked: Mapping[str, Any]) -> list[Answer]:
+    def _frames(self, request: Mapping[str, Any]) -> list[Answer]:
         """Frames of all sides, or a note that they take longer."""
         last = self._last()
-        first, step = _whole(asked, "from", 0, last), _whole(asked, "step", 1, last or 1)
+        first, step = _whole(request, "from", 0, last), _whole(request, "step", 1, last or 1)
         most = max(1, MOST_BYTES // (16 * self.shows[0].setting.robots * len(self.shows)))
-        count = min(_whole(asked, "count", 1, MOST_FRAMES), most)
+        count = min(_whole(request, "count", 1, MOST_FRAMES), most)
         ticks = list(range(first, min(last, first + (count - 1) * step) + 1, step))
         began = time.monotonic()
         done: list[int] = []
@@ -80,11 +80,11 @@ class Session:
                     break
                 raise
             if not there:
-                return self._given(asked, done) if done else [{"going": True, "to": tick}]
+                return self._encoded(done) if done else [{"going": True, "to": tick}]
             done.append(tick)
             if time.monotonic() - began > PATIENCE:
                 break
-        return self._given(asked, done)
+        return self._encoded(done)
 
     def _reached(self, show: Show, tick: int, began: float) -> bool:
         """Compute towards a round for at most PATIENCE seconds; whether it is reached."""
@@ -94,18 +94,18 @@ class Session:
                     return False
         return True
 
-    def _given(self, asked: Mapping[str, Any], ticks: list[int]) -> list[Answer]:
+    def _encoded(self, ticks: list[int]) -> list[Answer]:
         frames: list[Answer] = []
         for side, show in enumerate(self.shows):
             with COMPILATIONS.of(show.setting):
                 frames.append(show.frames(ticks, side))
         return [*frames, {"frames": len(ticks)}]
 
-    def _robot(self, asked: Mapping[str, Any]) -> list[Answer]:
-        tick = _whole(asked, "tick", 0, self._last())
-        side = _whole(asked, "side", 0, len(self.shows) - 1)
+    def _robot(self, request: Mapping[str, Any]) -> list[Answer]:
+        tick = _whole(request, "tick", 0, self._last())
+        side = _whole(request, "side", 0, len(self.shows) - 1)
         show = self.shows[side]
-        robot = _whole(asked, "robot", 0, show.setting.robots - 1)
+        robot = _whole(request, "robot", 0, show.setting.robots - 1)
         with COMPILATIONS.of(show.setting):
             if not show.ready(tick):
                 return [{"going": True, "to": tick}]
@@ -117,16 +117,16 @@ class Session:
         return self.shows[0].setting.rounds
 
 
-def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
+def form_of(offer: Offer, trial: Wanted) -> dict[str, Any]:
     """The choices of a page's controls, and their current values."""
-    setting = found.settings[0]
+    setting = trial.settings[0]
     liars = [member for member in setting.members if not member.honest]
     now = {
-        "setting": found.asked.get("setting", str(offer.numbers[0])),
-        "trial": str(found.trial),
-        "seed": str(found.seed),
+        "setting": trial.request.get("setting", str(offer.numbers[0])),
+        "trial": str(trial.trial),
+        "seed": str(trial.seed),
         "brain": setting.brain.label,
-        "beside": found.settings[1].brain.label if len(found.settings) > 1 else "",
+        "beside": trial.settings[1].brain.label if len(trial.settings) > 1 else "",
         "robots": str(setting.robots),
         "accuracy": form if isinstance(form := setting.accuracy.form, str) else to_toml_value(form),
         "fill_ratio": f"{setting.fill_ratio:g}",
@@ -135,18 +135,18 @@ def form_of(offer: Offer, found: Wanted) -> dict[str, Any]:
         "link_success": f"{setting.link_success:g}",
         "floor": "" if setting.body is None else str(setting.floor),
         "liars": f"{sum(member.count(setting.robots) for member in liars) / setting.robots:g}",
-        "adversary": liars[0].brain.name if liars and liars[0].brain else found.asked.get("adversary", ""),
+        "adversary": liars[0].brain.name if liars and liars[0].brain else trial.request.get("adversary", ""),
         "rounds": str(setting.rounds),
     }
     return {
         "name": offer.name,
         "now": now,
         "unit": "round" if setting.body is None else "tick",
-        "asked": found.asked,
-        "mark": found.mark,
+        "asked": trial.request,
+        "mark": trial.mark,
         "keys": KEYS,
         "settings": [offer.numbers[0], offer.numbers[-1]],
-        "trials": found.study.trials,
+        "trials": trial.study.trials,
         "choices": {
             "brain": names_of(offer),
             "beside": ["", *names_of(offer)],
@@ -170,27 +170,27 @@ def _internal_error(number: Any, error: Exception) -> dict[str, Any]:
     return {"id": number, "error": f"internal error: {type(error).__name__}: {str(error)[:200]}"}
 
 
-def _read(said: str | bytes) -> dict[str, Any]:
-    if isinstance(said, bytes) or len(said) > MOST_TEXT:
+def _read(text: str | bytes) -> dict[str, Any]:
+    if isinstance(text, bytes) or len(text) > MOST_TEXT:
         raise InputError(f"a request should be JSON of at most {MOST_TEXT:,} characters")
     try:
-        asked = json.loads(said)
+        request = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError("a request should be JSON") from None
-    if not isinstance(asked, dict):
+    if not isinstance(request, dict):
         raise InputError("a request should be a JSON object")
-    number = asked.get("id")
+    number = request.get("id")
     if number is not None and (isinstance(number, bool) or not isinstance(number, int) or abs(number) > 2**53):
         raise InputError("id: should be a whole number")
-    for key in asked.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side"}:
+    for key in request.keys() - {"id", "do", "ask", "from", "step", "count", "tick", "robot", "side"}:
         raise InputError(
             f"{key[:40]}: {did_you_mean(key[:40], ('ask', 'count', 'from', 'robot', 'tick'))}not known here"
         )
-    return asked
+    return request
 
 
-def _whole(asked: Mapping[str, Any], key: str, least: int, most: int) -> int:
-    value = asked.get(key, least)
+def _whole(request: Mapping[str, Any], key: str, least: int, most: int) -> int:
+    value = request.get(key, least)
     if isinstance(value, bool) or not isinstance(value, int) or not least <= value <= most:
         raise InputError(f"{key} = {str(value)[:40]}: should be a whole number from {least:,} to {most:,}")
     return value
