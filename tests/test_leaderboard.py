@@ -310,7 +310,7 @@ def test_a_page_of_somebody_else_stays(small, capsys):
     (small / "out").mkdir()
     (small / "out" / "leaderboard.md").write_text("my notes")
     assert main(["leaderboard", "--out", "out"]) == 2
-    assert "no page of leaderboard" in capsys.readouterr().err
+    assert "is not a page of leaderboard" in capsys.readouterr().err
     assert (small / "out" / "leaderboard.md").read_text() == "my notes"
 
 

@@ -111,7 +111,7 @@ def test_a_notebook_s_bar_leaves_a_line_and_a_short_run_nothing(display, monkeyp
     with progress.bar_or_nothing("<mine>") as show:
         show(Progress(1, 4, 0.25, 1.0))
     assert not display
-    monkeypatch.setattr(progress, "SOON", 0.0)
+    monkeypatch.setattr(progress, "NOTEBOOK_DELAY", 0.0)
     with progress.bar_or_nothing("<mine>") as show:
         show(Progress(0, 0, 0.0, 0.0, "compiling"))
         show(Progress(1, 4, 0.25, 1.0))
@@ -165,7 +165,7 @@ def test_a_bar_is_on_terminals_only(untraced_processes):
 
 
 def test_a_program_s_own_function_is_called_in_place_of_a_bar(small_study, display, monkeypatch):
-    monkeypatch.setattr(progress, "SOON", 0.0)
+    monkeypatch.setattr(progress, "NOTEBOOK_DELAY", 0.0)
     told = []
     sc.run(small_study.with_(trials=1), progress=told.append)
     assert told
