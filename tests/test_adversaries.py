@@ -250,9 +250,13 @@ def test_luck_of_the_brain_and_of_the_adversary_are_not_one():
 @pytest.mark.parametrize(
     ("lies", "source", "said"),
     [
-        ("always-black", MEANS.replace('("x",)', '("words",)'), "nothing is known to be one of estimate, opinion"),
-        ("always-black", MEANS.replace('("x",)', '("alpha",)'), "say what its MESSAGE means with ROLES"),
-        ("random", MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'), "me.luck, and the brain has a field of its own"),
+        ("always-black", MEANS.replace('("x",)', '("words",)'), "none is known to be one of estimate, opinion"),
+        ("always-black", MEANS.replace('("x",)', '("alpha",)'), "name a role in ROLES"),
+        (
+            "random",
+            MEANS.replace('"t": 0.0', '"t": 0.0, "luck": 0.0'),
+            "me.luck, and the brain has a field of this name",
+        ),
     ],
 )
 def test_what_does_not_go_together_is_told(lies, source, said):
@@ -267,15 +271,18 @@ def test_what_does_not_go_together_is_told(lies, source, said):
         ("def boast(me, c):\n    return c\n", "the function lie is missing"),
         ("def lie(me):\n    return 1.0\n", "lie takes 1 arguments: 2 are right"),
         ("def lie(me, x):\n    me.y = 1.0\n    return x\n", "line 2: lie uses me.y"),
-        ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is fresh in hear and plot alone"),
+        ("def lie(me, x):\n    return me.luck\n", "lie reads me.luck, which is new only in hear and plot"),
         ("def lie(me, x):\n    if x > 0.5:\n        return x\n", "lie may end without returning anything"),
         ("def lie(me, x):\n    return x\n\n\ndef jam(me):\n    pass\n", "jam may end without returning anything"),
         ("def lie(me, x):\n    return x\n\n\ndef boasts(me, c):\n    return c\n", "did you mean 'boast'?"),
-        ('MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x\n', "MESSAGE is the brain's that it wears"),
+        (
+            'MESSAGE = ("x",)\n\n\ndef lie(me, x):\n    return x\n',
+            "MESSAGE belongs to the brain that the adversary wears",
+        ),
         ('PARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    me.p = 2.0\n    return x\n', "lie sets me.p: parameters"),
         ('MEMORY = {"p": 1.0}\nPARAMETERS = {"p": 1.0}\n\n\ndef lie(me, x):\n    return x\n', "is in MEMORY too"),
         ("MEMORY = 3\n\n\ndef lie(me, x):\n    return x\n", "MEMORY should be a dict"),
-        ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is taken by the engine"),
+        ('MEMORY = {"luck": 3.0}\n\n\ndef lie(me, x):\n    return x\n', "'luck' is reserved by the engine"),
         ("import os\n\n\ndef lie(me, x):\n    return x\n", "an adversary may import only math"),
     ],
 )
@@ -465,7 +472,7 @@ def give(one, me, lot):
 
 
 def test_nobody_wears_an_oracle(capsys):
-    said = "brain 'oracle': an oracle hears no liar: no adversary can wear it"
+    said = "brain 'oracle': an oracle hears no liars, so no adversary can wear it"
     with pytest.raises(ValueError, match=said):
         worn("always-black", by="oracle")
     assert main(["brains", "--check", "always-black", "--wearing", "oracle"]) == 2

@@ -232,7 +232,7 @@ class TestContract:
                 "MESSAGE is 'x_hat', a text: a tuple of one name is",
             ),
             (('SUMS = ("heard",', 'SUMS = ("overheard",'), "SUMS names 'overheard'"),
-            (('"t": 0.0', '"b": 0.0'), "taken by the engine"),
+            (('"t": 0.0', '"b": 0.0'), "reserved by the engine"),
             (('"t": 0.0', '"t": "zero"'), "not a number"),
             (('"t": 0.0', '"t t": 0.0'), "not a name"),
             (("MEMORY = {", "import os\nMEMORY = {"), "line 7: imports os"),

@@ -150,7 +150,7 @@ def test_a_brain_of_ones_own(tmp_path):
 @pytest.mark.parametrize(
     ("change", "name", "said"),
     [
-        ((OWN, OWN + "    me.diary = 1.0\n"), "keeps the", "line 12: observe uses me.diary: MEMORY and PARAMETERS"),
+        ((OWN, OWN + "    me.diary = 1.0\n"), "keeps the", "line 12: observe uses me.diary: a robot has only b, w"),
         (("return me.n / me.t", "return me.N / me.t"), "keeps the", "estimate uses me.N: did you mean 'n'?"),
         ((OWN, "    me.n += blacks * math.inf * 0.0\n"), "remembers", "observe (line 9) makes me.n NaN (b = 0.0"),
         ((OWN, "    me.n = 1 << 1023\n"), "remembers", "observe (line 9) makes me.n a whole number too large for 8"),

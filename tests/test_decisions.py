@@ -321,8 +321,8 @@ def test_a_loop_may_be_the_last_that_a_decision_does():
 @pytest.mark.parametrize(
     ("name", "said"),
     [
-        ("decides", "the function decides is called by nobody: did you mean 'decide'?"),
-        ("Done", "the function Done is called by nobody: did you mean 'done'?"),
+        ("decides", "the function decides is never called: did you mean 'decide'?"),
+        ("Done", "the function Done is never called: did you mean 'done'?"),
         ("one", None),
     ],
 )
@@ -334,7 +334,7 @@ def test_a_function_that_is_almost_called_so_is_asked_about(name, said):
         assert said in str(caught.value)
     else:
         brain(source)
-    with pytest.raises(InputError, match="OPTIONS is of the function decide, which is missing"):
+    with pytest.raises(InputError, match="OPTIONS needs the function decide, which is missing"):
         brain(changed(OPTIONS))
 
 

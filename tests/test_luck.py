@@ -158,20 +158,22 @@ def test_what_only_tells_has_none(name, how):
     source = changed((f"def {name}(me):\n", f"def {name}(me):\n{line}"), source=source)
     where = "" if how == "itself" else " in lot"
     with pytest.raises(
-        InputError, match=rf"brain.py, line \d+: {name} reads me.luck{where}, which is fresh in observe,"
+        InputError, match=rf"brain.py, line \d+: {name} reads me.luck{where}, which is new only in observe,"
     ):
         brain(source)
 
 
 @pytest.mark.parametrize("line", ["me.luck = 0.5", "me.luck *= 2.0", "del me.luck"])
 def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match=r"fuse sets me.luck, which is given: it is only for reading"):
+    with pytest.raises(InputError, match=r"fuse sets me.luck, which is read-only"):
         brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
 
 
 def test_sums_have_none():
     source = changed(("    me.heard = me.luck", "    me.heard += me.luck"), source=LUCKY)
-    with pytest.raises(InputError, match=r"receive reads me.luck: by SUMS what it adds depends on the message alone"):
+    with pytest.raises(
+        InputError, match=r"receive reads me.luck: with SUMS, what it adds may depend only on the message"
+    ):
         brain(changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("heard",)'), source=source))
 
 

@@ -96,7 +96,7 @@ def test_a_field_of_ones_own_may_be_called_name():
 
 @pytest.mark.parametrize("line", ["me.name = 1.0", "me.name += 1.0", "del me.name", "me.n, me.name = 1.0, 2.0"])
 def test_it_is_only_for_reading(line):
-    with pytest.raises(InputError, match=r"brain.py, line 21: fuse sets me.name, which is given: it is only for read"):
+    with pytest.raises(InputError, match=r"brain.py, line 21: fuse sets me.name, which is read-only"):
         brain(changed(("def fuse(me):\n    pass", f"def fuse(me):\n    {line}")))
 
 
@@ -104,7 +104,9 @@ def test_what_sums_add_does_not_depend_on_who_hears_it():
     source = changed(("me.sum += message[0]", "me.sum += message[0] * me.name"), source=HEARS)
     brain(source)
     adds = changed(('MESSAGE = ("x",)', 'MESSAGE = ("x",)\nSUMS = ("sum",)'), source=source)
-    with pytest.raises(InputError, match=r"receive reads me.name: by SUMS what it adds depends on the message alone"):
+    with pytest.raises(
+        InputError, match=r"receive reads me.name: with SUMS, what it adds may depend only on the message"
+    ):
         brain(adds)
     helped = (
         changed(("message[0] * me.name", "message[0] * of(me)"), source=adds) + "\n\ndef of(me):\n    return me.name\n"

@@ -26,7 +26,7 @@ WRONG = {
 def test_what_is_no_interval_is_told(what):
     given, shown = WRONG[what]
     used = brain(SAYS).with_parameters(given | {"since": 3.0})
-    right = r"two numbers, 0 <= low <= high <= 1, are right, and \(0.0, 1.0\) where it cannot tell"
+    right = r"two numbers, 0 <= low <= high <= 1, are right, or \(0.0, 1.0\) if nothing is known"
     said = f"brain 'brain.py' fails in trial 1 of .*: after {{}} interval gives {shown}: {right}$"
     (setting,) = fixed(used)
     with pytest.raises(InputError, match=said.format("round 3")):
@@ -43,14 +43,14 @@ def test_what_is_no_interval_is_told(what):
 @pytest.mark.parametrize(
     ("lines", "said"),
     [
-        ("return 0.7, 0.2", "interval returns (0.7, 0.2): two numbers, 0 <= low <= high <= 1, are right, and (0.0, 1"),
+        ("return 0.7, 0.2", "interval returns (0.7, 0.2): two numbers, 0 <= low <= high <= 1, are right, or (0.0, 1"),
         ("return 0.1, me.t, 0.9", "interval returns (0.1, me.t, 0.9): two numbers"),
         ("return -0.1, me.t", "interval returns (-0.1, me.t): two numbers"),
         ("return me.t, 2", "interval returns (me.t, 2): two numbers"),
         ("return 0.5", "interval returns 0.5: two numbers"),
         ("return (0.1, 0.2) if me.t > 1.0 else None", "interval returns None: two numbers"),
         ("if me.t > 1.0:\n        return 0.1, 0.2", "interval may end without returning anything"),
-        ("me.n = 0.5\n    return me.luck, 1.0", "interval reads me.luck, which is fresh in observe, receive, fuse and"),
+        ("me.n = 0.5\n    return me.luck, 1.0", "interval reads me.luck, which is new only in observe, receive, fuse"),
     ],
 )  # fmt: skip
 def test_what_is_seen_of_an_interval_without_running_it(lines, said):
@@ -69,7 +69,7 @@ def test_what_may_be_one_is_not_refused(lines):
 def test_names_and_arguments():
     for name, said in (
         ("interval(me, level)", "interval takes 2 arguments: 1 are right"),
-        ("intervals(me)", "the function intervals is called by nobody: did you mean 'interval'?"),
+        ("intervals(me)", "the function intervals is never called: did you mean 'interval'?"),
     ):
         with pytest.raises(InputError) as caught:
             brain(f"{MEANS}\n\ndef {name}:\n    return 0.0, 1.0\n")

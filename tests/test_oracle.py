@@ -181,7 +181,7 @@ def test_a_message_by_hand():
 def test_what_an_oracle_has_to_be(tmp_path):
     with pytest.raises(InputError, match="ORACLE = 1: should be True"):
         parse(ORACLE.source.replace("ORACLE = True", "ORACLE = 1"), "o.py", tmp_path / "o.py")
-    with pytest.raises(InputError, match="an ORACLE hears all robots at once, and so has SUMS"):
+    with pytest.raises(InputError, match="an ORACLE hears all robots at once, so it needs SUMS"):
         parse(ORACLE.source.replace("SUMS =", "ADDED ="), "o.py", tmp_path / "o.py")
     assert ORACLE.is_oracle
     assert not brains.load("minimalistic").is_oracle

@@ -127,13 +127,13 @@ def test_receive_may_read_them_though_it_only_adds(topology):
         ("[1, 10.0, 40]", "nan", "prior = nan: not a number"),
         ("[1, 10.0, 40]", "[]", "prior = []: should be a list of at least one"),
         ("[1, 10.0, 40]", "[1, 1.0]", "two entries of swarm.brain have one name: plain.py, prior.py prior=1.0"),
-        ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]: the brain 'prior.py' asks for a number"),
+        ("[1, 10.0, 40]", "[[1, 2]]", "prior = [1, 2]: the brain 'prior.py' needs a number"),
         (
             "[[0.25, 0.75], [0.0, 0.5]]",
             "[0.1, 0.2, 0.3]",
-            "among = [0.1, 0.2, 0.3]: the brain 'prior.py' asks for a vec",
+            "among = [0.1, 0.2, 0.3]: the brain 'prior.py' needs a vec",
         ),
-        ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5: the brain 'prior.py' asks for a vector of 2"),
+        ("[[0.25, 0.75], [0.0, 0.5]]", "0.5", "among = 0.5: the brain 'prior.py' needs a vector of 2"),
         ("[[0.25, 0.75], [0.0, 0.5]]", "[[0.1, nan]]", "among = [0.1, nan]: not a number"),
         ('file = "prior.py", ', "", "a brain with parameters is a table such as"),
     ],
@@ -161,10 +161,10 @@ def test_a_name_that_results_have_taken_is_refused(here, capsys, name):
     ("declared", "said"),
     [
         ('{"n": 1.0}', "PARAMETERS['n'] is in MEMORY too"),
-        ('{"b": 1.0}', "PARAMETERS key 'b' is taken by the engine"),
-        ('{"luck": 1.0}', "PARAMETERS key 'luck' is taken by the engine"),
-        ('{"name": 1.0}', "PARAMETERS key 'name' is taken by the engine"),
-        ('{"file": 1.0}', "PARAMETERS key 'file' is taken by the engine"),
+        ('{"b": 1.0}', "PARAMETERS key 'b' is reserved by the engine"),
+        ('{"luck": 1.0}', "PARAMETERS key 'luck' is reserved by the engine"),
+        ('{"name": 1.0}', "PARAMETERS key 'name' is reserved by the engine"),
+        ('{"file": 1.0}', "PARAMETERS key 'file' is reserved by the engine"),
         ('{"a b": 1.0}', "PARAMETERS key 'a b' is not a name"),
         ('{"p": "x"}', "PARAMETERS['p'] = 'x': not a number"),
         ('{"p": ()}', "PARAMETERS['p'] = (): a vector of 0"),
@@ -195,5 +195,5 @@ def test_they_are_only_for_reading(line, function):
     source = changed(
         ("def fuse(me):\n    pass", f"def fuse(me):\n    {line if function == 'fuse' else 'helper(me)'}"), source=source
     )
-    with pytest.raises(InputError, match=rf"brain.py, line \d+: .*{function} .*only for reading"):
+    with pytest.raises(InputError, match=rf"brain.py, line \d+: .*{function} .*read-only"):
         brain(source)

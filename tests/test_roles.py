@@ -29,8 +29,8 @@ def test_usual_names_are_known_and_others_are_told():
         ('("n",)', 'ROLES should be a dict such as {"x_hat": "estimate"}'),
         ('{"y": "estimate"}', "ROLES names 'y', which is not in MESSAGE"),
         ('{"n": "truth"}', "ROLES['n'] = 'truth': should be one of estimate, opinion, option, belief, confidence"),
-        ('{"n": "belief"}', "ROLES['n'] = 'belief': only a vector is a belief"),
-        ('{"n": "information"}', "ROLES names an information, which is a confidence times an estimate, and no confid"),
+        ('{"n": "belief"}', "ROLES['n'] = 'belief': a belief is a vector, and other roles are numbers"),
+        ('{"n": "information"}', "ROLES names an information but no confid"),
     ],
 )
 def test_wrong_roles_are_told(roles, said):
@@ -54,7 +54,7 @@ def test_wrong_opinions_and_noises_are_told(old, new, said):
 
 def test_a_brain_that_makes_noise_has_no_sums():
     source = brains.load("minimalistic").source + "\n\ndef jam(me):\n    return me.t > 5.0\n"
-    with pytest.raises(InputError, match="SUMS goes without jam"):
+    with pytest.raises(InputError, match="SUMS cannot be combined with jam"):
         brain(source)
     with pytest.raises(InputError, match=r"line 29: jam may end without returning"):
         brain(MEANS + "\n\n\ndef jam(me):\n    if me.t > 1.0:\n        return True\n")

@@ -163,12 +163,12 @@ def test_an_item_beyond_the_end_is_an_error_and_no_crash(tmp_path, monkeypatch, 
         ("me.seen = (1.0, 2.0)", "sets me.seen, a vector: its items are set one by one"),
         ("me.seen = me.heard", "sets me.seen, a vector: its items are set one by one"),
         ("me.seen += 1.0", "sets me.seen, a vector: its items are set one by one"),
-        ("me.seen[:] = me.heard", "only single items of MEMORY's vectors are set"),
-        ("me.seen[0:1] = (1.0,)", "only single items of MEMORY's vectors are set"),
-        ("me.n = me.seen[0:1][0]", "takes a part of a vector: its items are read one by one"),
-        ("del me.seen[0]", "only single items of MEMORY's vectors are set"),
-        ("me.n[0] = 1.0", "sets me.n[0]: only single items of MEMORY's vectors are set"),
-        ("seen = me.seen\n    seen[0] = 1.0", "sets seen[0]: only single items of MEMORY's vectors are set"),
+        ("me.seen[:] = me.heard", "only items of MEMORY's vectors can be set"),
+        ("me.seen[0:1] = (1.0,)", "only items of MEMORY's vectors can be set"),
+        ("me.n = me.seen[0:1][0]", "takes a slice of a vector: its items are read one by one"),
+        ("del me.seen[0]", "only items of MEMORY's vectors can be set"),
+        ("me.n[0] = 1.0", "sets me.n[0]: only items of MEMORY's vectors can be set"),
+        ("seen = me.seen\n    seen[0] = 1.0", "sets seen[0]: only items of MEMORY's vectors can be set"),
     ],
 )
 def test_their_items_are_set_one_by_one(line, said):
@@ -274,10 +274,10 @@ def test_a_list_may_be_repeated_too():
 @pytest.mark.parametrize(
     ("line", "said"),
     [
-        ("p = me.weights\n    p *= 2", "a parameter is only for reading"),
-        ("p = me.weights\n    me.x = (p + p)[0]", "a parameter is only for reading"),
-        ("p = me.weights\n    me.x = p[0:1][0]", "a parameter is only for reading"),
-        ("me.x = me.weights[0:1][0]", "takes a part of a vector"),
+        ("p = me.weights\n    p *= 2", "a parameter is read-only"),
+        ("p = me.weights\n    me.x = (p + p)[0]", "a parameter is read-only"),
+        ("p = me.weights\n    me.x = p[0:1][0]", "a parameter is read-only"),
+        ("me.x = me.weights[0:1][0]", "takes a slice of a vector"),
     ],
 )
 def test_a_vector_among_the_parameters_is_read_item_by_item(line, said, tmp_path):

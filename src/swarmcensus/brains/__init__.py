@@ -1,7 +1,7 @@
-"""Brain files and the contract that they keep: found, checked, loaded, hashed; `library` holds those that come along.
+"""Brain files and adversary files: found, checked against their contract, loaded, hashed; `library` has shipped brains.
 
-In: a brain file, or the name of one that is shipped or that another package gives; likewise an adversary.
-Out: a Brain: its functions, memory, message, parameters and source; of an adversary and the brain that it wears, too.
+In: a brain or adversary file, or the name of a shipped one or of one of another package.
+Out: a Brain: its functions, memory, message, parameters and source; also for an adversary with a brain that it wears.
 Must not know: how brains are compiled, worlds, studies.
 """
 

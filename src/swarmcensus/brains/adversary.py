@@ -1,4 +1,4 @@
-"""An adversary: a small file that alters what a robot says, whatever its brain: see docs/adversaries.md."""
+"""An adversary: a small file that alters what a robot says, with any brain. See docs/adversaries.md."""
 
 import ast
 import types
@@ -20,22 +20,22 @@ from swarmcensus.brains.syntax import BELIEFS, GIVEN_ON_ASKING
 PLUGINS = Plugins("adversary", "swarmcensus.adversaries", "swarmcensus.brains.adversaries")
 FUNCTIONS = {"lie": 2}
 MAY_HAVE = {"boast": 2, "forge": 2, "hear": 2, "plot": 1, "jam": 1}
-TELL = ("lie", "boast", "forge", "jam")  # these tell, and change nothing
-LUCKY = ("hear", "plot")  # luck is fresh at each call of these
-NOT_ITS_OWN = ("MESSAGE", "SUMS", "OPTIONS", "ROLES", "OPINION")
+READ_ONLY = ("lie", "boast", "forge", "jam")  # these only return values
+LUCKY = ("hear", "plot")  # functions with new luck at each call
+OF_THE_BRAIN = ("MESSAGE", "SUMS", "OPTIONS", "ROLES", "OPINION")
 
 
 class Lies(NamedTuple):
-    """What an adversary's file says beside its functions."""
+    """What an adversary file declares, and which optional functions it has."""
 
-    memory: dict[str, Value]  # its own fields, beside those of the brain that it wears
+    memory: dict[str, Value]  # its own fields; the brain that it wears has others
     parameters: dict[str, Value]
-    functions: frozenset[str]  # which of MAY_HAVE there are
+    functions: frozenset[str]  # those of MAY_HAVE that the file has
 
 
 @dataclass(frozen=True)
 class Adversary(Program):
-    """One adversary's file, found to keep its contract, with values of its parameters."""
+    """One adversary file that keeps its contract, with values of its parameters."""
 
     kind: ClassVar[str] = "adversary"
 
@@ -43,30 +43,30 @@ class Adversary(Program):
 
 
 def load(name: str | Path, base: Path | None = None) -> Adversary:
-    """Read an adversary by its name, or a file by its path, relative to `base`. Raises InputError."""
+    """Read an adversary by its name, or by a path relative to `base`. Raises InputError."""
     path = find(name, base)
     return parse(safe_source.read_source("adversary", path), str(name), path)
 
 
 def find(name: str | Path, base: Path | None = None) -> Path:
-    """Where an adversary's file is. Raises InputError where there is none."""
+    """The path of an adversary's file. Raises InputError if there is none."""
     return safe_source.find(PLUGINS, str(name), base)
 
 
 def parse(source: str, name: str, path: Path) -> Adversary:
     """Check an adversary's source against its contract and run it once. Raises InputError."""
-    tree, says = _checked(source, path)
-    return Adversary(name, path, source, says, safe_source.run(tree, "adversary", path))
+    tree, contents = _checked(source, path)
+    return Adversary(name, path, source, contents, safe_source.run(tree, "adversary", path))
 
 
 def unloaded(source: str, name: str, path: Path) -> Adversary:
-    """An adversary of which nothing is run, and what it says is taken from its source. Raises InputError."""
-    _, says = _checked(source, path)
-    return Adversary(name, path, source, says, types.ModuleType(UNLOADED))
+    """Read an adversary's contents from its source without running it. Raises InputError."""
+    _, contents = _checked(source, path)
+    return Adversary(name, path, source, contents, types.ModuleType(UNLOADED))
 
 
 def is_adversary(source: str) -> bool:
-    """Whether a source is an adversary's, and no brain's; nothing of it is run."""
+    """Whether a source is an adversary, and not a brain; it is not run."""
     try:
         functions = syntax.functions_of(ast.parse(source))
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -75,7 +75,7 @@ def is_adversary(source: str) -> bool:
 
 
 def exists(name: str, base: Path | None) -> bool:
-    """Whether a name, or the path of a file relative to `base`, is that of an adversary."""
+    """Whether there is an adversary of this name, or at this path relative to `base`."""
     path = (base or Path()) / name
     if name not in PLUGINS.shipped and path.is_file():
         return is_adversary(safe_source.read_source("brain", path))
@@ -88,7 +88,7 @@ def refuse_adversary(name: str, base: Path | None, brains: Plugins) -> None:
         return
     if ((base or Path()) / name).is_file() or name not in brains:
         raise InputError(
-            f"brain {name!r}: that is an adversary, which wears the brain of its swarm: it goes under [[members]], "
+            f"brain {name!r}: that is an adversary, which wears the brain of its swarm: name it under [[members]], "
             "with honest = false"
         )
 
@@ -97,29 +97,30 @@ def _checked(source: str, path: Path) -> tuple[ast.Module, Lies]:
     tree, constants = safe_source.parse_checked(source, "adversary", path)
     try:
         return tree, _contents(tree, constants)
-    except syntax.Wrong as wrong:
-        raise InputError(f"adversary file {path}, line {wrong.line}: {wrong}") from None
-    except ValueError as wrong:
-        raise InputError(f"adversary file {path}: {wrong}") from None
+    except syntax.BrokenContract as error:
+        raise InputError(f"adversary file {path}, line {error.line}: {error}") from None
+    except ValueError as error:
+        raise InputError(f"adversary file {path}: {error}") from None
 
 
 def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     functions = syntax.functions_of(tree)
-    for name in (*OF_BRAINS, *NOT_ITS_OWN):
+    for name in (*OF_BRAINS, *OF_THE_BRAIN):
         require(
-            name not in functions and name not in constants, f"{name} is the brain's that it wears, and not its own"
+            name not in functions and name not in constants,
+            f"{name} belongs to the brain that the adversary wears: leave it out",
         )
-    found = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
+    optional = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
     taken = (*BELIEFS, *GIVEN_ON_ASKING)
     tables = {}
-    for name, also in (("MEMORY", ()), ("PARAMETERS", ("file",))):
-        given = constants.get(name, {})
-        require(isinstance(given, dict), f'{name} should be a dict such as {{"rounds": 0.0}}')
-        tables[name] = fields_of(given, name, (*taken, *also))
+    for name, more in (("MEMORY", ()), ("PARAMETERS", ("file",))):
+        table = constants.get(name, {})
+        require(isinstance(table, dict), f'{name} should be a dict such as {{"rounds": 0.0}}')
+        tables[name] = fields_of(table, name, (*taken, *more))
     memory, parameters = tables["MEMORY"], tables["PARAMETERS"]
     for name in parameters:
-        require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: what changes is no parameter")
-    syntax.check_returns(functions, TELL)
-    held, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
-    syntax.check(tree, held, given, (), "lie", TELL, LUCKY)
-    return Lies(memory, parameters, found)
+        require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: a value that changes is not a parameter")
+    syntax.check_returns(functions, READ_ONLY)
+    own, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
+    syntax.check(tree, own, given, (), "lie", READ_ONLY, LUCKY)
+    return Lies(memory, parameters, optional)

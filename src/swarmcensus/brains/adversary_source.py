@@ -1,6 +1,7 @@
-"""An adversary wears a brain: of both one brain's source is made, which keeps the contract and can be read.
+"""The source of a lying brain: an adversary and the brain that it wears, merged into one readable brain file.
 
-The robot observes, receives and fuses as its brain does; what it says is altered by what the message's fields mean.
+The robot observes, receives and fuses as the brain does; the adversary alters its messages according to the meaning of
+their fields.
 """
 
 import ast
@@ -19,50 +20,46 @@ from swarmcensus.brains.brain import Brain, parse, unloaded
 from swarmcensus.brains.contract import CONSTANTS, FUNCTIONS, MAY_HAVE, confidence_of
 from swarmcensus.brains.syntax import GIVEN_ON_ASKING
 
-ANEW = ("MEMORY", "PARAMETERS", "SUMS")  # constants of a brain that are not as its file says
-ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function, by which of an adversary
-
-
-VALUES = ("estimate", "opinion", "option", "belief", "information")  # what one may lie about
-
-
-SPARE = 1e-6  # of a belief's weight, for the bins that are not the lie's: a weight of 0 could never be made good again
+REPLACED = ("MEMORY", "PARAMETERS", "SUMS")  # constants of the brain that are written anew
+ALTERED_BY = {"receive": "hear", "fuse": "plot", "jam": "jam"}  # a brain's function: the adversary's that alters it
+VALUES = ("estimate", "opinion", "option", "belief", "information")  # roles that an adversary can lie about
+SPARE = 1e-6  # the weight of a belief's other bins; from a weight of 0, a belief could never recover
 
 
 class Field(NamedTuple):
-    """A part of a message: what it means, if that is known, and how long it is; 0 for a number."""
+    """A field of a message: its name, its role if known, and the length of its vector; 0 for a number."""
 
     name: str
     role: str
-    long: int
+    length: int
 
 
-class Names(NamedTuple):
-    """With what functions begin: those of the adversary, those of the brain, and those that are written here."""
+class Prefixes(NamedTuple):
+    """Prefixes of names: those of the adversary, of the brain, and of the helpers that are generated here."""
 
     own: str
     honest: str
-    worn: str
+    helper: str
 
 
 HELPERS = {
-    "share": "def {worn}share(x):\n    return min(max(x, 0.0), 1.0)",
-    "told": "def {worn}told(me, x):\n    return {worn}share({own}lie(me, {worn}share(x)))",
-    "bin": "def {worn}bin(x, bins):\n    return float(min(int(x * bins), bins - 1))",
-    "weight": "def {worn}weight(k, bin, bins):\n"
+    "share": "def {helper}share(x):\n    return min(max(x, 0.0), 1.0)",
+    "told": "def {helper}told(me, x):\n    return {helper}share({own}lie(me, {helper}share(x)))",
+    "bin": "def {helper}bin(x, bins):\n    return float(min(int(x * bins), bins - 1))",
+    "weight": "def {helper}weight(k, bin, bins):\n"
     f"    return 1.0 - {SPARE} if k == bin else {SPARE} / max(bins - 1.0, 1.0)",
     "mean": """
-def {worn}mean(belief, bins):
+def {helper}mean(belief, bins):
     total = 0.0
     first = 0.0
     for k in range(bins):
         total += belief[k]
         first += belief[k] * (k + 0.5) / bins
     return first / total if total > 0.0 else 0.5""",
-    "ratio": "def {worn}ratio(information, confidence):\n"
+    "ratio": "def {helper}ratio(information, confidence):\n"
     "    return information / confidence if confidence > 0.0 else 0.5",
     "pooled": """
-def {worn}pooled(information, confidence, parts):
+def {helper}pooled(information, confidence, parts):
     total = 0.0
     weight = 0.0
     for k in range(parts):
@@ -73,76 +70,75 @@ def {worn}pooled(information, confidence, parts):
 
 
 def lying_brain(adversary: Adversary, brain: Brain) -> Brain:
-    """The brain of a robot that lies in a swarm of `brain`. Raises ValueError where the two do not go together."""
+    """The brain of a robot that lies in a swarm of `brain`. Raises ValueError if the two cannot be combined."""
     return _lying_brain(adversary, brain, adversary.is_loaded and brain.is_loaded)
 
 
 @functools.lru_cache(maxsize=256)
-def _lying_brain(adversary: Adversary, brain: Brain, read: bool) -> Brain:
-    """The same; files that were read and files that were not are equal otherwise."""
-    own = {_names(adversary, brain).own + name: value for name, value in adversary.overrides}
-    return _made(adversary.as_written, brain.as_written, read).with_parameters(dict(brain.overrides) | own)
+def _lying_brain(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
+    """`lying_brain`, cached; `loaded` is part of the key, because loaded and unloaded files are otherwise equal."""
+    own = {_prefixes(adversary, brain).own + name: value for name, value in adversary.overrides}
+    return _merged(adversary.as_written, brain.as_written, loaded).with_parameters(dict(brain.overrides) | own)
 
 
 @functools.lru_cache(maxsize=256)
-def _made(adversary: Adversary, brain: Brain, read: bool) -> Brain:
+def _merged(adversary: Adversary, brain: Brain, loaded: bool) -> Brain:
     if brain.is_oracle:
-        raise ValueError(f"brain {brain.name!r}: an oracle hears no liar: no adversary can wear it")
-    fields = [Field(name, brain.roles.get(name, ""), long) for name, long in brain.message.items()]
+        raise ValueError(f"brain {brain.name!r}: an oracle hears no liars, so no adversary can wear it")
+    fields = [Field(name, brain.roles.get(name, ""), items) for name, items in brain.message.items()]
     if not any(field.role in VALUES for field in fields):
         raise ValueError(
-            f"the adversary {adversary.name!r} cannot lie: of the MESSAGE of {brain.name!r}, "
-            f"({', '.join(brain.message)}), nothing is known to be one of {', '.join(VALUES)}: say what its MESSAGE "
-            "means with ROLES"
+            f"the adversary {adversary.name!r} cannot lie: the MESSAGE of {brain.name!r} is "
+            f"({', '.join(brain.message)}), and none is known to be one of {', '.join(VALUES)}: name a role in ROLES"
         )
-    # as the command line names it, which messages do too
+    # as in the command line and in messages
     path = Path(f"{adversary.path} --wearing {brain.path}")
     try:
         source = source_of(adversary, brain, fields)
-        if not read:
+        if not loaded:
             return unloaded(adversary.name, source)
         linecache.cache[str(path)] = (len(source), None, source.splitlines(keepends=True), str(path))
         return parse(source, adversary.name, path)
     except InputError as error:
-        told = str(error)
+        reason = str(error)
     except RecursionError:
-        told = "its brackets or operators are nested too deep"
-    raise ValueError(f"the adversary {adversary.name!r} cannot wear the brain {brain.name!r}: {told}")
+        reason = "its brackets or operators are nested too deep"
+    raise ValueError(f"the adversary {adversary.name!r} cannot wear the brain {brain.name!r}: {reason}")
 
 
-def _names(adversary: Adversary, brain: Brain) -> Names:
+def _prefixes(adversary: Adversary, brain: Brain) -> Prefixes:
     sources = adversary.source, brain.source
-    return Names(*(free_prefix(prefix, sources) for prefix in ("liar_", "honest_", "worn_")))
+    return Prefixes(*(free_prefix(prefix, sources) for prefix in ("liar_", "honest_", "worn_")))
 
 
 def source_of(adversary: Adversary, brain: Brain, fields: list[Field]) -> str:
-    """Both as one source. Raises InputError."""
-    names, has = _names(adversary, brain), adversary.contents.functions
+    """The merged source. Raises InputError."""
+    prefixes, optional = _prefixes(adversary, brain), adversary.contents.functions
     tree, lies = ast.parse(brain.source), ast.parse(adversary.source)
     for given in GIVEN_ON_ASKING:
-        if given in {*brain.memory, *brain.contents.parameters} and speaks_of(lies, given):
-            raise InputError(f"it asks for me.{given}, and the brain has a field of its own of this name")
+        if given in {*brain.memory, *brain.contents.parameters} and uses_field(lies, given):
+            raise InputError(f"it reads me.{given}, and the brain has a field of this name")
     own = (
-        {names.own + k: v for k, v in table.items()}
+        {prefixes.own + k: v for k, v in table.items()}
         for table in (adversary.contents.memory, adversary.contents.parameters)
     )
     memory, parameters = (a | b for a, b in zip((brain.memory, brain.contents.parameters), own, strict=True))
-    altered = {"broadcast", *(made for made, by in ALTERED_BY.items() if by in has)}
-    kept = {*FUNCTIONS, *MAY_HAVE, *CONSTANTS} - altered - {*ANEW}
+    altered = {"broadcast", *(function for function, by in ALTERED_BY.items() if by in optional)}
+    kept = {*FUNCTIONS, *MAY_HAVE, *CONSTANTS} - altered - {*REPLACED}
     constants = [f"MEMORY = {memory!r}", *([f"PARAMETERS = {parameters!r}"] if parameters else [])]
     parts = [
         f'"""{_first_line(lies)}\n\nWearing: {_first_line(tree)}\n"""',
         *(["import math"] if imports(tree) or imports(lies) else []),
         "\n".join(constants),
-        renamed(tree, names.honest, kept, anew=ANEW),
+        renamed(tree, prefixes.honest, kept, replaced=REPLACED),
         renamed(
             lies,
-            names.own,
+            prefixes.own,
             (),
-            fields_of_liar(names.own, {*adversary.contents.memory, *adversary.contents.parameters}),
-            ANEW,
+            fields_of_liar(prefixes.own, {*adversary.contents.memory, *adversary.contents.parameters}),
+            REPLACED,
         ),
-        functions_source(fields, has, names, brain.options, brain.uses.silence),
+        functions_source(fields, optional, prefixes, brain.options, brain.uses.silence),
     ]
     return "\n\n\n".join(parts) + "\n"
 
@@ -151,142 +147,148 @@ def _first_line(tree: ast.Module) -> str:
     return (ast.get_docstring(tree) or "no description").partition("\n")[0].replace("\\", "/").replace('"', "'")
 
 
-def functions_source(fields: Sequence[Field], has: Collection[str], names: Names, options: int, silent: bool) -> str:
-    """The functions that alter what an honest brain says and hears; `has` are those that the adversary may have."""
-    own, honest, worn = names
-    before, parts = _saying(fields, has, names, options)
-    # of a tuple or None, Numba indexes nothing, but takes it apart
-    apart = ", ".join(f"said_{k}" for k, _ in enumerate(fields)) + ", = said"
-    lines = [*(["if said is None:", "    return None"] if silent else []), apart, *before]
+def functions_source(
+    fields: Sequence[Field], optional: Collection[str], prefixes: Prefixes, options: int, silent: bool
+) -> str:
+    """The functions that alter what the honest brain says and hears; `optional` are those of the adversary."""
+    own, honest, helper = prefixes
+    before, parts = _altered_message(fields, optional, prefixes, options)
+    # Numba cannot index a tuple that may be None, but can unpack it
+    unpacked = ", ".join(f"said_{k}" for k, _ in enumerate(fields)) + ", = said"
+    lines = [*(["if said is None:", "    return None"] if silent else []), unpacked, *before]
     functions = [
-        "\n    ".join([f"def {worn}tell(me, said):", *lines, f"return ({', '.join(parts)},)"]),
-        f"def broadcast(me):\n    return {worn}tell(me, {honest}broadcast(me))",
+        "\n    ".join([f"def {helper}tell(me, said):", *lines, f"return ({', '.join(parts)},)"]),
+        f"def broadcast(me):\n    return {helper}tell(me, {honest}broadcast(me))",
     ]
-    if "hear" in has:
+    if "hear" in optional:
         k = next(k for k, field in enumerate(fields) if field.role in VALUES)
-        heard = f"{own}hear(me, {worn}share({_read(fields, k, 'message[{}]', worn, options)}))"
+        heard = f"{own}hear(me, {helper}share({_fill_ratio(fields, k, 'message[{}]', helper, options)}))"
         functions.append(f"def receive(me, message):\n    {honest}receive(me, message)\n    {heard}")
-    if "plot" in has:
+    if "plot" in optional:
         functions.append(f"def fuse(me):\n    {honest}fuse(me)\n    {own}plot(me)")
-    if "jam" in has:
+    if "jam" in optional:
         functions.append(f"def jam(me):\n    return {own}jam(me)")
-    found = list(functions)
+    sources = list(functions)
     for name, source in reversed(HELPERS.items()):
-        if any(f"{worn}{name}(" in one for one in found):
-            found.insert(0, source.format(own=own, worn=worn).strip("\n"))
-    return "\n\n\n".join(found)
+        if any(f"{helper}{name}(" in user for user in sources):
+            sources.insert(0, source.format(own=own, helper=helper).strip("\n"))
+    return "\n\n\n".join(sources)
 
 
-def _read(fields: Sequence[Field], k: int, part: str, worn: str, options: int) -> str:
-    """The fill ratio that stands in a field of a message, whose parts are called so."""
+def _fill_ratio(fields: Sequence[Field], k: int, part: str, helper: str, options: int) -> str:
+    """The source of the fill ratio in the k-th field of a message; `part` is the format of the fields' names."""
     this = part.format(k)
     match fields[k].role:
         case "option":
             return f"({this} + 0.5) / {float(options)}"
         case "belief":
-            return f"{worn}mean({this}, {fields[k].long})"
+            return f"{helper}mean({this}, {fields[k].length})"
         case "information":
-            other, long = part.format(_confidence(fields, k)), fields[k].long
-            return f"{worn}pooled({this}, {other}, {long})" if long else f"{worn}ratio({this}, {other})"
+            confidence, length = part.format(_confidence(fields, k)), fields[k].length
+            return (
+                f"{helper}pooled({this}, {confidence}, {length})" if length else f"{helper}ratio({this}, {confidence})"
+            )
     return this
 
 
 def _confidence(fields: Sequence[Field], k: int) -> int:
-    """The place of the confidence that the k-th field, an information, goes with."""
+    """The place of the confidence that belongs to the k-th field, an information."""
     names = [field.name for field in fields]
     return names.index(confidence_of(fields[k].name, names, {field.name: field.role for field in fields}))
 
 
-def _each(parts: Sequence[str]) -> str:
-    """The source of a vector of these."""
+def _tuple(parts: Sequence[str]) -> str:
+    """The source of a tuple of parts."""
     return f"({', '.join(parts)},)"
 
 
-def _saying(fields: Sequence[Field], has: Collection[str], names: Names, options: int) -> tuple[list[str], list[str]]:
-    """What is said in place of the honest message `said`, field by field; and the lines that go before."""
-    own, _, worn = names
+def _altered_message(
+    fields: Sequence[Field], optional: Collection[str], prefixes: Prefixes, options: int
+) -> tuple[list[str], list[str]]:
+    """The source lines that precede the altered message, and the source of each of its fields."""
+    own, _, helper = prefixes
     before, parts = [], []
-    for k, (_, role, long) in enumerate(fields):
-        told = f"{worn}told(me, {_read(fields, k, 'said_{}', worn, options)})"
-        sure = f"max({own}boast(me, said_{{}}), 0.0)" if "boast" in has else "said_{}"
+    for k, (_, role, length) in enumerate(fields):
+        lie = f"{helper}told(me, {_fill_ratio(fields, k, 'said_{}', helper, options)})"
+        sure = f"max({own}boast(me, said_{{}}), 0.0)" if "boast" in optional else "said_{}"
         match role:
             case "estimate":
-                parts.append(told)
+                parts.append(lie)
             case "opinion":
-                parts.append(f"1.0 if {told} >= 0.5 else 0.0")
+                parts.append(f"1.0 if {lie} >= 0.5 else 0.0")
             case "option":
-                parts.append(f"{worn}bin({told}, {options})")
+                parts.append(f"{helper}bin({lie}, {options})")
             case "belief":
-                before.append(f"bin_{k} = {worn}bin({told}, {long})")
-                parts.append(f"({''.join(f'{worn}weight({j}, bin_{k}, {long}), ' for j in range(long))})")
-            case "confidence" if long:
-                parts.append(_each([sure.format(f"{k}[{j}]") for j in range(long)]))
+                before.append(f"bin_{k} = {helper}bin({lie}, {length})")
+                parts.append(f"({''.join(f'{helper}weight({j}, bin_{k}, {length}), ' for j in range(length))})")
+            case "confidence" if length:
+                parts.append(_tuple([sure.format(f"{k}[{j}]") for j in range(length)]))
             case "confidence":
                 parts.append(sure.format(k))
-            case "information" if long:
-                before.append(f"told_{k} = {told}")
-                other = _confidence(fields, k)
-                parts.append(_each([f"told_{k} * {sure.format(f'{other}[{j}]')}" for j in range(long)]))
+            case "information" if length:
+                before.append(f"told_{k} = {lie}")
+                confidence = _confidence(fields, k)
+                parts.append(_tuple([f"told_{k} * {sure.format(f'{confidence}[{j}]')}" for j in range(length)]))
             case "information":
-                parts.append(f"{told} * {sure.format(_confidence(fields, k))}")
-            case "name" if "forge" in has:
+                parts.append(f"{lie} * {sure.format(_confidence(fields, k))}")
+            case "name" if "forge" in optional:
                 parts.append(f"1.0 * {own}forge(me, said_{k})")
             case _:
                 parts.append(f"said_{k}")
     return before, parts
 
 
-# the low bits of luck: independent of what a brain makes of the high ones
+# the low bits of luck, which are independent of the high bits that the brain uses
 OWN_LUCK = "me.luck * 1048576.0 % 1.0"
 
 
 def free_prefix(prefix: str, sources: Iterable[str]) -> str:
-    """A prefix that stands in none of these sources."""
+    """A prefix that occurs in none of these sources."""
     while any(prefix in source for source in sources):
         prefix += "_"
     return prefix
 
 
-class Renamed(ast.NodeTransformer):
-    """Names of the top level, but where a function has a local of that name, and fields of the record."""
+class Renamer(ast.NodeTransformer):
+    """Renames top-level names, except where a function has a local of that name, and fields of the record."""
 
     def __init__(self, names: Mapping[str, ast.expr], fields: Mapping[str, ast.expr]) -> None:
-        """What they become: `fields` are those of a record called `me`."""
+        """Keep the new names; `fields` are written for a record called `me`."""
         self.names, self.fields = names, fields
         self.local: set[str] = set()
 
     def visit_FunctionDef(self, node: ast.FunctionDef) -> ast.AST:
-        """Rename what a function names."""
-        self.local = {one.arg for one in ast.walk(node) if isinstance(one, ast.arg)}
-        self.local |= {name for one in ast.walk(node) for name in names_set_by(one)}
+        """Rename within a function."""
+        self.local = {part.arg for part in ast.walk(node) if isinstance(part, ast.arg)}
+        self.local |= {name for part in ast.walk(node) for name in names_set_by(part)}
         self.generic_visit(node)
         self.local = set()
         return node
 
     def visit_Name(self, node: ast.Name) -> ast.expr:
-        """Rename what is of the top level."""
+        """Rename a top-level name."""
         new = None if node.id in self.local else self.names.get(node.id)
         return deepcopy(new) if new is not None else node
 
     def visit_Attribute(self, node: ast.Attribute) -> ast.expr:
-        """Rename a field, but nothing of `math`."""
+        """Rename a field, but no attribute of `math`."""
         node.value = self.visit(node.value)
         new = None if isinstance(node.value, ast.Name) and node.value.id == "math" else self.fields.get(node.attr)
         if isinstance(new, ast.Attribute):
             return ast.Attribute(node.value, new.attr, node.ctx)
         if new is None:
             return node
-        found = deepcopy(new)
-        for one in ast.walk(found):
-            if isinstance(one, ast.Attribute):
-                one.value = node.value  # whatever the function calls its record
-        return found
+        renamed = deepcopy(new)
+        for part in ast.walk(renamed):
+            if isinstance(part, ast.Attribute):
+                part.value = node.value  # the record has another name in some functions
+        return renamed
 
 
 def fields_of_liar(own: str, fields: Collection[str]) -> dict[str, ast.expr]:
-    """What the fields of an adversary's record become."""
-    found: dict[str, ast.expr] = {name: ast.Attribute(_name("me"), own + name, ast.Load()) for name in fields}
-    return found | {"luck": ast.parse(OWN_LUCK, mode="eval").body}
+    """The new names of the fields of an adversary's record."""
+    names: dict[str, ast.expr] = {name: ast.Attribute(_name("me"), own + name, ast.Load()) for name in fields}
+    return names | {"luck": ast.parse(OWN_LUCK, mode="eval").body}
 
 
 def renamed(
@@ -294,33 +296,33 @@ def renamed(
     prefix: str,
     kept: Collection[str] = (),
     fields: Mapping[str, ast.expr] | None = None,
-    anew: Collection[str] = (),
+    replaced: Collection[str] = (),
 ) -> str:
-    """A file with a prefix before all names of its top level but those `kept`, and `math` for what it imports.
+    """The source of a file with a prefix before all top-level names but those `kept`; what it imports becomes `math.`.
 
-    What is given a value `anew` elsewhere stays under the prefix only where it is read.
+    Constants that are `replaced` elsewhere are left out unless a function reads them.
     """
     names: dict[str, ast.expr] = {}
     body: list[ast.stmt] = []
-    for node in deepcopy(tree.body):  # in turn: a name may be bound twice, and constants are made of the ones before
+    for node in deepcopy(tree.body):  # in order: names may be bound twice, and constants use earlier ones
         if isinstance(node, ast.Import | ast.ImportFrom):
             names |= _imported(node)
         elif isinstance(node, ast.Assign):
-            node.value = Renamed(names, {}).visit(node.value)
-            mine = {one.id: _new(one.id, prefix, kept) for one in node.targets if isinstance(one, ast.Name)}
-            names |= {name: _name(new) for name, new in mine.items()}
-            node.targets = [ast.Name(new, ast.Store()) for new in mine.values()]
+            node.value = Renamer(names, {}).visit(node.value)
+            targets = {part.id: _new(part.id, prefix, kept) for part in node.targets if isinstance(part, ast.Name)}
+            names |= {name: _name(new) for name, new in targets.items()}
+            node.targets = [ast.Name(new, ast.Store()) for new in targets.values()]
             body.append(node)
         elif isinstance(node, ast.FunctionDef):
             new = _new(node.name, prefix, kept)
             names[node.name] = _name(new)
             node.name = new
             body.append(node)
-    body = [Renamed(names, fields or {}).visit(n) if isinstance(n, ast.FunctionDef) else n for n in body]
-    unread = {prefix + name for name in anew} - _names_read(body)
+    body = [Renamer(names, fields or {}).visit(n) if isinstance(n, ast.FunctionDef) else n for n in body]
+    unread = {prefix + name for name in replaced} - _names_read(body)
     for node in body:
         if isinstance(node, ast.Assign):
-            node.targets = [one for one in node.targets if not (isinstance(one, ast.Name) and one.id in unread)]
+            node.targets = [part for part in node.targets if not (isinstance(part, ast.Name) and part.id in unread)]
     body = [node for node in body if not isinstance(node, ast.Assign) or node.targets]
     return ast.unparse(ast.fix_missing_locations(ast.Module(body, [])))
 
@@ -334,7 +336,7 @@ def _new(name: str, prefix: str, kept: Collection[str]) -> str:
 
 
 def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, ast.expr]:
-    """The names that an import of math gives, as what they are of `math`."""
+    """The names that an import of math defines, as attributes of `math`."""
     if isinstance(node, ast.Import):
         return {alias.asname or alias.name: _name("math") for alias in node.names}
     names = {alias.asname or alias.name: alias.name for alias in node.names}
@@ -344,15 +346,15 @@ def _imported(node: ast.Import | ast.ImportFrom) -> dict[str, ast.expr]:
 
 
 def _names_read(body: list[ast.stmt]) -> set[str]:
-    nodes = [one for node in body for one in ast.walk(node)]
-    return {one.id for one in nodes if isinstance(one, ast.Name) and isinstance(one.ctx, ast.Load)}
+    parts = [part for node in body for part in ast.walk(node)]
+    return {part.id for part in parts if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Load)}
 
 
 def imports(tree: ast.Module) -> bool:
-    """Whether a file imports anything, which can be `math` alone."""
+    """Whether a file imports `math`, the only module that it may import."""
     return any(isinstance(node, ast.Import | ast.ImportFrom) for node in tree.body)
 
 
-def speaks_of(tree: ast.Module, field: str) -> bool:
-    """Whether a source names a field of its record."""
+def uses_field(tree: ast.Module, field: str) -> bool:
+    """Whether a source uses a field of its record."""
     return any(isinstance(node, ast.Attribute) and node.attr == field for node in ast.walk(tree))

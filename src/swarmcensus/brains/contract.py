@@ -1,4 +1,4 @@
-"""What a brain file has to hold: see docs/brain-contract.md."""
+"""What a brain file must contain. See docs/brain-contract.md."""
 
 import ast
 import difflib
@@ -18,44 +18,44 @@ MAY_HAVE = {"steer": 1, "decide": 1, "done": 1, "interval": 1, "jam": 1}
 TRACED = ("estimate", "round", "robot", "blacks", "position", "heading", "looked", "tile", "reading", "neighbours",
           "link", "axis")  # fmt: skip
 MOST_OPTIONS = 10_000
-ROLES = {  # what a number of a message may mean, and how it is mostly called
+ROLES = {  # what a field of a message may mean, and its usual names
     "estimate": ("x", "x_hat", "x_bar", "estimate", "share"),  # a fill ratio, in [0, 1]
     "opinion": ("opinion", "decision"),  # 0 for white, 1 for black
-    "option": ("option", "site"),  # one of several bins of the fill ratio, from 0 on
-    "belief": ("belief", "beliefs"),  # a vector: how likely each bin is, up to a factor
-    "confidence": ("alpha", "beta", "confidence", "quality"),  # from 0 on
-    "information": (),  # an estimate times the confidence that stands in the same message
-    "name": ("name",),  # who speaks
+    "option": ("option", "site"),  # a bin of the fill ratio, from 0
+    "belief": ("belief", "beliefs"),  # a vector: the probability of each bin, up to a factor
+    "confidence": ("alpha", "beta", "confidence", "quality"),  # 0 or more
+    "information": (),  # an estimate times the confidence in the same message
+    "name": ("name",),  # the sender
 }
 
 
 class Contents(NamedTuple):
-    """What a brain file says beside its functions."""
+    """What a brain file declares, and which optional functions it has."""
 
-    memory: dict[str, Value]  # every field, its value before the first observation
-    message: dict[str, int]  # what is said, and how long each vector of it is; 0 for a number
-    sums: tuple[str, ...]  # the fields to which `receive` only adds what depends on the message alone
+    memory: dict[str, Value]  # each field and its initial value
+    message: dict[str, int]  # each field and the length of its vector; 0 for a number
+    sums: tuple[str, ...]  # fields to which `receive` only adds values that depend on the message alone
     parameters: dict[str, Value]
-    options: int  # among how many `decide` decides
+    options: int  # the number of options of `decide`
     uses: syntax.Uses
-    functions: frozenset[str]  # which of MAY_HAVE there are
-    roles: dict[str, str]  # what fields of the message mean, as far as it is known
-    opinion: bool  # whether its estimate is a mere opinion, 0 or 1
-    oracle: bool  # whether it hears all robots, and knows all sensors
+    functions: frozenset[str]  # those of MAY_HAVE that the file has
+    roles: dict[str, str]  # the meaning of message fields, where known
+    opinion: bool  # whether its estimate is an opinion, 0 or 1
+    oracle: bool  # whether it hears all robots and knows their true accuracies
 
 
-def contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Contents:
-    """Hold a brain's constants and functions against the contract; nothing of it is run. Raises InputError."""
+def read_contents(tree: ast.Module, constants: Mapping[str, Any], path: Path) -> Contents:
+    """Check a brain's constants and functions against the contract, without running it. Raises InputError."""
     try:
         return _contents(tree, constants)
-    except syntax.Wrong as wrong:
-        raise InputError(f"brain file {path}, line {wrong.line}: {wrong}") from None
-    except ValueError as wrong:
-        raise InputError(f"brain file {path}: {wrong}") from None
+    except syntax.BrokenContract as error:
+        raise InputError(f"brain file {path}, line {error.line}: {error}") from None
+    except ValueError as error:
+        raise InputError(f"brain file {path}: {error}") from None
 
 
 def require(holds: bool, what: str) -> None:
-    """Raise ValueError where something does not hold."""
+    """Raise ValueError with the message `what` unless `holds`."""
     if not holds:
         raise ValueError(what)
 
@@ -68,7 +68,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     lengths = {name: length(value) for name, value in fields.items()}
     message = _message(constants.get("MESSAGE"), lengths)
     sums = constants.get("SUMS", ())
-    require(_are_names(sums), "SUMS is a tuple of MEMORY names")
+    require(_are_names(sums), "SUMS should be a tuple of MEMORY names")
     require(len(set(sums)) == len(sums), "SUMS names a field twice")
     for key in sums:
         require(key in fields, f"SUMS names {key!r}, which is not in MEMORY")
@@ -76,7 +76,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     require(isinstance(parameters, dict), 'PARAMETERS should be a dict such as {"prior": 10.0}')
     given = fields_of(parameters, "PARAMETERS", (*BELIEFS, *syntax.GIVEN_ON_ASKING, "file"))
     for key in given:
-        require(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: what changes is no parameter")
+        require(key not in fields, f"PARAMETERS[{key!r}] is in MEMORY too: a value that changes is not a parameter")
     options = constants.get("OPTIONS", 2)
     whole = isinstance(options, int) and not isinstance(options, bool)
     require(
@@ -84,8 +84,10 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         f"OPTIONS = {options!r}: should be a whole number, 2 (white and black) to {MOST_OPTIONS:,} (bins)",
     )
     functions = functions_in(tree, constants, FUNCTIONS, MAY_HAVE)
-    require("decide" in functions or "OPTIONS" not in constants, "OPTIONS is of the function decide, which is missing")
-    require(not (sums and "jam" in functions), "SUMS goes without jam: where noise is, messages are heard one by one")
+    require("decide" in functions or "OPTIONS" not in constants, "OPTIONS needs the function decide, which is missing")
+    require(
+        not (sums and "jam" in functions), "SUMS cannot be combined with jam: with noise, messages are heard one by one"
+    )
     syntax.check_decisions(tree, options)
     syntax.check_interval(tree)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)
@@ -94,13 +96,13 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
     require(isinstance(opinion, bool), f"OPINION = {opinion!r}: should be True, or left out")
     oracle = constants.get("ORACLE", False)
     require(isinstance(oracle, bool), f"ORACLE = {oracle!r}: should be True, or left out")
-    require(bool(sums) or not oracle, "an ORACLE hears all robots at once, and so has SUMS")
+    require(bool(sums) or not oracle, "an ORACLE hears all robots at once, so it needs SUMS")
     roles = _roles(constants.get("ROLES"), message)
     return Contents(fields, message, tuple(sums), given, options, uses, functions, roles, opinion, oracle)
 
 
 def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
-    """What the fields of a message mean: as the file says, else as their names do."""
+    """The meaning of message fields: from ROLES, or else from their usual names."""
     if given is None:
         usual = {name: role for role, names in ROLES.items() for name in names}
         return {name: usual[name] for name in message if name in usual}
@@ -110,24 +112,27 @@ def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
         require(role in ROLES, f"ROLES[{name!r}] = {role!r}: should be one of {', '.join(ROLES)}")
     for name, role in given.items():
         fits = role in ("information", "confidence") or (role == "belief") == bool(message[name])
-        require(fits, f"ROLES[{name!r}] = {role!r}: only a vector is a belief")
+        require(fits, f"ROLES[{name!r}] = {role!r}: a belief is a vector, and other roles are numbers")
     needs = "information" in given.values() and "confidence" not in given.values()
-    require(not needs, "ROLES names an information, which is a confidence times an estimate, and no confidence")
+    require(not needs, "ROLES names an information but no confidence: an information is a confidence times an estimate")
     for name in (name for name, role in given.items() if role == "information"):
         other = confidence_of(name, list(message), given)
         alike = message[name] == message[other]
-        require(alike, f"ROLES: the information {name!r} and its confidence {other!r} should be of one length")
+        require(alike, f"ROLES: the information {name!r} and its confidence {other!r} should have the same length")
     return dict(given)
 
 
 def confidence_of(name: str, message: Sequence[str], roles: Mapping[str, str]) -> str:
-    """The confidence that an information of a message goes with: the next one after it, or else the first."""
+    """The confidence that belongs to an information field: the next one in the message, or else the first."""
     after = [*message[message.index(name) :], *message]
     return next(other for other in after if roles.get(other) == "confidence")
 
 
 def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
-    """What a message holds: names, of which those of vectors in MEMORY are as long as there, or a dict as MEMORY is."""
+    """The fields of MESSAGE and their vector lengths; it is a tuple of names, or a dict like MEMORY.
+
+    In a tuple, the name of a vector in MEMORY stands for a vector of that length.
+    """
     if isinstance(given, dict):
         require(bool(given), "MESSAGE is empty")
         return {name: length(value) for name, value in fields_of(given, "MESSAGE", ()).items()}
@@ -137,11 +142,11 @@ def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:
     require(_are_names(given) and bool(given), example)
     twice = [name for name in given if list(given).count(name) > 1 and memory.get(name)]
     require(not twice, f"MESSAGE names {', '.join(twice[:1])!r} twice")
-    return {_unlike(name, given[:k]): memory.get(name, 0) for k, name in enumerate(given)}
+    return {_distinct(name, given[:k]): memory.get(name, 0) for k, name in enumerate(given)}
 
 
-def _unlike(name: str, before: tuple[str, ...]) -> str:
-    """A name that stands twice, as it may for numbers, told apart."""
+def _distinct(name: str, before: tuple[str, ...]) -> str:
+    """The name, with a number appended if it occurs before; numbers may occur twice."""
     return f"{name}_{before.count(name) + 1}" if name in before else name
 
 
@@ -152,21 +157,24 @@ def _are_names(value: object) -> bool:
 def functions_in(
     tree: ast.Module, constants: Mapping[str, Any], must: Mapping[str, int], may: Mapping[str, int]
 ) -> frozenset[str]:
-    """Which functions of `may` a file has; it has those of `must`, with so many arguments. Raises ValueError."""
+    """The functions of `may` that a file has. Raises ValueError if one of `must` is missing, or has other arguments."""
     functions = {node.name: node.args for node in tree.body if isinstance(node, ast.FunctionDef)}
     for name, arity in {**must, **may}.items():
         require(name not in constants, f"{name} is {constants.get(name)!r}, not a function")
         if name not in functions:
             require(name in may, f"the function {name} is missing")
             continue
-        found = len(functions[name].posonlyargs) + len(functions[name].args)
-        require(found == arity and not functions[name].kwonlyargs, f"{name} takes {found} arguments: {arity} are right")
+        arguments = len(functions[name].posonlyargs) + len(functions[name].args)
+        require(
+            arguments == arity and not functions[name].kwonlyargs,
+            f"{name} takes {arguments} arguments: {arity} are right",
+        )
     for name in syntax.never_called(tree):
-        if name not in (*must, *may) and (meant := _meant(name, may)):
-            raise ValueError(f"the function {name} is called by nobody: did you mean {meant!r}?")
+        if name not in (*must, *may) and (meant := _close_match(name, may)):
+            raise ValueError(f"the function {name} is never called: did you mean {meant!r}?")
     return frozenset(name for name in may if name in functions)
 
 
-def _meant(name: str, may: Mapping[str, int]) -> str:
-    """Which function that a file may have is written almost like this; nothing where none is."""
+def _close_match(name: str, may: Mapping[str, int]) -> str:
+    """The optional function whose name is almost `name`; empty if there is none."""
     return next(iter(difflib.get_close_matches(name.lower(), may, n=1, cutoff=0.9)), "")

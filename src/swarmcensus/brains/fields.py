@@ -1,4 +1,4 @@
-"""What a robot keeps under a name: a number, or a vector, which is a fixed number of them."""
+"""The fields of a robot's memory: each is a number, or a vector, which is a fixed number of numbers."""
 
 import math
 from collections.abc import Mapping
@@ -7,17 +7,17 @@ from typing import Any, NoReturn
 from swarmcensus.basics import safe_source
 
 Value = float | tuple[float, ...]
-LONGEST = 4096  # numbers of a vector
+LONGEST = 4096  # vector
 LARGEST = 1e300
 
 
 class Vector(list[float]):
-    """A vector in CPython: a list of which only single items are read and set, as a compiled one's are."""
+    """A vector in CPython: a list whose items can only be read and set one by one, as in compiled code."""
 
     __slots__ = ()
 
     def _no(self, *_: object) -> NoReturn:
-        raise TypeError("a vector is as long as it is: its items are read and set one by one")
+        raise TypeError("a vector has a fixed length: its items are read and set one by one")
 
     append = extend = insert = pop = remove = clear = sort = reverse = _no  # type: ignore[assignment]
     __delitem__ = __add__ = __iadd__ = __mul__ = __imul__ = __rmul__ = _no  # type: ignore[assignment]
@@ -34,12 +34,12 @@ class Vector(list[float]):
 
 
 class Fixed(tuple[float, ...]):
-    """A parameter's vector in CPython: of a compiled one, too, only single items are read."""
+    """A vector parameter in CPython: a tuple whose items can only be read one by one, as in compiled code."""
 
     __slots__ = ()
 
     def _no(self, *_: object) -> NoReturn:
-        raise TypeError("a parameter is only for reading: the items of its vector are read one by one")
+        raise TypeError("a parameter is read-only, and the items of its vector are read one by one")
 
     __add__ = __radd__ = __mul__ = __rmul__ = _no  # type: ignore[assignment]
 
@@ -49,11 +49,11 @@ class Fixed(tuple[float, ...]):
 
 
 def value_of(given: object) -> Value:
-    """A number, or a vector, as floats. Raises ValueError, which says what it is not."""
+    """A number or a vector as floats. Raises ValueError, which says what is wrong."""
     if isinstance(given, list | tuple):
         if not 1 <= len(given) <= LONGEST:
             raise ValueError(f"a vector of {len(given):,}: it should have 1 to {LONGEST:,} numbers")
-        return tuple(_number(one, f", as item {k}") for k, one in enumerate(given))
+        return tuple(_number(item, f", as item {k}") for k, item in enumerate(given))
     return _number(given)
 
 
@@ -66,33 +66,33 @@ def _number(given: object, where: str = "") -> float:
 
 
 def length(value: Value) -> int:
-    """How many numbers a vector has; 0 for what is no vector."""
+    """The number of items of a vector; 0 for a number."""
     return len(value) if isinstance(value, tuple) else 0
 
 
 def slots(fields: Mapping[str, int]) -> list[str]:
-    """The numbers that fields of these lengths are made of, as "t" or "belief[3]"."""
-    return [place for name, long in fields.items() for place in places(name, long)]
+    """The names of all numbers of fields of these lengths, such as "t" or "belief[3]"."""
+    return [place for name, items in fields.items() for place in places(name, items)]
 
 
-def places(name: str, long: int) -> list[str]:
-    """The same of one field."""
-    return [f"{name}[{k}]" for k in range(long)] or [name]
+def places(name: str, items: int) -> list[str]:
+    """The names of the numbers of one field; `items` is the length of its vector, 0 for a number."""
+    return [f"{name}[{k}]" for k in range(items)] or [name]
 
 
 def numbers(values: Mapping[str, Value]) -> list[float]:
-    """The numbers themselves, in that order."""
+    """The values of all numbers of fields, in the order of `slots`."""
     return [x for value in values.values() for x in (value if isinstance(value, tuple) else (value,))]
 
 
 def fields_of(given: Any, what: str, taken: tuple[str, ...]) -> dict[str, Value]:
-    """What a brain file says under MEMORY or PARAMETERS. Raises ValueError."""
+    """Check the fields of MEMORY, PARAMETERS or MESSAGE; `taken` are reserved names. Raises ValueError."""
     fields = {}
     for key, value in given.items():
         if not safe_source.is_name(key):
             raise ValueError(f"{what} key {key!r} is not a name")
         if key in taken:
-            raise ValueError(f"{what} key {key!r} is taken by the engine")
+            raise ValueError(f"{what} key {key!r} is reserved by the engine")
         try:
             fields[key] = value_of(value)
         except ValueError as error:

@@ -1,4 +1,4 @@
-"""What brains and adversaries share: a plain-Python file that was read, with values of its parameters."""
+"""The common base of brains and adversaries: a plain-Python file with values of its parameters."""
 
 import functools
 import types
@@ -16,22 +16,22 @@ UNLOADED = "unloaded"
 
 @dataclass(frozen=True)
 class Program:
-    """One file, found to keep its contract, with values of its parameters."""
+    """One file that keeps its contract, with values of its parameters."""
 
     kind: ClassVar[str]  # in messages: "brain"
 
     name: str  # a shipped one's name, or the file's path as the user gave it
     path: Path
     source: str
-    contents: Any = field(compare=False, repr=False)  # what it says beside its functions
+    contents: Any = field(compare=False, repr=False)  # what the file declares
     functions: types.ModuleType = field(compare=False, repr=False)  # the file itself, run by CPython
-    overrides: tuple[tuple[str, Value], ...] = ()  # parameters that are not as the file says
+    overrides: tuple[tuple[str, Value], ...] = ()  # parameters that differ from the file
 
     @functools.cached_property
     def parameters(self) -> dict[str, Value]:
-        """Its parameters' values here."""
-        found: dict[str, Value] = self.contents.parameters | dict(self.overrides)
-        return found
+        """The values of its parameters."""
+        values: dict[str, Value] = self.contents.parameters | dict(self.overrides)
+        return values
 
     @functools.cached_property
     def sha256(self) -> str:
@@ -40,35 +40,35 @@ class Program:
 
     @property
     def is_loaded(self) -> bool:
-        """Whether there are functions that can be called."""
+        """Whether its functions can be called."""
         return self.functions.__name__ != UNLOADED
 
     @property
     def label(self) -> str:
-        """Its name, and the parameters that are not as the file says."""
+        """Its name, and the parameters that differ from the file."""
         return " ".join([self.name, *(f"{name}={value}" for name, value in self.overrides)])
 
     @property
     def as_written(self) -> Self:
-        """The same with the file's own parameters: machine code is the same for all."""
+        """This program with the parameters of its file; machine code is shared by all values of parameters."""
         return replace(self, overrides=()) if self.overrides else self
 
     def with_parameters(self, values: Mapping[str, object]) -> Self:
-        """The same with other values of some parameters. Raises ValueError, naming the key and the value."""
-        given = dict(self.overrides)
+        """This program with other values of some parameters. Raises ValueError, naming the key and the value."""
+        overrides = dict(self.overrides)
         for name, value in values.items():
             own = self.contents.parameters
             if name not in own:
                 known = f"{did_you_mean(name, own)}it has {', '.join(own)}" if own else "it has none"
                 raise ValueError(f"the {self.kind} {self.name!r} has no parameter {name!r}: {known}")
             try:
-                found = value_of(value)
-                if length(found) != length(own[name]):
-                    asked = f"a vector of {length(own[name])}" if length(own[name]) else "a number"
-                    raise ValueError(f"the {self.kind} {self.name!r} asks for {asked}")
+                checked = value_of(value)
+                if length(checked) != length(own[name]):
+                    expected = f"a vector of {length(own[name])}" if length(own[name]) else "a number"
+                    raise ValueError(f"the {self.kind} {self.name!r} needs {expected}")
             except ValueError as error:
                 shown = list(value) if isinstance(value, tuple) else value
                 raise ValueError(f"{name} = {shown!r}: {error}") from None
-            given[name] = found
-        other = {name: value for name, value in given.items() if value != self.contents.parameters[name]}
-        return replace(self, overrides=tuple(sorted(other.items())))
+            overrides[name] = checked
+        differing = {name: value for name, value in overrides.items() if value != self.contents.parameters[name]}
+        return replace(self, overrides=tuple(sorted(differing.items())))
