@@ -161,7 +161,7 @@ class Independent(Search):
 
     def run(self, robots, brains, cases, times, trials, fresh=False):
         draws = np.random.default_rng([self.number, robots, fresh]).random((1, trials))
-        return [Curve(brains[0].told, cases[0], times, (draws < self.right(robots)).astype(float))]
+        return [Curve(brains[0].label, cases[0], times, (draws < self.right(robots)).astype(float))]
 
 
 @pytest.mark.long

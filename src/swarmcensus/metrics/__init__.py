@@ -1,6 +1,6 @@
-"""Metric files and the contract that they keep: found, checked, hashed; `library` holds those that come along.
+"""Metric files: found, checked against their contract, hashed; `library` has the shipped metrics.
 
-In: a metric file, or the name of one that is shipped or that another package gives.
+In: a metric file, or the name of a shipped one or of one of another package.
 Out: a Metric: its functions, the fields of its record, its unit and meaning.
 Must not know: how metrics are compiled, brains, worlds, studies.
 """

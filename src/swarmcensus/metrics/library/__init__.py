@@ -1,1 +1,1 @@
-"""The metrics that come with swarmcensus, a file each."""
+"""The shipped metrics, one file each."""

@@ -1,4 +1,4 @@
-"""The round from which on a robot decides for the right bin and never leaves it again (bins: paper, Sec. IV-A)."""
+"""The round from which a robot decides for the correct bin until the end (bins: paper, Sec. IV-A)."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""How far a robot's estimate moves in one round, at the most: what a robot that acts on it must bear."""
+"""The largest change of a robot's estimate in one round, for which a robot that acts on it must be prepared."""
 
 UNIT = "1"
 MEANING = "largest change of the estimate from one round to the next"
@@ -12,7 +12,7 @@ def begin(my):
 
 
 def watch(my, k, estimate, truth):
-    if k > 1:  # the first estimate comes out of nothing
+    if k > 1:  # there is no estimate before the first
         my.jump = max(my.jump, abs(estimate - my.last))
     my.last = estimate
 

@@ -1,4 +1,4 @@
-"""How far a robot's estimate is from the truth, over the whole of a trial: the area under its curve of errors."""
+"""The mean error of a robot's estimate over a trial: the area under its error curve, divided by the rounds."""
 
 UNIT = "1"
 MEANING = "mean |x - f| over all rounds"

@@ -1,4 +1,4 @@
-"""How long a robot takes to find the truth again after it has changed: from its last change on, and for good."""
+"""The time from the last change of the fill ratio until a robot's estimate stays near it."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""When nearly all of the swarm decides for the right bin for the first time (bins: paper, Sec. IV-A)."""
+"""The first round in which nearly the whole swarm decides for the correct bin (bins: paper, Sec. IV-A)."""
 
 from math import inf
 

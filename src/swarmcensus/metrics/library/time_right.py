@@ -1,4 +1,4 @@
-"""How much of the time a robot decides for the right bin (bins: paper, Sec. IV-A)."""
+"""The share of rounds in which a robot decides for the correct bin (bins: paper, Sec. IV-A)."""
 
 UNIT = "1"
 MEANING = "share of rounds in the correct bin"
