@@ -1,1 +1,1 @@
-"""The adversaries that come with swarmcensus, a file each: what they say in place of what their brain would say."""
+"""The shipped adversaries, one file each: what they say instead of what their brain would say."""

@@ -1,4 +1,4 @@
-"""Always black: whatever it sees and hears, it says that all is black."""
+"""Always black: it always says that everything is black."""
 
 
 def lie(me, x):

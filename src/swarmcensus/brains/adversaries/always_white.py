@@ -1,4 +1,4 @@
-"""Always white: whatever it sees and hears, it says that all is white."""
+"""Always white: it always says that everything is white."""
 
 
 def lie(me, x):

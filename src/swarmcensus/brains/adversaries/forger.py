@@ -1,7 +1,7 @@
-"""Forger: it says `value` under another name each round, one of so many `names`, and so counts as many robots."""
+"""Forger: it says `value` under a new name each round, one of `names` names, and so counts as many robots."""
 
 PARAMETERS = {"value": 1.0, "names": 1000000.0}
-MEMORY = {"alias": -1.0}  # below 0: its own name, for it has none yet
+MEMORY = {"alias": -1.0}  # below 0: no name is forged yet, and it uses its own
 
 
 def lie(me, x):

@@ -1,7 +1,7 @@
-"""Jammer: noise in a share `often` of the rounds; whom it reaches hears nothing then. In the others it is honest."""
+"""Jammer: it makes noise in a share `often` of the rounds, in which robots near it hear nothing; else it is honest."""
 
 PARAMETERS = {"often": 1.0}
-MEMORY = {"lot": 0.0}  # in the first round it jams, if ever
+MEMORY = {"lot": 0.0}  # 0: it jams in the first round, if `often` is above 0
 
 
 def lie(me, x):

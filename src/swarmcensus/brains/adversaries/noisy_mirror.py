@@ -1,7 +1,7 @@
-"""Noisy mirror: it repeats the mean of what it heard in the round before, up to `noise` more or less."""
+"""Noisy mirror: it repeats the mean of what it heard in the round before, plus or minus up to `noise`."""
 
 PARAMETERS = {"noise": 0.1}
-MEMORY = {"heard": 0.0, "sum": 0.0, "said": -1.0}  # said below 0: it has heard nothing yet
+MEMORY = {"heard": 0.0, "sum": 0.0, "said": -1.0}  # said is below 0 until it has heard something
 
 
 def hear(me, x):
@@ -14,7 +14,7 @@ def lie(me, x):
 
 
 def plot(me):
-    if me.heard > 0.0:  # else it says again what it said
+    if me.heard > 0.0:  # otherwise it repeats its last value
         me.said = min(max(me.sum / me.heard + me.noise * (2.0 * me.luck - 1.0), 0.0), 1.0)
         me.heard = 0.0
         me.sum = 0.0

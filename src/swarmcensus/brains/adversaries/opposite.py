@@ -1,4 +1,4 @@
-"""Opposite: it says black of what it takes for white, and white of what it takes for black."""
+"""Opposite: it says white for black and black for white."""
 
 
 def lie(me, x):

@@ -1,7 +1,7 @@
-"""Random: all white or all black by the toss of a coin, anew each round; with uniform = 1 any number in [0, 1]."""
+"""Random: in each round, all white or all black at random; with uniform = 1, any number in [0, 1]."""
 
 PARAMETERS = {"uniform": 0.0}
-MEMORY = {"said": -1.0}  # below 0: before the first toss
+MEMORY = {"said": -1.0}  # below 0: nothing is drawn yet
 
 
 def lie(me, x):

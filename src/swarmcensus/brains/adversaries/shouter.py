@@ -1,4 +1,4 @@
-"""Shouter: what is farthest from the truth as it sees it, `loud` times as sure as it is, and one more."""
+"""Shouter: it says what is farthest from its estimate, with its confidence plus 1, times `loud`."""
 
 PARAMETERS = {"loud": 1000.0}
 

@@ -1,4 +1,4 @@
-"""Slow liar: each round it goes `pace` farther from what it would honestly say, towards `goal`."""
+"""Slow liar: in each round, it moves `pace` farther from its honest value towards `goal`."""
 
 PARAMETERS = {"pace": 0.001, "goal": 1.0}
 MEMORY = {"far": 0.0}

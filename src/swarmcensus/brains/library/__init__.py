@@ -1,1 +1,1 @@
-"""The brains that come with swarmcensus, a file each."""
+"""The shipped brains, one file each."""

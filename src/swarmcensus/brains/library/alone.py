@@ -1,14 +1,14 @@
-"""A robot alone: the paper's local estimate, and nobody says anything. The lower bound of what talking is worth.
+"""A robot alone: the paper's local estimate without any communication. It is the lower bound for brains that talk.
 
 Local estimate as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect Sensors", Eq. 4. The
-function stands here again because a brain is one file: it goes onto the robot alone.
+function is repeated here because a brain is one file.
 
-Deviations: none of the local estimate; its confidence (Eq. 5) is left out, as nobody asks for it.
+Deviations: none in the local estimate; its confidence (Eq. 5) is left out because it is not used.
 """
 
 MEMORY = {
     "t": 0.0,  # observations made
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "x": 0.5,  # local estimate
 }
 MESSAGE = ("x",)
@@ -18,9 +18,9 @@ def observe(me, blacks, looks):
     """Local estimate (Eq. 4)."""
     me.t += looks
     me.n += blacks
-    slope = me.b + me.w - 1.0  # how much more often black says black than white does
+    slope = me.b + me.w - 1.0  # how much more often black tiles read black than white tiles do
     if me.t == 0.0 or abs(slope) < 1e-12:
-        return  # nothing seen, or a sensor that says the same of black and white
+        return  # no reading, or a sensor that tells nothing
     me.x = min(max((me.n / me.t + me.w - 1.0) / slope, 0.0), 1.0)
 
 
@@ -30,7 +30,7 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Nobody is heard either."""
+    """Messages are ignored."""
 
 
 def fuse(me):

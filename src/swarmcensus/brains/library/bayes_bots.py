@@ -1,10 +1,10 @@
 """Bayes Bots: each robot pools its own and its neighbours' observations in a Beta posterior, and decides once sure.
 
 Ebert, Gauci, Mallmann-Trenn and Nagpal, "Bayes Bots", 2020; soft feedback as in arXiv 2404.08390. `I_x(a, b)` is the
-Beta distribution function; a and b count black and white observations, a0 is the prior's count of either.
+Beta distribution function; a and b count black and white observations, and a0 is the prior's count of each colour.
 
     p      = I_0.5(a + a0, b + a0), the probability that f < 0.5
-    decide   undecided: white where p > threshold, black where p < 1 - threshold; never revoked
+    decide   if undecided: white if p > threshold, black if p < 1 - threshold; a decision is final
     say      (value, number): value is the last observation C; with positive feedback the decision, once there is one;
              with soft feedback Bernoulli(d (1 - p) + (1 - d) C), d = exp(-1250 Var) (0.5 - p)^2, Var the posterior's
     hear     a value counts as an observation if its number is new for that sender
@@ -13,17 +13,18 @@ As published: the above, a0 = 10, threshold = 0.95, an observation every 20 s (2
 with a0 = 1, every = 10 and patience = 401. The estimate (a + a0) / (a + b + 2 a0) is ours.
 
 Deviations:
-- The sender's name is part of the message, and numbers are remembered in 128 places, name modulo 128. A place whose
-  observation is off the air is free for whoever speaks first, in the same round for the lowest name; while it is held,
-  others who share it are not heard. Up to 128 robots are told apart without loss.
-- An observation is told for `every` rounds and then no more, even if the next reading is late: so a free place never
-  counts anything twice, in a swarm of one `every`. Values are cut to [0, 1].
-- An observation is all the readings of its round: R on fixed networks, one where robots move. Its value is their
-  share of black, and others' observations count as many readings as the own last one. With one reading nothing changes;
-  soft feedback rounds R times its probability up or down by lot, which for R = 1 is the Bernoulli draw.
-- The lot of soft feedback is drawn once an observation, not once a message.
-- De-biased (`debiased` = 1), f < 0.5 is asked as "the share of black readings is below (b + 1 - w) / 2", and the
-  estimate is clip((share + w - 1) / (b + w - 1), 0, 1), with the robot's own b and w for all that is counted.
+- The message contains the sender's name, and numbers are remembered in 128 places, at the name modulo 128. A place
+  whose observation is no longer sent is free for the next sender, in the same round for the lowest name; while it is
+  taken, other robots with that place are not heard. Up to 128 robots are distinguished without loss.
+- An observation is sent for `every` rounds and then no more, even if the next reading is late. So a free place never
+  counts anything twice, if all robots have the same `every`. Values are clipped to [0, 1].
+- An observation consists of all readings of its round: R on fixed networks, one if robots move. Its value is their
+  share of black, and observations of others count as many readings as the robot's own last one. With one reading, this
+  changes nothing; soft feedback rounds R times its probability up or down at random, which for R = 1 is the Bernoulli
+  draw.
+- The random number of soft feedback is drawn once per observation, not once per message.
+- With `debiased` = 1, f < 0.5 is tested as "the share of black readings is below (b + 1 - w) / 2", and the estimate is
+  clip((share + w - 1) / (b + w - 1), 0, 1), with the robot's own b and w for all observations.
 """
 
 import math
@@ -33,25 +34,25 @@ PARAMETERS = {
     "prior": 10.0,  # a0
     "threshold": 0.95,  # how sure a decision is
     "every": 200.0,  # rounds from one observation to the next
-    "patience": 0.0,  # no decision before so many observations were heard
+    "patience": 0.0,  # the observations that are heard before a decision
     "debiased": 0.0,  # 1: corrected for the sensor
 }
 MEMORY = {
     "black": 0.0,  # black observations, own and heard
-    "white": 0.0,  # white ones
+    "white": 0.0,  # white observations
     "number": 0.0,  # of the last own observation
     "seen": 0.0,  # its black readings
     "size": 1.0,  # all its readings
     "fresh": 0.0,  # 1 if it was made in this round
-    "wait": 0.0,  # rounds until the next is due
-    "now": 0.0,  # rounds lived
+    "wait": 0.0,  # rounds until the next observation
+    "now": 0.0,  # completed rounds
     "heard": 0.0,  # observations of others that counted
-    "news": 1.0,  # 1 if counts are not as p knows them
-    "p": 0.5,  # the probability that f < 0.5, as long as it is of use
+    "news": 1.0,  # 1 if counts have changed since p was computed
+    "p": 0.5,  # the probability that f < 0.5, as long as it is needed
     "pull": 0.0,  # d of soft feedback
     "lot": 0.5,  # a uniform number for the next message of soft feedback
     "decision": -1.0,
-    "who": (-1.0,) * 128,  # by place: whose observation was counted last
+    "who": (-1.0,) * 128,  # per place: the name whose observation was counted last
     "last": (0.0,) * 128,  # its number
     "said": (0.0,) * 128,  # its value
     "when": (-1e9,) * 128,  # the round in which it was counted, less 0.5 if the place was free before
@@ -65,7 +66,7 @@ HALF_LOG_2PI = 0.9189385332046727
 
 
 def observe(me, blacks, looks):
-    """Readings of a round in which an observation is due: other readings are not used."""
+    """Use the readings of a round in which an observation is due, and no others."""
     if me.wait > 0.0:
         return
     if me.fresh == 0.0:
@@ -81,14 +82,14 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The last observation, or what feedback makes of it, as long as it is on the air."""
+    """The last observation, altered by feedback, for `every` rounds."""
     if me.fresh == 0.0 and me.wait <= 0.0:
         return None
     return value(me), me.number, me.name
 
 
 def value(me):
-    """What is told for an observation."""
+    """The value that is sent for an observation."""
     if me.feedback == 1.0 and me.decision >= 0.0:
         return me.decision
     if me.feedback == 2.0:
@@ -98,12 +99,12 @@ def value(me):
 
 
 def receive(me, message):
-    """Count an observation that is new; of several for one place in a round the best, so that order means nothing."""
+    """Count a new observation; of several for one place in a round, one that does not depend on their order."""
     told, number, name = message
     told = min(max(told, 0.0), 1.0)
     k = int(name) % PLACES
     age = me.now - me.when[k]
-    if age < 1.0:  # one was counted in this round: it may give way
+    if age < 1.0:  # one was counted in this round, and may be replaced
         newer = name == me.who[k] and (number, told) > (me.last[k], me.said[k])
         lower = age > 0.0 and name < me.who[k]
         if not (newer or lower):
@@ -122,7 +123,7 @@ def receive(me, message):
 
 
 def count(me, told, times):
-    """Add an observation, or take it off again."""
+    """Add an observation, or remove it again."""
     me.news = 1.0
     me.heard += times
     me.black += times * me.size * told
@@ -130,7 +131,7 @@ def count(me, told, times):
 
 
 def fuse(me):
-    """How sure the robot is, and whether that is enough."""
+    """Update the probability, and decide if it is high enough."""
     if me.news > 0.0 and (me.decision < 0.0 or me.feedback == 2.0):
         me.news = 0.0
         a = me.black + me.prior
@@ -153,7 +154,7 @@ def fuse(me):
 
 
 def below_half(me, a, b):
-    """The probability that f < 0.5 under Beta(a, b), raw or of the share of black readings."""
+    """The probability that f < 0.5 under Beta(a, b), raw or corrected for the sensor."""
     if me.debiased == 0.0:
         return beta_below(0.5, a, b)
     slope = me.b + me.w - 1.0
@@ -164,7 +165,7 @@ def below_half(me, a, b):
 
 
 def variance(a, b):
-    """Of Beta(a, b)."""
+    """The variance of Beta(a, b)."""
     total = a + b
     if total <= 0.0:
         return 1.0
@@ -172,12 +173,12 @@ def variance(a, b):
 
 
 def beta_below(x, a, b):
-    """I_x(a, b), by its continued fraction on the side where that converges fast."""
-    if a <= 0.0 or b <= 0.0:  # no prior, and one colour never seen
+    """I_x(a, b), by the continued fraction on the side on which it converges fast."""
+    if a <= 0.0 or b <= 0.0:  # no prior, and no observation of one colour
         return 0.5 if a == b else (1.0 if a < b else 0.0)
     total = a + b
     off = x * total - a if x < 0.5 else b - (1.0 - x) * total
-    # logarithms of ratios near 1: differences of lgamma lose nine digits at counts of a million
+    # logarithms of ratios near 1, because differences of lgamma lose nine digits at counts of a million
     log_front = a * math.log1p(off / a) + b * math.log1p(-off / b) + beyond(total) - beyond(a) - beyond(b)
     front = math.exp(log_front) * math.sqrt(a * b / (2.0 * math.pi * total))
     if x * (total + 2.0) < a + 1.0:
@@ -186,7 +187,7 @@ def beta_below(x, a, b):
 
 
 def beyond(z):
-    """What ln(gamma(z)) is beyond Stirling's formula."""
+    """The difference between ln(gamma(z)) and Stirling's formula."""
     if z < 10.0:
         return math.lgamma(z) - (z - 0.5) * math.log(z) + z - HALF_LOG_2PI
     y = 1.0 / (z * z)
@@ -194,7 +195,7 @@ def beyond(z):
 
 
 def fraction(x, off, a, b):
-    """The continued fraction of I_x(a, b), by Lentz's method: about the root of the counts in steps."""
+    """The continued fraction of I_x(a, b), by Lentz's method, in about sqrt(a + b) steps."""
     c = 1.0
     d = (a + 1.0) / (1.0 - off)  # which is 1 / (1 - (a + b) x / (a + 1))
     f = d
@@ -227,5 +228,5 @@ def estimate(me):
 
 
 def decide(me):
-    """White, black, or none yet."""
+    """White, black, or no decision yet."""
     return me.decision

@@ -1,48 +1,48 @@
-"""Robots whose sensors drift, and that follow them by a Kalman filter on what they agree on (BayesCPF).
+"""Robots whose sensors degrade estimate their accuracy by a Kalman filter on the swarm's consensus (BayesCPF).
 
 arXiv 2504.04774. Local and informed estimates are those of Chin, Khaluf and Pinciroli, "Minimalistic Collective
-Perception with Imperfect Sensors", Eqs. 4 to 8, and stand here again because a brain is one file. A robot believes
-that its accuracy b = w is normal, of mean mu and variance P. Every T rounds, with n of the last m readings black and
-x' an older consensus:
+Perception with Imperfect Sensors", Eqs. 4 to 8, repeated here because a brain is one file. A robot's belief about its
+accuracy b = w is normal, with mean mu and variance P. Every T rounds, with n of the last m readings black and an older
+consensus x':
 
     predict    mu += T B,  P += T R
     correct    p = x' mu + (1 - x')(1 - mu),  C = m (2 x' - 1),  K = P C / (C^2 P + m p (1 - p))
                mu += K (n - m p),  P = (1 - K C) P,   only if m mu >= 5 and m (1 - mu) >= 5
 
-As published: these equations, T, R, the first P, and B, of which 1e-5 a tick is the middle one of three. Deviations,
-as the original keeps two windows of its past and a brain has fixed memory: n and m are forgotten by a share of
-1/window at each reading; x' is no mean of up to 1,000 past informed estimates that weighs the oldest most, but a
-running mean of a running mean of them, each a plain one up to 333 updates, so that in the end an age of k counts as k
-l^k and the mean age is the same two thirds of 1,000. The window was not to be found: 1,000 readings. mu is kept
-within [0, 1], and what is believed within [1/2, 1]: to a robot whose sensor lies more often than not its readings say
-nothing once it learns. Where a robot is told b and w apart, the filter begins at their mean. At x' = 1/2 C is 0 and
-nothing is learnt. The variance of what is forgotten bit by bit is half of m p (1 - p), and readings are used again by
-each update: both as if it were a window.
+As published: these equations, T, R, the first P, and B; of its three published values, 1e-5 per tick is the middle one.
+Deviations, because the original keeps two windows of its past and a brain has fixed memory: n and m lose a share of
+1/window at each reading. x' is not a mean of up to 1,000 past informed estimates with the largest weight on the oldest,
+but a running mean of a running mean, each a plain mean for the first 333 updates. In the end an estimate of age k has
+weight k l^k, and the mean age is the same two thirds of 1,000. The length of the window was not found: here it is 1,000
+readings. mu is kept within [0, 1], and the believed accuracy within [1/2, 1]: a robot whose sensor is wrong more often
+than right gives its readings no weight once it learns. If the assumed b and w differ, the filter begins at their mean.
+At x' = 1/2, C is 0 and nothing is learnt. The variance of exponentially forgotten readings is half of m p (1 - p), and
+each update uses readings again; both are treated as in a window.
 """
 
 import math
 
-LEAST = 5.0  # blacks and whites, from which a count is near enough to normal
-FORGOTTEN = 1e-9  # share of what counts below which readings of a colour are none
-LEVEL = 1e-12  # likelihood of [1/2, 1] below which its nearer end is believed
+LEAST = 5.0  # black and white readings from which a count is nearly normal
+FORGOTTEN = 1e-9  # the share of readings below which those of a colour are forgotten
+LEVEL = 1e-12  # the probability of [1/2, 1] below which its nearer end is used
 
 PARAMETERS = {
     "every": 5.0,  # T, rounds between two updates
     "drift": -1e-5,  # B, of the accuracy in a round
     "noise": 1e-8,  # R, variance of the drift in a round
-    "doubt": 1e-4,  # P before anything is seen
+    "doubt": 1e-4,  # P before the first reading
     "window": 1000.0,  # readings that count
-    "past": 333.0,  # updates that each of two running means of the informed estimate reaches back
-    "truncated": 0.0,  # 1: what is believed is the mean of the normal within [1/2, 1], and not mu
+    "past": 333.0,  # updates: the length of each of two running means of the informed estimate
+    "truncated": 0.0,  # 1: the believed accuracy is the mean of the normal truncated to [1/2, 1], not mu
 }
 MEMORY = {
-    "t": 0.0,  # m: observations made, of which the older count less
-    "n": 0.0,  # of which said black
-    "mu": 0.5,  # the accuracy, once anything was learnt of it
-    "variance": -1.0,  # P; below 0 until anything was learnt
+    "t": 0.0,  # m: observations, with less weight for older ones
+    "n": 0.0,  # black ones among them
+    "mu": 0.5,  # the accuracy, once learnt
+    "variance": -1.0,  # P; below 0 until learnt
     "updates": 0.0,  # so far
     "recent": 0.5,  # a running mean of the informed estimate
-    "past_x": 0.5,  # x': a running mean of that
+    "past_x": 0.5,  # x': a running mean of `recent`
     "x_hat": 0.5,  # local estimate
     "alpha": 0.0,  # local confidence
     "x_bar": 0.5,  # social estimate
@@ -58,13 +58,13 @@ SUMS = ("heard", "heard_alpha", "heard_x")
 
 
 def observe(me, blacks, looks):
-    """Count, forget, and estimate."""
+    """Count readings, forget, and estimate."""
     share = 1.0 / max(me.window, 1.0)
     keep = (1.0 - share) ** looks
-    fresh = (1.0 - keep) / share  # what `looks` readings are worth after the last of them
+    fresh = (1.0 - keep) / share  # the weight of `looks` readings after the last of them
     me.t = keep * me.t + fresh
     me.n = keep * me.n + fresh * (blacks / looks)
-    if me.n < FORGOTTEN * me.t:  # the last black, or white, reading is all but forgotten: it was none
+    if me.n < FORGOTTEN * me.t:  # the last black, or white, reading is forgotten
         me.n = 0.0
     elif me.t - me.n < FORGOTTEN * me.t:
         me.n = me.t
@@ -72,8 +72,8 @@ def observe(me, blacks, looks):
 
 
 def believed(me):
-    """The accuracy b = w that it believes in."""
-    if me.variance < 0.0:  # nothing was learnt yet
+    """The believed accuracy b = w."""
+    if me.variance < 0.0:  # nothing is learnt yet
         return 0.5 * (me.b + me.w)
     if me.truncated == 0.0 or me.variance == 0.0:
         return min(max(me.mu, 0.5), 1.0)
@@ -88,7 +88,7 @@ def believed(me):
 
 
 def estimate_alone(me):
-    """Local estimate (Eq. 4) and its Fisher information (Eq. 5), by the accuracies that it believes in."""
+    """Local estimate (Eq. 4) and its Fisher information (Eq. 5), with the believed accuracies."""
     t = me.t
     n = me.n
     b = me.b
@@ -96,33 +96,33 @@ def estimate_alone(me):
     if me.variance >= 0.0:
         b = believed(me)
         w = b
-    slope = b + w - 1.0  # how much more often black says black than white does
-    if t == 0.0 or abs(slope) < 1e-12:  # nothing seen, or a sensor that says the same of black and white
+    slope = b + w - 1.0  # how much more often black tiles read black than white tiles do
+    if t == 0.0 or abs(slope) < 1e-12:  # no reading, or a sensor that tells nothing
         me.x_hat = 0.5
         me.alpha = 0.0
         return
     q = slope * slope
-    low = (1.0 - w) * t  # the blacks that an all-white floor is expected to give
-    high = b * t  # and an all-black one
+    low = (1.0 - w) * t  # expected black readings on an all-white floor
+    high = b * t  # and on an all-black one
     if slope > 0.0:
         white = n <= low
         black = n >= high
     else:
         white = n >= low
         black = n <= high
-    if white:  # Eq. 4 and 5, first case, in a form that has a value at w = 1 too
+    if white:  # Eqs. 4 and 5, first case, in a form that is defined at w = 1 too
         me.x_hat = 0.0
         me.alpha = q * (share(n, (1.0 - w) * (1.0 - w)) + share(t - n, w * w))
     elif black:  # third case, likewise at b = 1
         me.x_hat = 1.0
         me.alpha = q * (share(n, b * b) + share(t - n, (1.0 - b) * (1.0 - b)))
     else:
-        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may exceed [0, 1]
         me.alpha = q * t * t * t / (n * (t - n))
 
 
 def share(count, variance):
-    """What `count` readings of one colour add to the confidence: none add nothing."""
+    """The confidence from `count` readings of one colour; 0 without readings."""
     if count == 0.0:
         return 0.0
     return count / variance
@@ -143,7 +143,7 @@ def receive(me, message):
 
 def fuse(me):
     """Social estimate (Eqs. 7 and 8) and informed estimate (Eq. 6); then, every T rounds, the filter."""
-    if me.heard > 0.0:  # with no neighbour in reach the last social values stay
+    if me.heard > 0.0:  # without neighbours, the last social values stay
         me.beta = me.heard_alpha
         if me.beta > 0.0:
             me.x_bar = me.heard_x / me.beta
@@ -162,7 +162,7 @@ def fuse(me):
 
 
 def remember(me):
-    """An older consensus: two running means in a row, the latest estimates being the least of it.
+    """An older consensus: a running mean of a running mean, in which the latest estimates count least.
 
     Plain means at first: what the first few readings said would else be remembered for too long, and believed.
     """

@@ -1,7 +1,7 @@
-"""Belief sharing: each robot weighs ten fill ratios by its readings, and by the belief of one neighbour at a time.
+"""Belief sharing: each robot weighs ten fill ratios by its readings and by the belief of one neighbour at a time.
 
-Shan and Mostaghim, discrete collective estimation by distributed Bayesian belief sharing (DBBS), 2020 to 2024. Of the
-hypotheses h = 0.05, 0.15 ... 0.95 a robot holds s, what its own readings say, and n, what it has heard.
+Shan and Mostaghim, discrete collective estimation by distributed Bayesian belief sharing (DBBS), 2020 to 2024. For the
+hypotheses h = 0.05, 0.15 ... 0.95, a robot holds s, the evidence of its own readings, and n, what it has heard.
 
     reading    s *= h if black else 1 - h; normalised; at least 0.001 / 10
     each step  of one random neighbour j:  n = normalise(n^lambda s_j n_j^mu)
@@ -11,13 +11,13 @@ hypotheses h = 0.05, 0.15 ... 0.95 a robot holds s, what its own readings say, a
 As published: the above, a step every second (10 rounds), lambda = 0.8 (0.7 in 2024), mu = 0.4. lambda is `forget` here.
 
 Deviations:
-- All robots step at once, with what was said one step before (the source updates one robot after the other), and speak
-  in the first round after a step alone: more is not listened to.
-- The readings of a step are folded into s together, and the floor under s holds after them all.
+- All robots step at once, with the messages of the step before; the source updates one robot after the other. They only
+  speak in the first round after a step, because later messages would not be used.
+- The readings of a step are multiplied into s together, and the lower bound of s is applied after them.
 - All readings count, not only those of robots that go straight on.
-- n is kept above 1e-30, and as it was where that and the message exclude each other, where the source has logarithms.
-- Noise-aware (`debiased` = 1), a reading is black with probability b h + (1 - w)(1 - h); if b + w = 1 it says nothing.
-- Of hypotheses that are level, to nine digits, the lowest is decided for; while all are, none is.
+- n is kept above 1e-30, and stays as it was if it and the message exclude each other; the source has logarithms.
+- With `debiased` = 1, a reading is black with probability b h + (1 - w)(1 - h); if b + w = 1 it says nothing.
+- If several hypotheses are equal to nine digits, the decision is for the lowest; if all are, there is none.
 """
 
 import math
@@ -26,24 +26,24 @@ H = 10
 OPTIONS = 10
 
 PARAMETERS = {
-    "forget": 0.8,  # lambda: what is left of what was heard before
-    "mu": 0.4,  # how much of what a neighbour has heard is told on
-    "every": 10.0,  # rounds from step to step
-    "least": 0.001,  # the floor under s, times H
-    "debiased": 0.0,  # 1: noise-aware
+    "forget": 0.8,  # lambda: the exponent of what was heard before
+    "mu": 0.4,  # the exponent of what a neighbour has heard in its message
+    "every": 10.0,  # rounds per step
+    "least": 0.001,  # the lower bound of s, times the number of hypotheses
+    "debiased": 0.0,  # 1: readings are corrected for the sensor
 }
 MEMORY = {
     "readings": 0.0,  # readings since the last step
-    "black": 0.0,  # of which said black
+    "black": 0.0,  # black ones among them
     "clock": 0.0,  # rounds since the last step
     "steps": 0.0,  # so far
     "heard": 0.0,  # messages since the last step
     "kept": (0.0,) * 10,  # one of them
-    "s": (0.1,) * 10,  # what the own readings say
-    "n": (0.1,) * 10,  # what was heard
-    "belief": (0.1,) * 10,  # what is told
-    "x": 0.5,  # the mean of both
-    "choice": -1.0,  # the best of both
+    "s": (0.1,) * 10,  # evidence of the own readings
+    "n": (0.1,) * 10,  # evidence heard
+    "belief": (0.1,) * 10,  # what is sent
+    "x": 0.5,  # the mean of s n
+    "choice": -1.0,  # the largest of s n
 }
 MESSAGE = ("belief",)
 
@@ -51,20 +51,20 @@ TINY = 1e-30
 
 
 def observe(me, blacks, looks):
-    """Readings are kept for the next step."""
+    """Keep readings for the next step."""
     me.readings += looks
     me.black += blacks
 
 
 def broadcast(me):
-    """What is believed, once a step."""
+    """The belief, once per step."""
     if me.steps == 0.0 or me.clock > 0.0:
         return None
     return (me.belief,)
 
 
 def receive(me, message):
-    """Keep the k-th message of a step with probability 1/k: each of them is then as likely to be kept."""
+    """Keep the k-th message of a step with probability 1/k, so that each is equally likely to be kept."""
     me.heard += 1.0
     if me.luck * me.heard < 1.0:
         for k in range(H):
@@ -72,7 +72,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The end of a round, and at times of a step."""
+    """The end of a round, and sometimes of a step."""
     me.clock += 1.0
     if me.clock < me.every:
         return
@@ -94,7 +94,7 @@ def hypothesis(k):
 
 
 def fold_readings(me):
-    """s by Bayes' rule, in logarithms while it is formed: many readings are unlikely under any hypothesis."""
+    """Update s by Bayes' rule, in logarithms, because many readings are unlikely under any hypothesis."""
     slope = me.b + me.w - 1.0
     if me.debiased == 1.0 and abs(slope) < 1e-12:
         return
@@ -114,7 +114,7 @@ def fold_readings(me):
 
 
 def fold_message(me):
-    """n, by what one neighbour said."""
+    """Update n by the message of one neighbour."""
     total = 0.0
     for k in range(H):
         me.kept[k] = me.n[k] ** me.forget * max(me.kept[k], 0.0)
@@ -126,7 +126,7 @@ def fold_message(me):
 
 
 def conclude(me):
-    """What to tell, to estimate and to decide, of s and n."""
+    """Compute message, estimate and decision from s and n."""
     said = 0.0
     both = 0.0
     mean = 0.0
@@ -150,10 +150,10 @@ def conclude(me):
 
 
 def estimate(me):
-    """The mean of all that is believed."""
+    """The mean of the belief."""
     return me.x
 
 
 def decide(me):
-    """The hypothesis that is believed most, as the bin of which it is the middle."""
+    """The most believed hypothesis, as the number of its bin."""
     return me.choice

@@ -1,7 +1,7 @@
-"""Belief sharing by a single number: the neighbour says which of ten fill ratios it holds for the best, and no more.
+"""Belief sharing by a single number: a neighbour only says which of ten fill ratios it believes most.
 
-A proposal of ours, to ask what the ten numbers of `belief-sharing` are worth: no source has it. All else is as there,
-after Shan and Mostaghim's distributed Bayesian belief sharing (DBBS), whose functions stand here again because a brain
+This is our own proposal, to measure what the ten numbers of `belief-sharing` are worth; it has no source. The rest is
+as in Shan and Mostaghim's distributed Bayesian belief sharing (DBBS), whose functions are repeated here because a brain
 is one file.
 
     reading    s *= h if black else 1 - h; normalised; at least 0.001 / 10
@@ -10,8 +10,9 @@ is one file.
     estimate   the mean of s n, the decision its largest
 
 Deviations from belief-sharing:
-- The Gaussian in place of the neighbour's belief, of a width of two hypotheses: who is best is known to about so much.
-- Who holds all hypotheses for level says nothing. There is no mu.
+- A Gaussian replaces the neighbour's belief. Its width is that of two hypotheses, about as accurately
+  as a neighbour knows the best one.
+- A robot for which all hypotheses are equal is silent. There is no mu.
 """
 
 import math
@@ -20,22 +21,22 @@ H = 10
 OPTIONS = 10
 
 PARAMETERS = {
-    "forget": 0.8,  # lambda: what is left of what was heard before
-    "width": 0.2,  # how near the truth a neighbour's best is taken to be, as a fill ratio
-    "every": 10.0,  # rounds from step to step
-    "least": 0.001,  # the floor under s, times H
-    "debiased": 0.0,  # 1: noise-aware
+    "forget": 0.8,  # lambda: the exponent of what was heard before
+    "width": 0.2,  # the assumed error of a neighbour's best, as a fill ratio
+    "every": 10.0,  # rounds per step
+    "least": 0.001,  # the lower bound of s, times the number of hypotheses
+    "debiased": 0.0,  # 1: readings are corrected for the sensor
 }
 MEMORY = {
     "readings": 0.0,  # readings since the last step
-    "black": 0.0,  # of which said black
+    "black": 0.0,  # black ones among them
     "clock": 0.0,  # rounds since the last step
     "heard": 0.0,  # messages since the last step
     "kept": 0.0,  # one of them
-    "s": (0.1,) * 10,  # what the own readings say
-    "n": (0.1,) * 10,  # what was heard
-    "x": 0.5,  # the mean of both
-    "choice": -1.0,  # the best of both
+    "s": (0.1,) * 10,  # evidence of the own readings
+    "n": (0.1,) * 10,  # evidence heard
+    "x": 0.5,  # the mean of s n
+    "choice": -1.0,  # the largest of s n
 }
 MESSAGE = ("option",)
 
@@ -43,27 +44,27 @@ TINY = 1e-30
 
 
 def observe(me, blacks, looks):
-    """Readings are kept for the next step."""
+    """Keep readings for the next step."""
     me.readings += looks
     me.black += blacks
 
 
 def broadcast(me):
-    """What is believed most, once a step."""
+    """The most believed hypothesis, once per step."""
     if me.choice < 0.0 or me.clock > 0.0:
         return None
     return (me.choice,)
 
 
 def receive(me, message):
-    """Keep the k-th message of a step with probability 1/k: each of them is then as likely to be kept."""
+    """Keep the k-th message of a step with probability 1/k, so that each is equally likely to be kept."""
     me.heard += 1.0
     if me.luck * me.heard < 1.0:
         me.kept = message[0]
 
 
 def fuse(me):
-    """The end of a round, and at times of a step."""
+    """The end of a round, and sometimes of a step."""
     me.clock += 1.0
     if me.clock < me.every:
         return
@@ -85,7 +86,7 @@ def hypothesis(k):
 
 
 def fold_readings(me):
-    """s by Bayes' rule, in logarithms while it is formed: many readings are unlikely under any hypothesis."""
+    """Update s by Bayes' rule, in logarithms, because many readings are unlikely under any hypothesis."""
     slope = me.b + me.w - 1.0
     if me.debiased == 1.0 and abs(slope) < 1e-12:
         return
@@ -105,7 +106,7 @@ def fold_readings(me):
 
 
 def fold_message(me):
-    """n, by what one neighbour holds for the best."""
+    """Update n by the best hypothesis of one neighbour."""
     total = 0.0
     for k in range(H):
         off = (hypothesis(k) - hypothesis(me.kept)) / me.width
@@ -116,7 +117,7 @@ def fold_message(me):
 
 
 def conclude(me):
-    """What to estimate and to decide, of s and n."""
+    """Compute estimate and decision from s and n."""
     both = 0.0
     mean = 0.0
     best = 0
@@ -135,10 +136,10 @@ def conclude(me):
 
 
 def estimate(me):
-    """The mean of all that is believed."""
+    """The mean of the belief."""
     return me.x
 
 
 def decide(me):
-    """The hypothesis that is believed most, as the bin of which it is the middle."""
+    """The most believed hypothesis, as the number of its bin."""
     return me.choice

@@ -1,42 +1,43 @@
-"""Bayes Bots on a floor that may change: evidence is limited, doubt resets, or a change is detected and told.
+"""Bayes Bots on a floor that may change: evidence is limited, doubt resets, or changes are detected and announced.
 
 Pfister and Hamann, 2022 and 2023, after the Bayes Bots of Ebert, Gauci, Mallmann-Trenn and Nagpal, 2020, whose
-functions stand here again because a brain is one file. `I_x(a, b)` is the Beta distribution function, a0 the prior's
-count of either colour.
+functions are repeated here because a brain is one file. `I_x(a, b)` is the Beta distribution function, and a0 the
+prior's count of each colour.
 
     p      = I_0.5(a + a0, b + a0), the probability that f < 0.5
-    decide   undecided: white where p > threshold, black where p < 1 - threshold
-    2022     limit: once one side is believed with 0.99, nothing more is counted for it, until it is believed less
-             doubt: who believes the own decision with less than 0.55 goes back to the prior, undecided
-    2023     who detects a change in the own observations goes back to the prior, undecided, and tells so for 50 s;
-             who hears three distinct robots tell so goes back too
+    decide   if undecided: white if p > threshold, black if p < 1 - threshold
+    2022     limit: while one side has a probability above 0.99, no more evidence for it is counted
+             doubt: a robot whose decision has a probability below 0.55 returns to the prior, undecided
+    2023     a robot that detects a change in its own observations returns to the prior, undecided, and announces the
+             change for 50 s; a robot that hears this from three distinct robots returns to the prior too
 
 As published: the above, a0 = 10, threshold = 0.95, an observation every 20 s (200 rounds). The estimate
 (a + a0) / (a + b + 2 a0) is ours.
 
 Deviations:
-- The detector is a CUSUM in place of PELT, whose memory would grow: with z the share of black of an observation and m
+- The detector is a CUSUM in place of PELT, whose memory would grow. With z the share of black of an observation and m
   that of all earlier ones since the last change, up = max(0, up + z - m - slack), down = max(0, down + m - z - slack),
-  from the eleventh observation on; an alarm is up or down above `alarm`. It sees raw readings, de-biased or not.
+  from the eleventh observation on; there is an alarm if up or down is above `alarm`. It uses raw readings in any case.
 - `detect` = 1 adds detection to limit and doubt; `limit` = 2 and `doubt` = 0 switch those off.
-- The limit is looked at once a round: what one round brings is counted or not as the last one ended.
-- Who goes back because of others does not tell, and nobody listens to tellers for 50 s after a change, so that a wave
-  ends. Of tellers the three lowest names are kept, until 50 s after the first.
-- Feedback (`feedback` = 1: decided robots tell their decision) is off, as a swarm that repeats itself sees no change.
-- As in `bayes-bots`: names are told, and remembered in 128 places; an observation is on the air for `every` rounds; it
-  is all the readings of its round; `debiased` = 1 corrects for the own sensor.
+- The limit is checked once a round: all evidence of a round is counted or not by the state at the end of the last one.
+- A robot that resets because of others does not announce it, and ignores announcements for 50 s after a change, so that
+  a wave of resets ends. Of the announcing robots the three lowest names are kept, until 50 s after the first.
+- Feedback (`feedback` = 1: decided robots send their decision) is off, because a swarm that repeats itself sees no
+  change.
+- As in `bayes-bots`: names are sent, and remembered in 128 places; an observation is sent for `every` rounds; it
+  consists of all readings of its round; `debiased` = 1 corrects for the robot's own sensor.
 """
 
 import math
 
 PARAMETERS = {
     "detect": 0.0,  # 1: changes are detected
-    "doubt": 0.55,  # a decision that is believed less is dropped
-    "limit": 0.99,  # a side that is believed so much gets no more evidence
-    "slack": 0.1,  # of the detector: what is no change
-    "alarm": 4.0,  # of the detector: how much beyond the slack is a change, in observations
-    "tell": 500.0,  # rounds for which a change is told
-    "feedback": 0.0,  # 1: decisions are told in place of observations
+    "doubt": 0.55,  # a decision with a lower probability is dropped
+    "limit": 0.99,  # a side with a higher probability gets no more evidence
+    "slack": 0.1,  # of the detector: differences that are ignored
+    "alarm": 4.0,  # of the detector: the sum of differences beyond the slack that is a change
+    "tell": 500.0,  # rounds for which a change is announced
+    "feedback": 0.0,  # 1: decisions are sent in place of observations
     "prior": 10.0,  # a0
     "threshold": 0.95,  # how sure a decision is
     "every": 200.0,  # rounds from one observation to the next
@@ -44,26 +45,26 @@ PARAMETERS = {
 }
 MEMORY = {
     "black": 0.0,  # black observations, own and heard, since the last reset
-    "white": 0.0,  # white ones
-    "full": -1.0,  # the colour for which no more is counted
+    "white": 0.0,  # white observations
+    "full": -1.0,  # the colour for which no more evidence is counted
     "number": 0.0,  # of the last own observation
     "seen": 0.0,  # its black readings
     "size": 1.0,  # all its readings
     "fresh": 0.0,  # 1 if it was made in this round
-    "wait": 0.0,  # rounds until the next is due
-    "now": 0.0,  # rounds lived
-    "news": 1.0,  # 1 if counts are not as p knows them
+    "wait": 0.0,  # rounds until the next observation
+    "now": 0.0,  # completed rounds
+    "news": 1.0,  # 1 if counts have changed since p was computed
     "p": 0.5,  # the probability that f < 0.5
     "decision": -1.0,
     "t": 0.0,  # own observations since the last change
     "n": 0.0,  # the sum of their shares of black
     "up": 0.0,  # the detector's two sums
     "down": 0.0,
-    "telling": 0.0,  # rounds for which a change is still told
-    "deaf": 0.0,  # rounds for which tellers are not listened to
-    "tellers": (1e30,) * 3,  # the lowest names that told a change, in order
-    "since": 0.0,  # rounds since the first of them did
-    "who": (-1.0,) * 128,  # by place: whose observation was counted last
+    "telling": 0.0,  # remaining rounds of announcing a change
+    "deaf": 0.0,  # remaining rounds of ignoring announcements
+    "tellers": (1e30,) * 3,  # the lowest names that announced a change, rising
+    "since": 0.0,  # rounds since the first of them
+    "who": (-1.0,) * 128,  # per place: the name whose observation was counted last
     "last": (0.0,) * 128,  # its number
     "said": (0.0,) * 128,  # its value
     "when": (-1e9,) * 128,  # the round in which it was counted, less 0.5 if the place was free before
@@ -72,14 +73,14 @@ MESSAGE = ("value", "number", "name", "changed")
 ROLES = {"value": "opinion", "name": "name"}
 
 PLACES = 128
-ENOUGH = 3  # tellers
+ENOUGH = 3  # robots that announce a change
 NOBODY = 1e30
 EARLY = 10.0  # observations before the detector looks
 HALF_LOG_2PI = 0.9189385332046727
 
 
 def observe(me, blacks, looks):
-    """Readings of a round in which an observation is due: other readings are not used."""
+    """Use the readings of a round in which an observation is due, and no others."""
     if me.wait > 0.0:
         return
     if me.fresh == 0.0:
@@ -93,7 +94,7 @@ def observe(me, blacks, looks):
 
 
 def count(me, blacks, whites):
-    """Add evidence, or take it off again, but for a side that has enough."""
+    """Add evidence, or remove it again, except for a side that has enough."""
     me.news = 1.0
     if me.full != 1.0:
         me.black += blacks
@@ -102,7 +103,7 @@ def count(me, blacks, whites):
 
 
 def broadcast(me):
-    """The last observation, or the decision with feedback, and whether a change was detected, while on the air."""
+    """The last observation, or with feedback the decision, and whether a change is announced, for `every` rounds."""
     if me.fresh == 0.0 and me.wait <= 0.0:
         return None
     changed = 1.0 if me.telling > 0.0 else 0.0
@@ -112,14 +113,14 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Count an observation that is new; of several for one place in a round the best, so that order means nothing."""
+    """Count a new observation; of several for one place in a round, one that does not depend on their order."""
     told, number, name, changed = message
     told = min(max(told, 0.0), 1.0)
     if changed > 0.0 and me.detect == 1.0 and me.deaf <= 0.0:
         note(me, name)
     k = int(name) % PLACES
     age = me.now - me.when[k]
-    if age < 1.0:  # one was counted in this round: it may give way
+    if age < 1.0:  # one was counted in this round, and may be replaced
         newer = name == me.who[k] and (number, told) > (me.last[k], me.said[k])
         lower = age > 0.0 and name < me.who[k]
         if not (newer or lower):
@@ -149,7 +150,7 @@ def note(me, name):
 
 
 def fuse(me):
-    """A change, own or told, or else what the evidence says."""
+    """React to a change, detected or announced, or else update the decision."""
     detected = me.detect == 1.0 and me.fresh > 0.0 and detects(me)
     if detected or me.tellers[ENOUGH - 1] < NOBODY:
         reset(me)
@@ -167,7 +168,7 @@ def fuse(me):
 
 
 def detects(me):
-    """Hold the new observation against the mean of those before."""
+    """Compare the new observation with the mean of the earlier ones."""
     z = me.seen / me.size
     if me.t >= EARLY:
         off = z - me.n / me.t
@@ -179,7 +180,7 @@ def detects(me):
 
 
 def reset(me):
-    """Back to the prior, undecided."""
+    """Return to the prior, undecided."""
     me.black = 0.0
     me.white = 0.0
     me.full = -1.0
@@ -189,7 +190,7 @@ def reset(me):
 
 
 def weigh(me):
-    """How sure the robot is: enough to decide, too little to stay decided, or so much that one side is full."""
+    """Update the probability: decide, drop the decision, or count no more for one side."""
     me.news = 0.0
     me.p = below_half(me, me.black + me.prior, me.white + me.prior)
     if me.decision < 0.0:
@@ -202,7 +203,7 @@ def weigh(me):
     me.full = -1.0
     if max(me.p, 1.0 - me.p) >= me.limit:
         white = me.p > 0.5
-        lies = me.debiased == 1.0 and me.b + me.w < 1.0  # black readings then speak for white
+        lies = me.debiased == 1.0 and me.b + me.w < 1.0  # black readings then suggest white
         me.full = 1.0 if white == lies else 0.0
 
 
@@ -222,14 +223,14 @@ def pass_time(me):
 
 
 def forget_tellers(me):
-    """None has told a change."""
+    """Forget all announcements."""
     me.since = 0.0
     for k in range(ENOUGH):
         me.tellers[k] = NOBODY
 
 
 def below_half(me, a, b):
-    """The probability that f < 0.5 under Beta(a, b), raw or of the share of black readings."""
+    """The probability that f < 0.5 under Beta(a, b), raw or corrected for the sensor."""
     if me.debiased == 0.0:
         return beta_below(0.5, a, b)
     slope = me.b + me.w - 1.0
@@ -240,12 +241,12 @@ def below_half(me, a, b):
 
 
 def beta_below(x, a, b):
-    """I_x(a, b), by its continued fraction on the side where that converges fast."""
-    if a <= 0.0 or b <= 0.0:  # no prior, and one colour never seen
+    """I_x(a, b), by the continued fraction on the side on which it converges fast."""
+    if a <= 0.0 or b <= 0.0:  # no prior, and no observation of one colour
         return 0.5 if a == b else (1.0 if a < b else 0.0)
     total = a + b
     off = x * total - a if x < 0.5 else b - (1.0 - x) * total
-    # logarithms of ratios near 1: differences of lgamma lose nine digits at counts of a million
+    # logarithms of ratios near 1, because differences of lgamma lose nine digits at counts of a million
     log_front = a * math.log1p(off / a) + b * math.log1p(-off / b) + beyond(total) - beyond(a) - beyond(b)
     front = math.exp(log_front) * math.sqrt(a * b / (2.0 * math.pi * total))
     if x * (total + 2.0) < a + 1.0:
@@ -254,7 +255,7 @@ def beta_below(x, a, b):
 
 
 def beyond(z):
-    """What ln(gamma(z)) is beyond Stirling's formula."""
+    """The difference between ln(gamma(z)) and Stirling's formula."""
     if z < 10.0:
         return math.lgamma(z) - (z - 0.5) * math.log(z) + z - HALF_LOG_2PI
     y = 1.0 / (z * z)
@@ -262,7 +263,7 @@ def beyond(z):
 
 
 def fraction(x, off, a, b):
-    """The continued fraction of I_x(a, b), by Lentz's method: about the root of the counts in steps."""
+    """The continued fraction of I_x(a, b), by Lentz's method, in about sqrt(a + b) steps."""
     c = 1.0
     d = (a + 1.0) / (1.0 - off)  # which is 1 / (1 - (a + b) x / (a + 1))
     f = d
@@ -295,5 +296,5 @@ def estimate(me):
 
 
 def decide(me):
-    """White, black, or none yet."""
+    """White, black, or no decision yet."""
     return me.decision

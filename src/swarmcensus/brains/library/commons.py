@@ -1,16 +1,17 @@
-"""Commons: robots mix running sums of all evidence, and divide; what one has seen reaches all, two numbers at a time.
+"""Commons: robots average running sums of all evidence and divide them, so that every reading reaches every robot.
 
-With k = b + w - 1, every reading adds to two sums; in every round each becomes the mean of the own and those heard.
+With k = b + w - 1, every reading adds to two sums. In every round, each sum becomes the mean of a robot's own and those
+that it heard.
 
     s += k (blacks - looks (1 - w));    v += k^2 looks;    s, v <- means of own and heard;    f = s / v
 
-A reading's share in s has the mean f times its share in v, so that any mixing that treats both alike leaves s / v
-consistent for f: over any graph, with unknown degrees, lost or old messages and robots that move, fail or join late, as
-long as who hears whom does not depend on the readings. docs/beyond.md derives it.
+The expected contribution of a reading to s is f times its contribution to v, so s / v is consistent for f under any
+mixing that treats both alike: over any graph, with unknown degrees, lost or old messages and robots that move, fail or
+join late, as long as the network does not depend on the readings. docs/beyond.md derives it.
 
-The ratio is cut to [0, 1] only when it is asked for: sums that were cut would be biased for good. For the first rounds
-there is a prior of mean 1/2, which weighs min(1/4, 1/(16 v)) beside v: half as much as what a robot knows that has seen
-100 tiles with b = w = 0.525, and soon nothing.
+The ratio is clipped to [0, 1] only for the estimate, because clipped sums would stay biased. For the first rounds there
+is a prior with mean 1/2 and weight min(1/4, 1/(16 v)) next to v. For a robot that has seen 100 tiles with b = w = 0.525
+it weighs half as much as the readings, and soon nothing.
 """
 
 MEMORY = {
@@ -26,7 +27,7 @@ SUMS = ("heard", "heard_s", "heard_v")
 
 
 def observe(me, blacks, looks):
-    """Unbiased evidence, by how much the sensor tells."""
+    """Add unbiased evidence, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
     me.s += slope * (blacks - looks * (1.0 - me.w))
     me.v += slope * slope * looks

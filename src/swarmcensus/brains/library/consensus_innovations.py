@@ -1,20 +1,20 @@
-"""Consensus + innovations: towards the neighbours' values by a fixed part, towards the own readings by less and less.
+"""Consensus + innovations: a fixed step towards the neighbours' values, a decreasing one towards the own readings.
 
 Kar, Moura, "Consensus + innovations distributed inference over networks", 2013, in its scalar form. In the t-th round
 with readings, counted from 0,
 
     x += -B sum (x - x_j) + (z - x) / (t + 1),    z = (share - 1 + w) / (b + w - 1) of the round's readings
 
-As published: this step. Where links go both ways, B is the same at all links, and all robots see in every round, the
-mean of all x is that of all z so far; x comes near it wherever the network is connected on average.
+As published: this step. If links go both ways, B is the same at all links, and all robots have readings in every round,
+the mean of all x is that of all z so far; each x approaches it if the network is connected on average.
 
 Deviations:
-- B, `pull`, is at most 1 / (1 + neighbours heard): the talk is then a weighted mean, and no crowd of neighbours makes
-  it swing. The source chooses B for a network whose degrees it knows. Where the bound binds some robots and not others,
-  the mean of all x is kept no more.
-- A round without readings, or of a sensor that says the same of black and white, has no innovation and is not counted.
-- Robots with good and poor sensors weigh the same, as in the plain form.
-- x may leave [0, 1] as z does; the estimate is cut to [0, 1].
+- B, `pull`, is at most 1 / (1 + neighbours heard), so that consensus is a weighted mean and does not oscillate with
+  many neighbours. The source chooses B for a network with known degrees. If the bound applies to some robots only, the
+  mean of all x is not preserved.
+- A round without readings, or with b + w = 1, has no innovation and is not counted.
+- Robots with good and poor sensors have the same weight, as in the plain form.
+- x may leave [0, 1], as z does; the estimate is clipped to [0, 1].
 """
 
 PARAMETERS = {
@@ -22,9 +22,9 @@ PARAMETERS = {
 }
 MEMORY = {
     "t": 0.0,  # observations made in this round
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "rounds": 0.0,  # with readings, so far
-    "x": 0.5,  # the value, before it is cut
+    "x": 0.5,  # the value, before clipping
     "heard": 0.0,  # messages in this round
     "heard_x": 0.0,  # the sum of their values
 }
@@ -33,7 +33,7 @@ SUMS = ("heard", "heard_x")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
@@ -50,7 +50,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """Consensus, and the innovation."""
+    """Add the steps of consensus and innovation."""
     step = min(me.pull, 1.0 / (1.0 + me.heard)) * (me.heard_x - me.heard * me.x)
     slope = me.b + me.w - 1.0
     if me.t > 0.0 and abs(slope) >= 1e-12:
@@ -65,5 +65,5 @@ def fuse(me):
 
 
 def estimate(me):
-    """The value, cut."""
+    """The value, clipped."""
     return min(max(me.x, 0.0), 1.0)

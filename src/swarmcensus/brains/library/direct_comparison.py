@@ -1,21 +1,23 @@
-"""Direct comparison (DC): hear one robot, drawn by lot, and adopt its opinion if its quality is above one's own.
+"""Direct comparison (DC): hear one robot, drawn at random, and adopt its opinion if its quality is above one's own.
 
-Valentini, Brambilla, Hamann and Dorigo, 2016. A robot explores for ceil(Exp(`explore`)) rounds and takes for the
-quality of its opinion
+Valentini, Brambilla, Hamann and Dorigo, 2016. A robot explores for ceil(Exp(`explore`)) rounds. The quality of its
+opinion is
 
     quality = own / (looks + first),    own: how many of the looks read its colour,
 
-tells both for ceil(Exp(`disseminate` * m)) + `listen` rounds, where m is the larger one of its own colour's share and
-the other's, hears others in the last `listen` of them, and then adopts the opinion of one sender, each as likely, if
-the quality that came with it is above its own. As published are these rules and all defaults, at ten ticks a second.
+It sends both for ceil(Exp(`disseminate` * m)) + `listen` rounds, where m is the larger of the shares of its own and of
+the other colour, and hears others in the last `listen` of them. Then it adopts the opinion of one sender, all equally
+likely, if the quality sent with it is above its own. As published: these rules and all defaults, at ten ticks per
+second.
 
 Deviations:
-- Which opinion a robot begins with, its name says: of the first N robots round(N * black_first) hold black, spread
-  evenly. There the lots are drawn among N robots, which no robot can count.
-- Of all senders heard one is drawn by a lot that is the same for all messages of a sender; published is one of the
-  last few distinct senders. A sender that tells two things in one window counts as one of them, drawn by lot.
+- The first opinion follows from the name: of the first N robots, round(N * black_first) hold black, evenly spread. In
+  the source, they are drawn among N robots, but no robot knows N.
+- One of all senders heard is drawn by a random number that is the same for all messages of a sender; the source draws
+  from the last few distinct senders. A sender of two messages in one window counts with one of them, drawn at random.
 - The first exploration is one round longer.
-- `weighted` below 1 mixes in times that know no share, of the mean `disseminate`; qualities are compared all the same.
+- `weighted` below 1 mixes in times that do not depend on the shares, with mean `disseminate`; qualities are still
+  compared.
 - `debiased` = 1 corrects the share of black for the sensor: clip((share + w - 1) / (b + w - 1), 0, 1).
 """
 
@@ -23,28 +25,28 @@ import math
 
 OPINION = True
 PARAMETERS = {
-    "explore": 100.0,  # rounds: the mean of an exploration
-    "disseminate": 100.0,  # rounds: the mean of telling an opinion of quality 1, beside the listening
-    "listen": 30.0,  # rounds: the end of telling, in which others are heard
-    "first": 1.0,  # readings that count before the first is made: 1 is published and lowers the quality, 0 does not
+    "explore": 100.0,  # rounds: the mean time of an exploration
+    "disseminate": 100.0,  # rounds: the mean time of sending an opinion of quality 1, without the listening
+    "listen": 30.0,  # rounds: the last part of sending, in which others are heard
+    "first": 1.0,  # readings added to the number of looks: published is 1, which lowers the quality
     "weighted": 1.0,  # how much times depend on quality, from 0 to 1
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
-    "black_first": 0.5,  # the share of robots that begin with black
+    "black_first": 0.5,  # the share of robots whose first opinion is black
 }
 MEMORY = {
-    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round, where the name says
-    "tells": 0.0,  # 1 while it tells its opinion, 0 while it explores
+    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round
+    "tells": 0.0,  # 1 while it sends its opinion, 0 while it explores
     "left": 0.0,  # rounds left of this phase
     "t": 0.0,  # readings of this exploration
-    "n": 0.0,  # of which said black
-    "salt": 0.0,  # what makes lots others in each window
-    "lot": 2.0,  # the lowest lot drawn in this window
+    "n": 0.0,  # black ones among them
+    "salt": 0.0,  # makes random numbers differ between windows
+    "lot": 2.0,  # the lowest random number of a sender in this window
     "kept": -1.0,  # the opinion that came with it
     "kept_quality": 0.0,  # and its quality
     "quality": 0.0,  # of its own opinion, as it is told
 }
 MESSAGE = ("opinion", "quality", "name")
-STEP = 2.0**-20  # lots of two senders differ by more than half of it, those of one by less
+STEP = 2.0**-20  # numbers of two senders differ by more than half of it, those of one sender by less
 
 
 def observe(me, blacks, looks):
@@ -55,14 +57,14 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """Its opinion and the quality, while it tells; silence while it explores."""
+    """Its opinion and the quality, while it sends; silence while it explores."""
     if me.tells == 0.0:
         return None
     return me.opinion, me.quality, me.name
 
 
 def receive(me, message):
-    """The lowest lot wins, however often and in whatever order it is drawn."""
+    """Keep the message with the lowest random number, whatever the order and number of messages."""
     if me.tells == 0.0 or me.left > me.listen:
         return
     opinion, quality, name = message
@@ -74,13 +76,13 @@ def receive(me, message):
 
 
 def drawn(me, name, said):
-    """The lot of a sender in this window, in [0, 1); what it says tells apart what is said under one name."""
+    """The random number of a sender in this window, in [0, 1); messages of one sender differ slightly by content."""
     who = mixed(me.salt + 0.7548776662466927 * name)
     return STEP * (math.floor(who / STEP) + 0.5 * mixed(who + 0.5698402909980532 * said))
 
 
 def mixed(number):
-    """A pseudo-random number in [0, 1): a steep map, three times."""
+    """A pseudo-random number in [0, 1), by three iterations of a steep map."""
     z = number % 1.0
     for _ in range(3):
         z *= 997.0 * (z + 1.0)
@@ -89,7 +91,7 @@ def mixed(number):
 
 
 def fuse(me):
-    """One round less of this phase; at its end the next one begins."""
+    """Count down the phase; at its end the next one begins."""
     if me.opinion < 0.0:
         me.opinion = held(me)
         me.left = spread(me, me.explore)
@@ -117,7 +119,7 @@ def fuse(me):
 
 
 def spread(me, mean):
-    """A whole number of rounds, exponential with this mean before it is rounded up."""
+    """A number of rounds, exponentially distributed with this mean and rounded up."""
     return float(math.ceil(-mean * math.log(me.luck)))
 
 
@@ -133,7 +135,7 @@ def share(me, colour):
 
 
 def corrected(me, said):
-    """The share of black at which its sensor says black so often; a half where it says the same of both colours."""
+    """The share of black that explains this share of black readings; a half if the sensor tells nothing."""
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5
@@ -154,5 +156,5 @@ def decide(me):
 
 
 def estimate(me):
-    """The opinion too: there is no estimate of how much is black."""
+    """The opinion: this brain does not estimate the fill ratio."""
     return held(me)

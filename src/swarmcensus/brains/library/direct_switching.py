@@ -1,20 +1,21 @@
 """Direct switching: adopt the opinion that was heard last.
 
-The voter model that Zakir, Dorigo and Reina, 2022 and 2025, hold cross-inhibition against. A robot explores for
-ceil(Exp(`explore`)) rounds, takes for the quality of its opinion the share of its colour among the readings of this
-time, tells its opinion for ceil(Exp(`disseminate` * quality)) rounds, and then adopts the last opinion that it heard,
-if any. Each message is of the other opinion with probability `miscommunication`, 0.15 in one of their settings; with
-probability `asocial`, 0.1 in another, a robot adopts the colour under it instead. As published are these rules and all
-mean times: 2800 and 1800 ticks at 31 a second, here in rounds of 0.1 s.
+This is the voter model with which Zakir, Dorigo and Reina, 2022 and 2025, compare cross-inhibition. A robot explores
+for ceil(Exp(`explore`)) rounds. The quality of its opinion is the share of its colour among the readings of this time.
+It sends its opinion for ceil(Exp(`disseminate` * quality)) rounds, and then adopts the last opinion that it heard, if
+any. With probability `miscommunication` (0.15 in one published setting), a message has the other opinion; with
+probability `asocial` (0.1 in another), a robot adopts the colour under it instead. As published: these rules and all
+mean times: 2800 and 1800 ticks at 31 per second, here in rounds of 0.1 s.
 
 Deviations:
-- The quality is of readings; published is that of tiles, each counted once, which a robot that knows no places cannot.
-- Of several opinions that were last heard in the same round one is drawn by lot. What was heard counts since the last
-  look, in all phases. A robot that makes no reading in the round of an asocial look does as if it were a social one.
-- Which opinion a robot begins with, its name says: of the first N robots round(N * black_first) hold black, spread
-  evenly. The first exploration is one round longer.
-- An opinion is told for one round at least, even one of quality 0.
-- `weighted` below 1 mixes in times that know no quality, of the mean `disseminate`: 0 is the rule without weights.
+- The quality is computed from readings. In the source it is computed from tiles, each counted once, which needs known
+  positions.
+- If several opinions were heard last in the same round, one is drawn at random. Messages count since the last switch,
+  in all phases. A robot without a reading in the round of an asocial switch switches socially.
+- The first opinion follows from the name: of the first N robots, round(N * black_first) hold black, evenly spread. The
+  first exploration is one round longer.
+- An opinion is sent for at least one round, even with quality 0.
+- `weighted` below 1 mixes in times that do not depend on quality, with mean `disseminate`: 0 is the unweighted rule.
 - `debiased` = 1 corrects the share of black for the sensor: clip((share + w - 1) / (b + w - 1), 0, 1).
 """
 
@@ -22,23 +23,23 @@ import math
 
 OPINION = True
 PARAMETERS = {
-    "explore": 903.0,  # rounds: the mean of an exploration
-    "disseminate": 581.0,  # rounds: the mean of telling an opinion of quality 1
+    "explore": 903.0,  # rounds: the mean time of an exploration
+    "disseminate": 581.0,  # rounds: the mean time of sending an opinion of quality 1
     "miscommunication": 0.0,  # the probability that a message is of the other opinion
     "asocial": 0.0,  # the probability of adopting the colour under oneself
     "weighted": 1.0,  # how much times depend on quality, from 0 to 1
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
-    "black_first": 0.5,  # the share of robots that begin with black
+    "black_first": 0.5,  # the share of robots whose first opinion is black
 }
 MEMORY = {
-    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round, where the name says
-    "tells": 0.0,  # 1 while it tells its opinion, 0 while it explores
+    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round
+    "tells": 0.0,  # 1 while it sends its opinion, 0 while it explores
     "left": 0.0,  # rounds left of this phase
-    "t": 0.0,  # readings since it last looked at what it heard
-    "n": 0.0,  # of which said black
+    "t": 0.0,  # readings since the last switch
+    "n": 0.0,  # black ones among them
     "t_now": 0.0,  # readings of this round
-    "n_now": 0.0,  # of which said black
-    "said": 0.0,  # the opinion that it tells next, which may be the other one
+    "n_now": 0.0,  # black ones among them
+    "said": 0.0,  # the opinion that it sends next, which may be the other one
     "heard": 0.0,  # messages of this round
     "last": -1.0,  # the opinion heard last
 }
@@ -46,7 +47,7 @@ MESSAGE = ("opinion",)
 
 
 def observe(me, blacks, looks):
-    """Readings since the last look, and of this round."""
+    """Count readings since the last switch, and of this round."""
     me.t += looks
     me.n += blacks
     me.t_now += looks
@@ -54,21 +55,21 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """Its opinion, while it tells it; silence while it explores."""
+    """Its opinion, while it sends; silence while it explores."""
     if me.tells == 0.0:
         return None
     return (me.said,)
 
 
 def receive(me, message):
-    """Of a round's messages one stays, each as likely."""
+    """Keep one message of the round, each equally likely."""
     me.heard += 1.0
     if me.luck * me.heard < 1.0:
         me.last = message[0]
 
 
 def fuse(me):
-    """One round less of this phase; at its end the next one begins."""
+    """Count down the phase; at its end the next one begins."""
     me.heard = 0.0
     me.left -= 1.0
     if me.opinion < 0.0:
@@ -88,7 +89,7 @@ def fuse(me):
 
 
 def look(me):
-    """What was heard, or the colour under it, changes its opinion; then it explores."""
+    """Switch by what was heard, or to the colour under the robot; then explore."""
     lot = 16777216.0 * me.luck % 1.0
     if me.t_now > 0.0 and lot < me.asocial:
         me.opinion = 1.0 if lot * me.t_now < me.asocial * me.n_now else 0.0
@@ -102,12 +103,12 @@ def look(me):
 
 
 def spread(me, mean):
-    """A whole number of rounds, exponential with this mean before it is rounded up."""
+    """A number of rounds, exponentially distributed with this mean and rounded up."""
     return float(math.ceil(-mean * math.log(me.luck)))
 
 
 def quality(me):
-    """The share of its opinion's colour in this exploration; 0 where it read nothing."""
+    """The share of its opinion's colour in this exploration; 0 without readings."""
     if me.t == 0.0:
         return 0.0
     black = me.n / me.t
@@ -117,7 +118,7 @@ def quality(me):
 
 
 def corrected(me, share):
-    """The share of black at which its sensor says black so often; a half where it says the same of both colours."""
+    """The share of black that explains this share of black readings; a half if the sensor tells nothing."""
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5
@@ -138,5 +139,5 @@ def decide(me):
 
 
 def estimate(me):
-    """The opinion too: there is no estimate of how much is black."""
+    """The opinion: this brain does not estimate the fill ratio."""
     return held(me)

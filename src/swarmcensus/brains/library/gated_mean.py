@@ -1,51 +1,52 @@
-"""Gated mean: the mean of all votes so far, of which one that is far from it is not counted.
+"""Gated mean: the mean of all votes so far, without votes that are far from it.
 
 After the smart contract of Strobel, Castello Ferrer, Dorigo, "Blockchain technology secures robot swarms", 2020. This
-form has no blockchain: every robot keeps the books by itself. A vote is the share of black readings in a phase; it is
-cast during the next one. At the end of a phase, of each vote v cast in it
+version has no blockchain: every robot keeps its own ledger. A vote is the share of black readings in a phase; it is
+cast during the next phase. At the end of a phase, for each vote v cast in it
 
     |v - mean| < gate: count it;    mean = sum of the votes counted / their number
 
-As published: the gate of 0.2 about the mean of all votes counted before, and a first round of votes that is counted as
-a whole. Phases of 45 s and at most 20 distinct senders a phase, each counted once, are those of its linear consensus.
+As published: the gate of 0.2 around the mean of all votes counted before, and a first round of votes that is counted
+completely. Phases of 45 s and at most 20 distinct senders per phase, each counted once, are those of its linear
+consensus.
 
 Deviations:
-- There is no common ledger: a robot counts the votes that it hears, so robots may differ, and who meets a neighbour for
-  several phases counts a vote of it in each. Nobody pays for a vote.
-- Its own votes a robot counts always, the first before it hears any.
-- `debiased` = 1 turns the share into clip((share + w - 1) / (b + w - 1), 0, 1); 0, the default, is the raw share.
-- Of a sender the latest vote counts; of several in one round under one name, as forgers send them, the smallest.
-- Of more than 20 senders the 20 kept are drawn by lot: those whose names come first in an order drawn for the phase.
-- What is said counts as the nearest number in [0, 1]. Who made no reading in a phase casts no vote.
+- There is no common ledger: a robot counts the votes that it hears, so robots may differ, and a robot near a neighbour
+  for several phases counts one of its votes in each. Votes cost nothing.
+- A robot always counts its own votes, the first before it hears any.
+- `debiased` = 1 replaces the share by clip((share + w - 1) / (b + w - 1), 0, 1); 0, the default, is the raw share.
+- The latest value of a sender counts; of several in one round under one name, as forgers send them, the smallest.
+- If there are more than 20 senders, 20 are drawn at random: the first in an order of names that is drawn per phase.
+- Values are clipped to [0, 1]. A robot without readings in a phase casts no vote.
 """
 
-SENDERS = 20  # that count in a phase
-PRIME = 67108859  # of 26 bits, so that products fit 53; one less is no multiple of 3, so that no two cubes are alike
+SENDERS = 20  # counted per phase
+PRIME = 67108859  # of 26 bits, so that products fit 53 bits; cubes are distinct because 3 does not divide PRIME - 1
 
 PARAMETERS = {
     "phase": 450.0,  # rounds: 45 s of ticks
-    "gate": 0.2,  # how near to the mean a vote has to be
+    "gate": 0.2,  # the largest distance of a counted vote from the mean
     "debiased": 0.0,  # 1: the share is corrected for the sensor
 }
 MEMORY = {
     "x": 0.5,  # the mean of the votes counted
     "votes": 0.0,  # their number
-    "vote": -1.0,  # the own one of the last phase; -1: none
+    "vote": -1.0,  # the own vote of the last phase; -1 for none
     "k": 1.0,  # the number of the phase
-    "past": 0.0,  # rounds of it that are over
+    "past": 0.0,  # its completed rounds
     "t": 0.0,  # observations made in it
-    "n": 0.0,  # of which said black
-    "salt": 0.0,  # draws the order of names
+    "n": 0.0,  # black ones among them
+    "salt": 0.0,  # determines the order of names
     "senders": 0.0,  # that are kept
-    "key": (0.0,) * 20,  # their names' places in that order, rising
-    "said": (0.0,) * 20,  # what they said last
-    "when": (0.0,) * 20,  # and in which round of the phase
+    "key": (0.0,) * 20,  # the places of their names in that order, rising
+    "said": (0.0,) * 20,  # their last values
+    "when": (0.0,) * 20,  # and the rounds of the phase in which they sent them
 }
 MESSAGE = ("x", "name")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
@@ -58,7 +59,7 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Keep it among those of the other senders, in the order of their names' places."""
+    """Keep the value, in the order of the places of senders' names."""
     x = min(max(message[0], 0.0), 1.0)
     key = place(message[1], me.salt)
     senders = int(me.senders)
@@ -83,7 +84,7 @@ def receive(me, message):
 
 
 def place(name, salt):
-    """Where a name stands in an order of all of them that `salt` draws: twice a shift and a cube, modulo PRIME."""
+    """The place of a name in the order given by `salt`: twice a shift and a cube, modulo PRIME."""
     k = int(name % PRIME)
     for _ in range(2):
         k = (k + int(salt)) % PRIME
@@ -92,7 +93,7 @@ def place(name, salt):
 
 
 def fuse(me):
-    """At the end of a phase, the votes."""
+    """At the end of a phase, count the votes."""
     me.past += 1.0
     if me.past < me.phase:
         return
@@ -119,15 +120,15 @@ def fuse(me):
 
 
 def share(me):
-    """The share of black readings in the phase, corrected for the sensor where asked."""
+    """The share of black readings in the phase; with `debiased`, corrected for the sensor."""
     if me.debiased == 0.0:
         return me.n / me.t
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
-        return 0.5  # a sensor that says the same of black and white
+        return 0.5  # a sensor that tells nothing
     return min(max((me.n / me.t + me.w - 1.0) / slope, 0.0), 1.0)
 
 
 def estimate(me):
     """The mean."""
-    return min(max(me.x, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+    return min(max(me.x, 0.0), 1.0)  # rounding may exceed [0, 1]

@@ -1,35 +1,35 @@
 """Kalman consensus filter: a Kalman filter of own and neighbours' readings, pulled towards the neighbours' estimates.
 
-Olfati-Saber, "Distributed Kalman filtering for sensor networks", 2007, in its scalar form. Readings X (1: black) of a
-round tell (u, U), sums over the own ones and those of neighbours are written sum u, sum U, and
+Olfati-Saber, "Distributed Kalman filtering for sensor networks", 2007, in its scalar form. The readings X (1: black) of
+a round give (u, U). With sum u and sum U the sums over a robot's own and its neighbours' readings,
 
     M = 1 / (1 / P + sum U);    x += M (sum u - x sum U) + g sum (x_j - x);    P = M + Q
     u = k (X - 1 + w) / R,  U = k^2 / R,  k = b + w - 1,  R = q (1 - q),  q = b f + (1 - w)(1 - f),  g = e P / (1 + P)
 
-As published: these steps. It is not optimal: P takes no account of what neighbours' estimates have in common.
+As published: these steps. The filter is not optimal: P ignores what the neighbours' estimates have in common.
 
 Deviations:
-- A reading's variance R depends on the fill ratio sought. It is taken at the sender's estimate before the round, and as
-  at least `least_variance`.
-- At first x = 1/2 and P = 1/12, the mean and the variance of a fill ratio that may be any.
+- The variance R of a reading depends on the unknown fill ratio. It is computed from the sender's estimate before the
+  round, and is at least `least_variance`.
+- At first x = 1/2 and P = 1/12, the mean and variance of a uniformly distributed fill ratio.
 - e, `pull`, is 1; the floor does not change, so Q, `noise`, is 0.
-- g is at most M / (P (1 + neighbours heard)): the new x is then a weighted mean of readings and estimates, and no crowd
-  of neighbours makes it swing. The source chooses e for a network whose degrees it knows.
-- x may leave [0, 1] as what a reading tells does; the estimate is cut to [0, 1].
+- g is at most M / (P (1 + neighbours heard)), so that the new x is a weighted mean of readings and estimates and does
+  not oscillate with many neighbours. The source chooses e for a network with known degrees.
+- x may leave [0, 1], as single readings do; the estimate is clipped to [0, 1].
 """
 
 PARAMETERS = {
-    "pull": 1.0,  # e: how strongly neighbours' estimates pull
-    "noise": 0.0,  # Q: how much variance a round adds, for a floor that changes
-    "least_variance": 0.05,  # of a reading; 0.25: that of each
+    "pull": 1.0,  # e: the strength of the pull towards neighbours' estimates
+    "noise": 0.0,  # Q: the variance added per round, for a floor that changes
+    "least_variance": 0.05,  # of a reading; with 0.25, all readings have it
 }
 MEMORY = {
     "t": 0.0,  # observations made in this round
-    "n": 0.0,  # of which said black
-    "x": 0.5,  # the estimate, before it is cut
-    "P": 1.0 / 12.0,  # its variance, as far as the robot knows
+    "n": 0.0,  # black ones among them
+    "x": 0.5,  # the estimate, before clipping
+    "P": 1.0 / 12.0,  # its variance, ignoring correlations
     "heard": 0.0,  # messages in this round
-    "heard_u": 0.0,  # the sums of what they tell
+    "heard_u": 0.0,  # the sums of their contents
     "heard_U": 0.0,
     "heard_x": 0.0,
 }
@@ -39,16 +39,16 @@ SUMS = ("heard", "heard_u", "heard_U", "heard_x")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
 
 def told(me):
-    """What the readings of this round tell: u and U."""
+    """The information in the readings of this round: u and U."""
     slope = me.b + me.w - 1.0
     if me.t == 0.0 or abs(slope) < 1e-12:
-        return 0.0, 0.0  # nothing seen, or a sensor that says the same of black and white
+        return 0.0, 0.0  # no reading, or a sensor that tells nothing
     f = estimate(me)
     q = me.b * f + (1.0 - me.w) * (1.0 - f)
     variance = max(q * (1.0 - q), me.least_variance, 1e-9)
@@ -56,7 +56,7 @@ def told(me):
 
 
 def broadcast(me):
-    """What is new, and the estimate before it."""
+    """The new information, and the estimate before it."""
     u, sure = told(me)
     return u, sure, me.x
 
@@ -87,5 +87,5 @@ def fuse(me):
 
 
 def estimate(me):
-    """The estimate, cut."""
+    """The estimate, clipped."""
     return min(max(me.x, 0.0), 1.0)

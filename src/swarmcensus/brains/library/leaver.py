@@ -1,15 +1,15 @@
-"""The minimalistic brain in a robot that goes straight on, and so leaves ground that it has seen.
+"""The minimalistic brain in a robot that drives straight ahead, and so leaves ground that it has already seen.
 
 Local and informed estimates as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect
-Sensors", Sec. III, Algorithm 1; equation numbers below are the paper's. These functions stand here again because
-a brain is one file: it goes onto the robot alone.
+Sensors", Sec. III, Algorithm 1; equation numbers below are the paper's. These functions are repeated here because
+a brain is one file.
 """
 
 STRAIGHT_ON = 0.14  # m/s: the Khepera IV's speed in the paper
 
 MEMORY = {
     "t": 0.0,  # observations made
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "x_hat": 0.5,  # local estimate
     "alpha": 0.0,  # local confidence
     "x_bar": 0.5,  # social estimate
@@ -31,31 +31,31 @@ def observe(me, blacks, looks):
     n = me.n
     b = me.b
     w = me.w
-    slope = b + w - 1.0  # how much more often black says black than white does
+    slope = b + w - 1.0  # how much more often black tiles read black than white tiles do
     if t == 0.0 or abs(slope) < 1e-12:
-        return  # nothing seen, or a sensor that says the same of black and white
+        return  # no reading, or a sensor that tells nothing
     q = slope * slope
-    low = (1.0 - w) * t  # the blacks that an all-white floor is expected to give
-    high = b * t  # and an all-black one
+    low = (1.0 - w) * t  # expected black readings on an all-white floor
+    high = b * t  # and on an all-black one
     if slope > 0.0:
         white = n <= low
         black = n >= high
     else:
         white = n >= low
         black = n <= high
-    if white:  # Eq. 4 and 5, first case, in a form that has a value at w = 1 too
+    if white:  # Eqs. 4 and 5, first case, in a form that is defined at w = 1 too
         me.x_hat = 0.0
         me.alpha = q * (share(n, (1.0 - w) * (1.0 - w)) + share(t - n, w * w))
     elif black:  # third case, likewise at b = 1
         me.x_hat = 1.0
         me.alpha = q * (share(n, b * b) + share(t - n, (1.0 - b) * (1.0 - b)))
     else:
-        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may exceed [0, 1]
         me.alpha = q * t * t * t / (n * (t - n))
 
 
 def share(count, variance):
-    """What `count` readings of one colour add to the confidence: none add nothing."""
+    """The confidence from `count` readings of one colour; 0 without readings."""
     if count == 0.0:
         return 0.0
     return count / variance
@@ -76,7 +76,7 @@ def receive(me, message):
 
 def fuse(me):
     """Social estimate (Eqs. 7 and 8), then informed estimate (Eq. 6)."""
-    if me.heard > 0.0:  # with no neighbour in reach the last social values stay
+    if me.heard > 0.0:  # without neighbours, the last social values stay
         me.beta = me.heard_alpha
         if me.beta > 0.0:
             me.x_bar = me.heard_x / me.beta
@@ -94,5 +94,5 @@ def estimate(me):
 
 
 def steer(me):
-    """Straight on: ground that lies in patches is left before it is read again and again; only obstacles turn it."""
+    """Drive straight ahead, so that the same patch of ground is not read again and again; only obstacles turn it."""
     return STRAIGHT_ON, 0.0

@@ -2,12 +2,12 @@
 
 Local estimate as in Chin, Khaluf and Pinciroli, "Minimalistic Collective Perception with Imperfect
 Sensors", Eqs. 4 and 5; the social confidence is the harmonic mean of the neighbours' confidences. The
-local functions stand here again because a brain is one file: it goes onto the robot alone.
+local functions are repeated here because a brain is one file.
 """
 
 MEMORY = {
     "t": 0.0,  # observations made
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "x_hat": 0.5,  # local estimate
     "alpha": 0.0,  # local confidence
     "x_bar": 0.5,  # social estimate
@@ -30,31 +30,31 @@ def observe(me, blacks, looks):
     n = me.n
     b = me.b
     w = me.w
-    slope = b + w - 1.0  # how much more often black says black than white does
+    slope = b + w - 1.0  # how much more often black tiles read black than white tiles do
     if t == 0.0 or abs(slope) < 1e-12:
-        return  # nothing seen, or a sensor that says the same of black and white
+        return  # no reading, or a sensor that tells nothing
     q = slope * slope
-    low = (1.0 - w) * t  # the blacks that an all-white floor is expected to give
-    high = b * t  # and an all-black one
+    low = (1.0 - w) * t  # expected black readings on an all-white floor
+    high = b * t  # and on an all-black one
     if slope > 0.0:
         white = n <= low
         black = n >= high
     else:
         white = n >= low
         black = n <= high
-    if white:  # Eq. 4 and 5, first case, in a form that has a value at w = 1 too
+    if white:  # Eqs. 4 and 5, first case, in a form that is defined at w = 1 too
         me.x_hat = 0.0
         me.alpha = q * (share(n, (1.0 - w) * (1.0 - w)) + share(t - n, w * w))
     elif black:  # third case, likewise at b = 1
         me.x_hat = 1.0
         me.alpha = q * (share(n, b * b) + share(t - n, (1.0 - b) * (1.0 - b)))
     else:
-        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may leave [0, 1] by an ulp
+        me.x_hat = min(max((n / t + w - 1.0) / slope, 0.0), 1.0)  # rounding may exceed [0, 1]
         me.alpha = q * t * t * t / (n * (t - n))
 
 
 def share(count, variance):
-    """What `count` readings of one colour add to the confidence: none add nothing."""
+    """The confidence from `count` readings of one colour; 0 without readings."""
     if count == 0.0:
         return 0.0
     return count / variance
@@ -78,7 +78,7 @@ def receive(me, message):
 
 def fuse(me):
     """The two means, then the informed estimate (Eq. 6)."""
-    if me.heard > 0.0:  # with no neighbour in reach the last social values stay
+    if me.heard > 0.0:  # without neighbours, the last social values stay
         me.x_bar = me.heard_x / me.heard
         me.beta = 0.0  # a harmonic mean with a zero in it is zero
         if me.blind == 0.0:

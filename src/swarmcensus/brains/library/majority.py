@@ -1,22 +1,22 @@
-"""The majority rule, weighted by quality (DMMD): adopt what most of a few heard robots and oneself hold.
+"""The majority rule, weighted by quality (DMMD): adopt the majority opinion of a few robots heard and oneself.
 
 Valentini, Brambilla, Hamann and Dorigo, 2016, direct modulation of majority-based decisions. A robot explores for
-ceil(Exp(`explore`)) rounds and takes for the quality of its opinion
+ceil(Exp(`explore`)) rounds. The quality of its opinion is
 
     quality = own / (looks + first),    own: how many of the looks read its colour,
 
-tells its opinion for ceil(Exp(`disseminate` * quality)) + `listen` rounds, keeps in the last `listen` of them the
-opinions of `senders` others, and then adopts what most of these and itself hold. As published are these rules and all
-defaults but `senders`, at ten ticks a second.
+It sends its opinion for ceil(Exp(`disseminate` * quality)) + `listen` rounds, and keeps the opinions of `senders`
+others in the last `listen` of them. Then it adopts the opinion of the majority of these and itself. As published: these
+rules and all defaults but `senders`, at ten ticks per second.
 
 Deviations:
-- A tie, as of one other that disagrees, leaves the opinion as it is; in the published code one colour wins.
-- Which opinion a robot begins with, its name says: of the first N robots round(N * black_first) hold black, spread
-  evenly. There the lots are drawn among N robots, which no robot can count.
-- Of all senders heard those with the lowest lots are kept, each as likely; published are the last distinct ones. A
-  sender that tells two opinions in one window counts as one of them, drawn by lot.
-- The quality is nobody's but the robot's own, and so is not sent. The first exploration is one round longer.
-- `weighted` below 1 mixes in times that know no quality, of the mean `disseminate`: 0 is the rule without weights.
+- A tie, as with a single other robot that disagrees, keeps the opinion; in the published code one colour wins.
+- The first opinion follows from the name: of the first N robots, round(N * black_first) hold black, evenly spread. In
+  the source, they are drawn among N robots, but no robot knows N.
+- Of all senders heard, those with the lowest random numbers are kept, all equally likely; the source keeps the last
+  distinct ones. A sender of two opinions in one window counts with one of them, drawn at random.
+- The quality is not sent, because only the robot itself uses it. The first exploration is one round longer.
+- `weighted` below 1 mixes in times that do not depend on quality, with mean `disseminate`: 0 is the unweighted rule.
 - `debiased` = 1 corrects the share of black for the sensor: clip((share + w - 1) / (b + w - 1), 0, 1).
 """
 
@@ -25,27 +25,27 @@ import math
 OPINION = True
 SLOTS = 4  # the most senders that can be kept
 PARAMETERS = {
-    "explore": 100.0,  # rounds: the mean of an exploration
-    "disseminate": 100.0,  # rounds: the mean of telling an opinion of quality 1, beside the listening
-    "listen": 30.0,  # rounds: the end of telling, in which others are heard
-    "senders": 4.0,  # of how many others an opinion is kept, 4 at the most
-    "first": 1.0,  # readings that count before the first is made: 1 is published and lowers the quality, 0 does not
+    "explore": 100.0,  # rounds: the mean time of an exploration
+    "disseminate": 100.0,  # rounds: the mean time of sending an opinion of quality 1, without the listening
+    "listen": 30.0,  # rounds: the last part of sending, in which others are heard
+    "senders": 4.0,  # the number of others whose opinions are kept, at most 4
+    "first": 1.0,  # readings added to the number of looks: published is 1, which lowers the quality
     "weighted": 1.0,  # how much times depend on quality, from 0 to 1
     "debiased": 0.0,  # 1: the quality is corrected for the sensor
-    "black_first": 0.5,  # the share of robots that begin with black
+    "black_first": 0.5,  # the share of robots whose first opinion is black
 }
 MEMORY = {
-    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round, where the name says
-    "tells": 0.0,  # 1 while it tells its opinion, 0 while it explores
+    "opinion": -1.0,  # 0 white, 1 black; -1 before the first round
+    "tells": 0.0,  # 1 while it sends its opinion, 0 while it explores
     "left": 0.0,  # rounds left of this phase
     "t": 0.0,  # readings of this exploration
-    "n": 0.0,  # of which said black
-    "salt": 0.0,  # what makes lots others in each window
-    "lots": (2.0,) * 4,  # the lowest lots drawn in this window, the lowest first; 2 where there is none
+    "n": 0.0,  # black ones among them
+    "salt": 0.0,  # makes random numbers differ between windows
+    "lots": (2.0,) * 4,  # the lowest random numbers of senders in this window, rising; 2 for none
     "kept": (0.0,) * 4,  # the opinions that came with them
 }
 MESSAGE = ("opinion", "name")
-STEP = 2.0**-20  # lots of two senders differ by more than half of it, those of one by less
+STEP = 2.0**-20  # numbers of two senders differ by more than half of it, those of one sender by less
 
 
 def observe(me, blacks, looks):
@@ -56,14 +56,14 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """Its opinion, while it tells; silence while it explores."""
+    """Its opinion, while it sends; silence while it explores."""
     if me.tells == 0.0:
         return None
     return me.opinion, me.name
 
 
 def receive(me, message):
-    """The lowest lots stay, however often and in whatever order they are drawn; of one sender only one."""
+    """Keep the messages with the lowest random numbers, one per sender, whatever their order and number."""
     if me.tells == 0.0 or me.left > me.listen:
         return
     opinion, name = message
@@ -83,13 +83,13 @@ def receive(me, message):
 
 
 def drawn(me, name, said):
-    """The lot of a sender in this window, in [0, 1); what it says tells apart what is said under one name."""
+    """The random number of a sender in this window, in [0, 1); messages of one sender differ slightly by content."""
     who = mixed(me.salt + 0.7548776662466927 * name)
     return STEP * (math.floor(who / STEP) + 0.5 * mixed(who + 0.5698402909980532 * said))
 
 
 def mixed(number):
-    """A pseudo-random number in [0, 1): a steep map, three times."""
+    """A pseudo-random number in [0, 1), by three iterations of a steep map."""
     z = number % 1.0
     for _ in range(3):
         z *= 997.0 * (z + 1.0)
@@ -98,7 +98,7 @@ def mixed(number):
 
 
 def fuse(me):
-    """One round less of this phase; at its end the next one begins."""
+    """Count down the phase; at its end the next one begins."""
     if me.opinion < 0.0:
         me.opinion = held(me)
         me.left = spread(me, me.explore)
@@ -124,7 +124,7 @@ def fuse(me):
 
 
 def balance(me):
-    """By how many black is ahead of white, its own opinion counted."""
+    """The majority of black over white, including its own opinion."""
     lead = 2.0 * me.opinion - 1.0
     for k in range(SLOTS):
         if me.lots[k] < 2.0:
@@ -133,12 +133,12 @@ def balance(me):
 
 
 def spread(me, mean):
-    """A whole number of rounds, exponential with this mean before it is rounded up."""
+    """A number of rounds, exponentially distributed with this mean and rounded up."""
     return float(math.ceil(-mean * math.log(me.luck)))
 
 
 def quality(me):
-    """The share of its opinion's colour in this exploration; 0 where it read nothing."""
+    """The share of its opinion's colour in this exploration; 0 without readings."""
     if me.t == 0.0:
         return 0.0
     black = me.n / me.t
@@ -149,7 +149,7 @@ def quality(me):
 
 
 def corrected(me, share):
-    """The share of black at which its sensor says black so often; a half where it says the same of both colours."""
+    """The share of black that explains this share of black readings; a half if the sensor tells nothing."""
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5
@@ -170,5 +170,5 @@ def decide(me):
 
 
 def estimate(me):
-    """The opinion too: there is no estimate of how much is black."""
+    """The opinion: this brain does not estimate the fill ratio."""
     return held(me)

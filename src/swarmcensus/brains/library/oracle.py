@@ -1,16 +1,16 @@
 """The upper bound: the most likely fill ratio, given all readings of all robots and their true accuracies.
 
-No robot could be it: in a simulation it hears every robot in every round, whatever the network, and loses nothing
-(`ORACLE`); docs/rivals-others.md says what holds with faults and liars. One file all the same, of O(1) memory.
+No robot could be an oracle: in simulation it hears every robot in every round, whatever the network, without loss
+(`ORACLE`); docs/rivals-others.md says what holds with faults and liars. Still it is one file with O(1) memory.
 
 With n of t readings black, k = b + w - 1, and p = k x + 1 - w at the common estimate x, a robot's score and its Fisher
-information are s = k (n - t p) / (p (1 - p)) and I = t k^2 / (p (1 - p)). A message is (I x + s, I); a round is a step
-of Fisher's scoring, x <- sum(I x + s) / sum I, cut off at [0, 1]. Where it ends, the pooled likelihood, which is
-concave in x, is largest.
+information are s = k (n - t p) / (p (1 - p)) and I = t k^2 / (p (1 - p)). A message is (I x + s, I). A round is a step
+of Fisher scoring, x <- sum(I x + s) / sum I, clipped to [0, 1]. It converges to the maximum of the pooled likelihood,
+which is concave in x.
 
-Deviations: there is no original. I x + s and not s is said, so that robots whose x differ in the last bit do not drift
-apart. p is kept within [1e-9, 1 - 1e-9]. A step that turns back on the last one is taken by half, and the next
-that does by half of that: with few readings, whole ones may go to and fro for ever.
+Deviations: there is no original. I x + s is sent instead of s, so that robots whose x differ in the last bit do not
+drift apart. p is kept within [1e-9, 1 - 1e-9]. A step that reverses the last one is halved, and halved again if the
+next one reverses too, because with few readings whole steps may oscillate for ever.
 """
 
 ORACLE = True
@@ -18,11 +18,11 @@ EDGE = 1e-9
 
 MEMORY = {
     "t": 0.0,  # observations made
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "x": 0.5,  # the estimate, the same in all robots
-    "step": 0.0,  # by which it last changed
+    "step": 0.0,  # its last change
     "gain": 1.0,  # the share of a step that is taken
-    "heard_pull": 0.0,  # the sum of what others would have, each times its information
+    "heard_pull": 0.0,  # the sum of others' pulls
     "heard_information": 0.0,  # the sum of the informations
 }
 MESSAGE = ("pull", "information")
@@ -31,7 +31,7 @@ SUMS = ("heard_pull", "heard_information")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
@@ -44,31 +44,31 @@ def information(me):
 
 
 def pull(me):
-    """The information times x, and the score."""
+    """The information times x, plus the score."""
     p = chance(me)
     slope = me.b + me.w - 1.0
     return slope * (me.n - me.t * (1.0 - me.w)) / (p * (1.0 - p))
 
 
 def chance(me):
-    """How likely a black reading is at x."""
+    """The probability of a black reading at x."""
     p = me.x * me.b + (1.0 - me.x) * (1.0 - me.w)
     return min(max(p, EDGE), 1.0 - EDGE)
 
 
 def broadcast(me):
-    """What the own readings say at x."""
+    """The pull and the information of the own readings at x."""
     return pull(me), information(me)
 
 
 def receive(me, message):
-    """Add them up."""
+    """Add up pulls and informations."""
     me.heard_pull += message[0]
     me.heard_information += message[1]
 
 
 def fuse(me):
-    """A step towards where all scores cancel."""
+    """A step towards the point where the sum of scores is 0."""
     total = me.heard_information + information(me)
     if total > 0.0:
         whole = min(max((me.heard_pull + pull(me)) / total, 0.0), 1.0) - me.x

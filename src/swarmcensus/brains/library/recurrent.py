@@ -1,16 +1,16 @@
-"""A trained net: five recurrent neurons turn readings and what neighbours say into an estimate.
+"""A trained net: five recurrent neurons turn readings and neighbours' messages into an estimate.
 
-Inspired by the evolved recurrent controllers of Almansoori et al. (2022), of which only the abstract was at hand: a
-continuous-time recurrent net whose output is what it says. With s = 1/(1 + exp(-z)), neuron i follows
+Inspired by the evolved recurrent controllers of Almansoori et al. (2022), of which only the abstract was available: a
+continuous-time recurrent net whose output is its message. With s = 1/(1 + exp(-z)), neuron i follows
 
     tau_i dy_i/dt = -y_i + sum_j weights_ij s(y_j + bias_j) + inputs_i . (reading, opinion heard, whether any was heard)
 
 by Euler's rule with a step of one round, and x = s(output . s(y + bias) + offset) is estimate and message. A robot does
-not use what it knows of its sensor, unless `debiased` is 1. docs/rivals-others.md says how the weights were trained.
+not use its assumed sensor accuracy, unless `debiased` is 1. docs/rivals-others.md says how the weights were trained.
 
-Deviations: everything above is a choice. Readings and opinions come in as -1 for white to 1 for black, and 0 for none;
-those of a round are one mean. What is said is the estimate itself, and no colour. De-biased readings are not cut off at
-their ends, as the mean of what is cut off is no share. Before the first round no neuron fires.
+Deviations: everything above is a choice. Readings and opinions are numbers from -1 for white to 1 for black, and 0 for
+none; those of a round are averaged. The message is the estimate itself, and not a colour. De-biased readings are not
+clipped, because the mean of clipped values is not a share. Before the first round no neuron fires.
 """
 
 import math
@@ -20,8 +20,8 @@ INPUTS = 3  # reading, opinion heard, whether any was heard
 
 # fmt: off
 PARAMETERS = {
-    "debiased": 0.0,  # 1: readings are corrected for the sensor that the robot believes in
-    "tau": (6.245, 1.6215, 47.817, 42.526, 14.135),  # rounds, from 1 on
+    "debiased": 0.0,  # 1: readings are corrected for the assumed sensor accuracy
+    "tau": (6.245, 1.6215, 47.817, 42.526, 14.135),  # rounds, at least 1
     "bias": (-1.0561, 1.4646, -1.1201, -1.7478, -2.8994),
     "inputs": (  # of each neuron
         -1.8906, 0.5379, -2.2285,
@@ -43,11 +43,11 @@ PARAMETERS = {
 # fmt: on
 MEMORY = {
     "t": 0.0,  # readings since the last round
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "heard": 0.0,  # messages since then
     "heard_x": 0.0,  # the sum of the estimates in them
-    "y": (0.0,) * 5,  # what the neurons hold
-    "fires": (0.0,) * 5,  # what they give to each other
+    "y": (0.0,) * 5,  # the states of the neurons
+    "fires": (0.0,) * 5,  # their outputs
     "x": 0.5,  # the estimate
 }
 MESSAGE = ("x",)
@@ -55,7 +55,7 @@ SUMS = ("heard", "heard_x")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
@@ -66,7 +66,7 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Add up the opinions."""
+    """Add up the estimates."""
     me.heard += 1.0
     me.heard_x += message[0]
 
@@ -97,7 +97,7 @@ def fuse(me):
 
 
 def seen(me):
-    """The round's readings: -1 for white to 1 for black, 0 for none or for a sensor that tells nothing."""
+    """The round's readings: from -1 for white to 1 for black; 0 without readings, or if the sensor tells nothing."""
     if me.t == 0.0:
         return 0.0
     share = me.n / me.t

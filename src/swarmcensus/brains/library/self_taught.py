@@ -1,43 +1,43 @@
-"""Self-taught: commons of robots that may be wrong about their sensors; who does not fit takes its evidence back.
+"""Self-taught: commons for robots whose assumed accuracies may be wrong; outliers withdraw their evidence.
 
-With k = b + w - 1, as told, a robot of n black of t readings believes by itself in x = (n/t - 1 + w)/k, with a variance
-of at most e = 1/(4 k^2 t). It puts three numbers into sums that all mix as those of `commons` do:
+With k = b + w - 1, as assumed, a robot with n of t readings black has the estimate x = (n/t - 1 + w)/k of its own, with
+a variance of at most e = 1/(4 k^2 t). It adds three numbers to sums that are mixed as in `commons`:
 
     g, g x, g (x^2 - e)    with    g = 1/(e + d);    f = s/v;    d <- max(0, m/v - f^2), smoothed
 
-d is by how much more robots differ than by chance, as in a random-effects mean (DerSimonian, Laird, 1986): where all
-agree d is 0 and this is commons; where they do not, no robot counts for more than 1/d, however much it has seen. What a
-robot has put in it remembers and renews: all fades by 1/memory a round, and what is missing is put in, or too much is
-taken back, little by little: a haul at once would leave the others' x behind, and mislead whoever looks.
+d is the variance between robots beyond chance, as in a random-effects mean (DerSimonian, Laird, 1986). If all robots
+agree, d is 0 and this is commons. If not, no robot has a weight above 1/d, however much it has seen. A robot remembers
+what it has added and renews it: all sums fade by 1/memory per round, and the difference is added or withdrawn in small
+steps, because a large step would leave the others' x behind and mislead robots that look.
 
-    does not fit    where (x - f)^2 > z^2 e + apart d,  or x lies outside [0, 1] by more than z sqrt(e)
-    fits again      where (x - f)^2 and the way outside, squared, are below a quarter of that, or nobody vouches for f
+    is an outlier    if (x - f)^2 > z^2 e + apart d,  or x lies outside [0, 1] by more than z sqrt(e)
+    fits again       if (x - f)^2 and the squared distance from [0, 1] are below a quarter of that, or f has no weight
 
-Who does not fit takes its g down to 0 in steps; b = w = (n/t + f - 1)/(2 f - 1) is what the swarm makes of its sensor.
-Of a share p that is wrong by D, all alike, (x - f)^2 = (1 - p)^2 D^2 and d = p (1 - p) D^2: they go where (1 - p)/p is
-above `apart`, and who is right then stays. Where about half are wrong alike nothing can be known.
+An outlier reduces its g to 0 in steps; b = w = (n/t + f - 1)/(2 f - 1) is its accuracy according to the swarm. If a
+share p of robots is wrong by the same D, (x - f)^2 = (1 - p)^2 D^2 and d = p (1 - p) D^2: they withdraw if (1 - p)/p is
+above `apart`, and the others then stay. If about half are wrong in the same way, nothing can be known.
 """
 
-STEP = 0.02  # share of its evidence that a robot takes back, or puts in again, in a round
-LEAST = 1e-6  # of the own weight: where less than that is left of all, nobody vouches for anything
+STEP = 0.02  # the share of its evidence that a robot withdraws or adds per round
+LEAST = 1e-6  # of the own weight; with less in total, f has no weight
 
 PARAMETERS = {
-    "z": 4.0,  # standard deviations that chance explains
-    "apart": 1.2,  # in units of d, from where on a robot does not fit
-    "memory": 1000.0,  # rounds after which what was put in has faded
+    "z": 4.0,  # standard deviations explained by chance
+    "apart": 1.2,  # in units of d: the limit beyond which a robot is an outlier
+    "memory": 1000.0,  # rounds in which evidence fades
 }
 MEMORY = {
     "t": 0.0,  # observations made
-    "n": 0.0,  # of which said black
-    "out": 0.0,  # 1: it does not fit
-    "part": 1.0,  # of its evidence that is to count: falls to 0 while out, rises to 1 else
-    "accuracy": 0.5,  # b = w, as the swarm has it, while out
+    "n": 0.0,  # black ones among them
+    "out": 0.0,  # 1: it is an outlier
+    "part": 1.0,  # the share of its evidence that counts: falls to 0 while out, otherwise rises to 1
+    "accuracy": 0.5,  # b = w according to the swarm, while out
     "s": 0.0,  # mixed: weights times estimates
     "v": 0.0,  # weights
-    "m": 0.0,  # weights times squares, less what chance makes of them
+    "m": 0.0,  # weights times squares, minus their variance by chance
     "x": 0.5,  # estimate
     "spread": 0.0,  # d, smoothed
-    "given_s": 0.0,  # what it has put into these itself
+    "given_s": 0.0,  # what it has added to these itself
     "given_v": 0.0,
     "given_m": 0.0,
     "heard": 0.0,  # messages since the last round
@@ -51,7 +51,7 @@ SUMS = ("heard", "heard_s", "heard_v", "heard_m")
 
 
 def observe(me, blacks, looks):
-    """Count."""
+    """Count readings."""
     me.t += looks
     me.n += blacks
 
@@ -71,7 +71,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices, faded; then see whether it fits, and put in or take back."""
+    """Average all voices with fading; then check whether it is an outlier, and add or withdraw evidence."""
     keep = 1.0 - 1.0 / max(me.memory, 1.0)
     share = keep / (1.0 + me.heard)
     me.s = share * (me.s + me.heard_s)
@@ -103,7 +103,7 @@ def fuse(me):
 
 
 def judge(me, x, chance, f, spread):
-    """Withdraw, or return, and learn what the swarm makes of the sensor."""
+    """Withdraw or return, and learn the accuracy according to the swarm."""
     most = me.z * me.z * chance
     limit = most + me.apart * spread
     off = (x - f) * (x - f)
@@ -120,7 +120,7 @@ def judge(me, x, chance, f, spread):
 
 
 def give(me, x, chance):
-    """Put in what is missing from the own evidence, or take back some of what is too much."""
+    """Add a part of the missing own evidence, or withdraw a part of the surplus."""
     weight = me.part / (chance + me.spread)
     s = weight * x - me.given_s
     v = weight - me.given_v
@@ -146,5 +146,5 @@ def ratio(me):
 
 
 def estimate(me):
-    """The ratio before this round's own readings, which would weigh too much until they are mixed."""
+    """The ratio without this round's own readings, whose weight is too large until they are mixed."""
     return me.x

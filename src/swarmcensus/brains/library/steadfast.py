@@ -1,46 +1,46 @@
-"""Steadfast: commons among liars, where what a robot has seen by itself bounds for good what all others can do to it.
+"""Steadfast: commons among liars, where a robot's own readings bound the influence of all others for good.
 
-Sums s, v of evidence are mixed as in commons, k = b + w - 1, x = s / v. Beside them a robot keeps what it alone has
-seen, n black of t readings: q = (n + 2) / (t + 4), with the standard error e = sqrt(q (1 - q) / (t + 4)). It counts a
-message (s_j, v_j), which claims x_j = s_j / v_j, if
+Sums s, v of evidence are mixed as in commons, with k = b + w - 1 and x = s / v. In addition, a robot keeps its own
+evidence, n black of t readings: q = (n + 2) / (t + 4), with the standard error e = sqrt(q (1 - q) / (t + 4)). It counts
+a message (s_j, v_j), which claims x_j = s_j / v_j, if
 
-    |k x_j + 1 - w - q| <= sure e    it may be true, by what the robot has seen, and
+    |k x_j + 1 - w - q| <= sure e    it is compatible with the robot's own readings, and
     |x_j - x| <= near d              it is not far from most voices, whose typical distance d follows all m of a round:
 
-    d <- (8 d + sum min(|x_j - x|, 2 d)) / (8.5 + m)    so that fewer than half of them cannot open it
+    d <- (8 d + sum min(|x_j - x|, 2 d)) / (8.5 + m)    so that fewer than half of them cannot increase it
 
-with a weight of `cap` v at the most. Then
+with a weight of at most `cap` v. Then
 
     s, v <- means of own and counted;    s, v += min(1, lean fresh / t) (own sums - s, v)
 
-so that a lie told at t0 has faded to (t0 / t)^(1 + lean) at t; what was seen does not fade, for the own sums keep it.
-At last the estimate of commons is cut to what the own readings allow:
+so that the effect of a lie at t0 has faded to (t0 / t)^(1 + lean) at t; readings do not fade, because the own sums keep
+them. Finally, the estimate of commons is clipped to what the own readings allow:
 
     |x - f| <= |own - f| + sure e / |k|,    own = (q + w - 1) / k
 
-whatever is said and by however many, which falls as 1 / sqrt(t). Where most of those whom a robot hears lie, as beside
-a lying hub of a tree, this is all that is left. Gates look at readings, so x is not quite unbiased; where black lies in
-clusters e is too small, and honest robots lock each other out. Anonymous: there are no names to forge.
+This bound holds for any number of liars, and falls as 1 / sqrt(t). It is the only protection if most of a robot's
+neighbours lie, as next to a lying hub of a tree. Because the gates depend on readings, x is not quite unbiased; if
+black lies in clusters, e is too small, and honest robots exclude each other. Anonymous: there are no names to forge.
 """
 
-VOICES = 8.0  # over how many voices the typical distance is a mean
-LEAST = 1e-6  # typical distance: below it agreement is rounding
+VOICES = 8.0  # the number of voices over which the typical distance is averaged
+LEAST = 1e-6  # typical distance; smaller ones are rounding
 
 PARAMETERS = {
-    "sure": 2.0,  # own standard errors from what is seen to what is believed
-    "near": 4.0,  # typical distances from the own ratio to what is counted
-    "lean": 3.0,  # towards the own sums, in shares of what is fresh
-    "cap": 2.0,  # the most that a message may weigh, in own weights
+    "sure": 2.0,  # own standard errors: the largest distance of a compatible message
+    "near": 4.0,  # typical distances: the largest distance of a counted message from the own ratio
+    "lean": 3.0,  # the pull towards the own sums, in shares of new readings
+    "cap": 2.0,  # the largest weight of a message, in own weights
 }
 MEMORY = {
     "s": 0.0,  # evidence for black, mixed
     "v": 0.0,  # evidence, mixed
     "n": 0.0,  # own black readings
     "t": 0.0,  # own readings
-    "fresh": 0.0,  # of which since the last round
+    "fresh": 0.0,  # readings since the last round
     "typical": 0.25,  # distance of a voice, d
     "voices": 0.0,  # messages since the last round
-    "apart": 0.0,  # the sum of their distances, each cut to 2 d
+    "apart": 0.0,  # the sum of their distances, each clipped to 2 d
     "heard": 0.0,  # messages that count
     "heard_s": 0.0,  # the sums in them
     "heard_v": 0.0,
@@ -50,7 +50,7 @@ ROLES = {"s": "information", "v": "confidence"}
 
 
 def observe(me, blacks, looks):
-    """Unbiased evidence, by how much the sensor tells; and what the robot alone has seen."""
+    """Add unbiased evidence, weighted by how much the sensor tells, count the own readings."""
     slope = me.b + me.w - 1.0
     me.s += slope * (blacks - looks * (1.0 - me.w))
     me.v += slope * slope * looks
@@ -65,7 +65,7 @@ def broadcast(me):
 
 
 def black(me):
-    """The share of black readings that the robot takes for its own; 1/2 at first."""
+    """The shrunk share of the own black readings; 1/2 at first."""
     return (me.n + 2.0) / (me.t + 4.0)
 
 
@@ -76,7 +76,7 @@ def error(me):
 
 
 def receive(me, message):
-    """A neighbour's sums, if they may be true."""
+    """A neighbour's sums, if they pass the gates."""
     s, v = message
     if v <= 0.0:
         return
@@ -98,7 +98,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices that count, leaning to the own sums."""
+    """The mean of all counted voices, pulled towards the own sums."""
     if me.voices > 0.0 and me.v > 0.0:
         me.typical = max((VOICES * me.typical + me.apart) / (VOICES + 0.5 + me.voices), LEAST)
     voices = 1.0 + me.heard
@@ -118,7 +118,7 @@ def fuse(me):
 
 
 def estimate(me):
-    """The ratio of the sums with the prior of commons, cut to what the own readings allow, in [0, 1]."""
+    """The ratio of the sums with the prior of commons, clipped to what the own readings allow and to [0, 1]."""
     if me.v <= 0.0:
         return 0.5
     prior = min(0.25, 0.0625 / me.v)

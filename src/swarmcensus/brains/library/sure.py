@@ -1,20 +1,20 @@
-"""Sure: eight commons side by side, whose spread tells each robot how sure the swarm is, and when to stop looking.
+"""Sure: eight copies of commons, whose spread tells each robot how sure the swarm is, and when to stop looking.
 
-Readings go into eight pairs of sums in turn, block by block of rounds, and each pair is mixed as in commons. Given who
-heard whom, their ratios are independent and alike but for chance, so they tell the error of the ratio of all:
+Readings go into eight pairs of sums in turn, one block of rounds each, and each pair is mixed as in commons. For a
+given network, their ratios are independent and differ only by chance, so they show the error of the overall ratio:
 
     f = sum s_k / V,  V = sum v_k,  se^2 = sum (s_k - f v_k)^2 / (V^2 - sum v_k^2),  f +- max(t se, ln(1/alpha) / (n k))
 
-with t the quantile of Student's t with 7 degrees of freedom, two-sided at alpha, n the readings of a neighbourhood, and
-k the swarm's mean of b + w - 1, as v tells it. Nobody need know how many robots there are, the network, or its losses.
-These are batch means; blocks double every eight, so that readings which resemble each other end up in one block. The
-last term is there for sensors so good that all readings may be alike: where a share ln(1/alpha)/n of the floor differs,
-n readings miss it with a probability below alpha.
+with t the two-sided quantile of Student's t with 7 degrees of freedom at alpha, n the readings of a neighbourhood, and
+k the swarm's mean of b + w - 1, derived from v. No robot needs to know the number of robots, the network, or its
+losses. These are batch means; the block length doubles after every eight blocks, so that correlated readings end up in
+one block. The last term is for sensors so good that all readings may be equal: if a share ln(1/alpha)/n of the floor
+differs, n readings miss it with a probability below alpha.
 
-At the end of the j-th eight blocks the robot looks whether half of its interval, at alpha_j = 4 alpha/((j + 3)(j + 4)),
-is within `within`, and if so is done: all alpha_j together are alpha. It goes on talking. The interval is one for the
-ground that robots see: on a floor that is looked at over and over, for its own share of black, and on one whose
-black lies in clusters wider than what they have walked over, it is too narrow.
+After the j-th eight blocks, the robot checks whether half the width of its interval is at most `within`, at alpha_j =
+4 alpha/((j + 3)(j + 4)), and if so is done; all alpha_j sum up to alpha. It goes on sending. The interval is for the
+ground that robots see: on a floor that is seen over and over, for its own share of black. On a floor whose black lies
+in clusters wider than the distance that robots have driven, it is too narrow.
 """
 
 import math
@@ -22,8 +22,8 @@ import math
 STREAMS = 8
 
 PARAMETERS = {
-    "within": 0.02,  # how near to f the mission wants to be
-    "alpha": 0.05,  # how often an interval may miss f, and a robot stop too far from it
+    "within": 0.02,  # the accuracy that the mission needs
+    "alpha": 0.05,  # the share of intervals that may miss f, and of robots that may stop too far from it
 }
 MEMORY = {
     "s": (0.0,) * 8,  # evidence for black, mixed, in each stream
@@ -31,12 +31,12 @@ MEMORY = {
     "heard": 0.0,  # messages since the last round
     "heard_s": (0.0,) * 8,  # the sums in them
     "heard_v": (0.0,) * 8,
-    "stream": 0.0,  # the one of the present block
-    "block": 1.0,  # its rounds
-    "left": 1.0,  # how many of them are to come
+    "stream": 0.0,  # that of the present block
+    "block": 1.0,  # the rounds of a block
+    "left": 1.0,  # the rounds of it that are left
     "look": 0.0,  # j
     "looks": 0.0,  # own readings
-    "voices": 0.0,  # the own and those heard, in all rounds
+    "voices": 0.0,  # the own and those heard, summed over rounds
     "rounds": 0.0,
     "sure": 0.0,  # 1: done
 }
@@ -46,7 +46,7 @@ SUMS = ("heard", "heard_s", "heard_v")
 
 
 def observe(me, blacks, looks):
-    """Unbiased evidence for the present stream, by how much the sensor tells."""
+    """Add unbiased evidence to the present stream, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
     k = int(me.stream)
     me.s[k] += slope * (blacks - looks * (1.0 - me.w))
@@ -69,7 +69,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices; at the end of eight blocks, a look."""
+    """Average all voices; at the end of eight blocks, look at the interval."""
     voices = 1.0 + me.heard
     for k in range(STREAMS):
         me.s[k] = (me.s[k] + me.heard_s[k]) / voices
@@ -92,7 +92,7 @@ def fuse(me):
 
 
 def half(me, alpha):
-    """Half of the interval that misses f with probability alpha; 1 as long as a stream has no evidence."""
+    """Half the width of the interval that misses f with probability alpha; 1 while a stream has no evidence."""
     s = 0.0
     v = 0.0
     for k in range(STREAMS):
@@ -100,7 +100,7 @@ def half(me, alpha):
             return 1.0
         s += me.s[k]
         v += me.v[k]
-    if me.looks == 0.0 or alpha <= 0.0:  # who must never miss says all
+    if me.looks == 0.0 or alpha <= 0.0:  # without permitted errors, the interval is everything
         return 1.0
     off = 0.0
     weights = v * v
@@ -108,14 +108,14 @@ def half(me, alpha):
         off += (me.s[k] - s / v * me.v[k]) ** 2
         weights -= me.v[k] * me.v[k]
     slope = math.sqrt(min(v / me.looks, 1.0))
-    if weights <= 0.0:  # but for rounding, one stream has all evidence
+    if weights <= 0.0:  # up to rounding, one stream has all evidence
         return 1.0
     least = math.log(1.0 / alpha) * me.rounds / (me.looks * me.voices * slope)
     return max(quantile(alpha) * math.sqrt(off / weights), least)
 
 
 def quantile(alpha):
-    """Beyond which on either side Student's t with 7 degrees of freedom lies with probability alpha, by bisection."""
+    """The two-sided quantile of Student's t with 7 degrees of freedom at alpha, by bisection."""
     low = 0.0
     high = 0.5 * math.pi
     for _ in range(60):  # the angle atan(t / sqrt(7)): Abramowitz and Stegun, 26.7.3
@@ -143,7 +143,7 @@ def estimate(me):
 
 
 def interval(me):
-    """What f lies in but for alpha, cut to [0, 1]; all of that as long as a stream has no evidence."""
+    """The interval at alpha, clipped to [0, 1]; all of [0, 1] while a stream has no evidence."""
     s = 0.0
     v = 0.0
     for k in range(STREAMS):

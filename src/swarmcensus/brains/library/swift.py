@@ -1,45 +1,45 @@
-"""Swift: commons with momentum, so that news travels further in a round; off for good wherever who hears whom changes.
+"""Swift: commons with momentum, which spreads news faster; momentum is switched off for good if the network changes.
 
-What a robot says next goes beyond the mean of the voices, by how far that mean is from what it said one round before:
+What a robot sends next goes beyond the mean of the voices, in proportion to how far that mean is from its last message:
 
     s, v <- M + g (M - said),    M the mean of own and heard, as in commons;    f = s / v of the means
 
-A second-order step (Polyak, 1964, as it is used in consensus, Muthukrishnan, Ghosh, Schultz, 1998). Like M it treats s
-and v alike, so f stays consistent. Where messages are lost, are old, or come from others than before, it swings up
-without bound; and a robot with momentum does harm beside one without. So a robot is shaken as soon as it hears nobody,
-or fewer or more than in its first round, or a mind without evidence (older than that mind's first reading), or somebody
-who is shaken, which all tell. Who is shaken mixes as commons does, for good, and within a few rounds all are. Where
-nothing changes, all keep their momentum.
+This is a second-order step (Polyak, 1964; in consensus: Muthukrishnan, Ghosh, Schultz, 1998). It treats s and v alike,
+so f stays consistent. With lost or old messages, or changing neighbours, it is unstable; and a robot with momentum does
+harm next to one without. So a robot is shaken as soon as it hears nobody, or fewer or more robots than in its first
+round, or a mind without evidence (older than that mind's first reading), or a robot that is shaken, which all messages
+say. A shaken robot mixes as in commons, for good, and within a few rounds all robots do. If nothing changes, all keep
+their momentum.
 
-The last 1 / (1 - g) rounds of readings do not count in full yet. Where one round mixes all that is a loss. So g falls
-with the square of the voices heard above a crowd; and robots all of whose neighbours heard just whom they heard, which
-in a connected swarm is true of all or none, give it up too. They tell it by what they say in place of whether they are
-shaken: a mark of their own first, then for good the sum of all marks that they heard, which hardly ever is another's by
-chance. Momentum begins in the third round, when all this is known. A robot whose v would halve by the step does without
-it once. The prior is that of commons, as much larger as momentum has made the sums.
+The last 1 / (1 - g) rounds of readings do not count in full yet. If one round mixes everything, that is a loss. So g
+falls with the square of the voices heard above `crowd`. Robots also give up momentum if all their neighbours heard
+exactly the same robots as they did, which in a connected swarm is true of all or none. To find out, messages contain a
+mark: first the robot's own, then for good the sum of all marks heard, which rarely equals another sum by chance.
+Momentum begins in the third round, when this is known. A robot whose v would be halved by the step omits it once. The
+prior is that of commons, scaled like the sums.
 """
 
 PARAMETERS = {
     "momentum": 0.9,  # g
-    "crowd": 50.0,  # voices from which on there is less of it
+    "crowd": 50.0,  # the number of voices above which momentum is reduced
 }
 MEMORY = {
-    "s": 0.0,  # said: evidence for black
+    "s": 0.0,  # sent: evidence for black
     "v": 0.0,  # and evidence
     "said_s": 0.0,  # in the round before
     "said_v": 0.0,
-    "mean_s": 0.0,  # the means, with the readings since
+    "mean_s": 0.0,  # the means, with later readings
     "mean_v": 0.0,
-    "unit": 0.0,  # what evidence of 1 a round would have become, said likewise
+    "unit": 0.0,  # what evidence of 1 per round would have become, as sent
     "said_unit": 0.0,
     "rounds": 0.0,  # so far
     "first": 0.0,  # messages in the first round
-    "company": 0.0,  # marks heard in the first round, and the own; 0 before, -1: shaken, no momentum
+    "company": 0.0,  # the sum of marks heard in the first round and the own; 0 before, -1 if shaken
     "heard": 0.0,  # messages since the last round
     "heard_s": 0.0,  # the sums in them
     "heard_v": 0.0,
     "heard_company": 0.0,
-    "alarms": 0.0,  # messages of who is shaken, or knows nothing
+    "alarms": 0.0,  # messages of robots that are shaken or have no evidence
 }
 MESSAGE = ("s", "v", "company")
 ROLES = {"s": "information", "v": "confidence"}
@@ -47,12 +47,12 @@ SUMS = ("heard", "heard_s", "heard_v", "heard_company", "alarms")
 
 
 def mark(me):
-    """What sums seldom mistake for others: squares of names."""
+    """The mark of a robot, the square of a name, because sums of squares are rarely equal."""
     return (me.name + 1.0) ** 2
 
 
 def observe(me, blacks, looks):
-    """Unbiased evidence, by how much the sensor tells."""
+    """Add unbiased evidence, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
@@ -63,7 +63,7 @@ def observe(me, blacks, looks):
 
 
 def broadcast(me):
-    """The sums, and whom the robot heard, or that it is shaken."""
+    """The sums, and the mark, or that the robot is shaken."""
     return me.s, me.v, me.company if me.rounds > 0.0 else mark(me)
 
 
@@ -79,7 +79,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices, and the step beyond it."""
+    """Average all voices, and step beyond the mean."""
     voices = 1.0 + me.heard
     me.mean_s = (me.s + me.heard_s) / voices
     me.mean_v = (me.v + me.heard_v) / voices

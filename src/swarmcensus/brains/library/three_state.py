@@ -1,23 +1,25 @@
-"""Three-valued opinions: of each bin true, false or unsure; robots that found a good one dance for it, others listen.
+"""Three-valued opinions: each bin is true, false or unsure; robots that found a good one dance for it, others listen.
 
-Crosscombe, Lawry, Hauert and Homer, 2017. A robot holds for each option false (0), half (0.5) or true (1), has a site
-out of those it does not hold false, and every `every` rounds makes a step. One that dances goes on until its steps are
-up. One that does not takes the beliefs of a dancer that it heard, each message as likely, and joins them to its own:
+Crosscombe, Lawry, Hauert and Homer, 2017. A robot's belief about each option is false (0), half (0.5) or true (1). Its
+site is one of the options that it does not believe to be false. Every `every` rounds it makes a step. A robot that
+dances goes on until its steps are over. A robot that does not dance takes the beliefs of a dancer that it heard, each
+message equally likely, and merges them with its own:
 
-    true and false -> half;    half and x -> x;    alike -> the same;    more than one true: all of these become half.
+    true and false -> half;    half and x -> x;    equal -> the same;    more than one true: all of these become half.
 
-The true option, or else a half one drawn by lot, is then its site, for which it dances quality(site) steps, at least
-one. Where it heard nobody it dances again for its site; where only such as do not dance, it waits. Beliefs begin at
-random out of false and true, with one true at least. As published are these rules and the step of 0.5 s, here in rounds
-of 0.1 s.
+The true option, or a random half one, is then its site, for which it dances quality(site) steps, at least one. If it
+heard nobody, it dances again for its site; if it only heard robots that do not dance, it waits. Beliefs begin randomly
+false or true, with at least one true. As published: these rules and the step of 0.5 s, here in rounds of 0.1 s.
 
 Deviations:
-- The original is told the qualities of its options, up to 25. Here the options are the ten bins of the fill ratio, and
-  quality(bin) = dance * exp(-((middle of the bin - share) / width)^2 / 2), of the share of black in its own readings.
-- Steps are rounded up or down by lot, so that their mean is the quality.
-- All begin with a dance. Who has waited for `patience` steps dances again: all would wait for ever once nobody dances.
-- Robots that are unsure of no bin in common would be left with none: all that either was unsure of stay half.
-- `faulty` = 1 is their malfunction: a robot that draws beliefs at random where others listen. They make a tenth so.
+- In the source, robots know the qualities of their options, up to 25. Here the options are the ten bins of the fill
+  ratio, and quality(bin) = dance * exp(-((middle of the bin - share) / width)^2 / 2), with the share of black in a
+  robot's own readings.
+- Steps are rounded up or down at random, so that their mean is the quality.
+- All robots begin with a dance. A robot that has waited for `patience` steps dances again; otherwise all would wait for
+  ever once nobody dances.
+- Two robots without a common unsure bin would be left with none: all bins that either was unsure of stay half.
+- `faulty` = 1 is the source's malfunction: a robot draws random beliefs where others listen. There, a tenth are faulty.
 - `debiased` = 1 corrects the share of black for the sensor: clip((share + w - 1) / (b + w - 1), 0, 1).
 """
 
@@ -27,28 +29,28 @@ OPTIONS = 10
 BINS = 10
 PARAMETERS = {
     "every": 5.0,  # rounds: one step
-    "dance": 25.0,  # steps: how long it dances for a bin whose middle is the share that it has seen
-    "width": 0.2,  # how far from that share a bin is still good
+    "dance": 25.0,  # steps: the length of the dance for a bin whose middle is the share that it has seen
+    "width": 0.2,  # the distance from that share over which quality falls
     "patience": 25.0,  # steps that it waits for a dancer
-    "faulty": 0.0,  # 1: it draws beliefs at random and never listens
+    "faulty": 0.0,  # 1: it draws random beliefs and never listens
     "debiased": 0.0,  # 1: the share of black is corrected for the sensor
 }
 MEMORY = {
     "beliefs": (0.5,) * 10,  # of each bin: 0 false, 0.5 half, 1 true
     "site": -1.0,  # the bin that it dances for; -1 before the first round
-    "steps": 0.0,  # left to dance; below 0: so many it has waited
+    "steps": 0.0,  # of the dance that are left; below 0: the number of waiting steps
     "clock": 0.0,  # rounds since its last step
     "t": 0.0,  # readings
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "heard": 0.0,  # messages since its last step
-    "dancers": 0.0,  # of which of robots that dance
-    "kept": (0.5,) * 10,  # the beliefs of one of these
+    "dancers": 0.0,  # messages from dancers among them
+    "kept": (0.5,) * 10,  # the beliefs of one dancer
 }
 MESSAGE = {"dancing": 0.0, "site": 0.0, "beliefs": (0.5,) * 10}
 
 
 def observe(me, blacks, looks):
-    """Readings of its whole life."""
+    """Count all readings."""
     me.t += looks
     me.n += blacks
 
@@ -59,7 +61,7 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Of what dancers say one message stays, each as likely."""
+    """Keep one message of dancers, each equally likely."""
     me.heard += 1.0
     if message[0] > 0.0:
         me.dancers += 1.0
@@ -74,7 +76,7 @@ def valued(belief):
 
 
 def fuse(me):
-    """Every few rounds one step of the dance, of listening or of waiting."""
+    """Every few rounds, make one step of dancing, listening or waiting."""
     me.clock += 1.0
     if me.site < 0.0:
         draw(me)
@@ -99,7 +101,7 @@ def fuse(me):
 
 
 def draw(me):
-    """Beliefs at random: each set of bins that is not empty is as likely to be the true ones."""
+    """Random beliefs: each non-empty set of true bins is equally likely."""
     bits = 1 + int(me.luck * (2.0**BINS - 1.0))
     for k in range(BINS):
         me.beliefs[k] = float(bits % 2)
@@ -108,7 +110,7 @@ def draw(me):
 
 
 def join(me):
-    """Its beliefs and those that it heard."""
+    """Merge its beliefs with those that it heard."""
     left = 0.0
     for k in range(BINS):
         left += joined(me.beliefs[k], me.kept[k])
@@ -121,14 +123,14 @@ def join(me):
 
 
 def joined(one, other):
-    """Two beliefs in one bin."""
+    """Merge two beliefs about one bin."""
     if abs(one - other) == 1.0:
         return 0.5
     return other if one == 0.5 else one
 
 
 def halve(me):
-    """More than one true: all of these become half."""
+    """If more than one bin is true, all of these become half."""
     sure = 0
     for k in range(BINS):
         if me.beliefs[k] == 1.0:
@@ -139,7 +141,7 @@ def halve(me):
 
 
 def begin(me):
-    """A site, of several one drawn by lot, and how long it dances for it."""
+    """Choose a site, at random among several, and the length of the dance for it."""
     found = truth(me)
     if found < 0:
         halves = 0
@@ -157,7 +159,7 @@ def begin(me):
 
 
 def truth(me):
-    """The bin that it holds true; -1 where there is none."""
+    """The bin that it believes to be true; -1 for none."""
     found = -1
     for k in range(BINS):
         if me.beliefs[k] == 1.0:
@@ -166,7 +168,7 @@ def truth(me):
 
 
 def quality(me):
-    """Steps, of its site."""
+    """The quality of its site, in steps."""
     share = 0.5
     if me.t > 0.0:
         share = me.n / me.t
@@ -177,7 +179,7 @@ def quality(me):
 
 
 def corrected(me, share):
-    """The share of black at which its sensor says black so often; a half where it says the same of both colours."""
+    """The share of black that explains this share of black readings; a half if the sensor tells nothing."""
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5
@@ -185,7 +187,7 @@ def corrected(me, share):
 
 
 def decide(me):
-    """Its site, once it holds all other bins false."""
+    """Its site, once it believes all other bins to be false."""
     possible = 0
     for k in range(BINS):
         if me.beliefs[k] > 0.0:
@@ -194,7 +196,7 @@ def decide(me):
 
 
 def estimate(me):
-    """The mean over the bins' middles, each weighted by the belief in it."""
+    """The mean of the bins' middles, weighted by the beliefs."""
     total = 0.0
     mean = 0.0
     for k in range(BINS):

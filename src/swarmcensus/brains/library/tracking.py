@@ -1,26 +1,26 @@
-"""Tracking: commons on a floor that may change; short sums stand beside long ones, which begin anew where both part.
+"""Tracking: commons on a floor that may change; short and long sums are compared, and both restart if they differ.
 
 Two pairs of the sums of `commons` are fed and mixed alike. The long ones, S and V, forget nothing. The short ones, s
-and v, are cut back, their ratio kept, to a quarter of V, but no lower than to 10 and no higher than to `memory`, in
-readings of a perfect sensor a robot: so they forget as fast as the swarm learns. With n voices in a round, the own too:
+and v, are scaled down, keeping their ratio, to a quarter of V, but not below 10 and not above `memory`, in readings of
+a perfect sensor per robot. So they forget as fast as the swarm learns. With n voices in a round, including the own:
 
-    where (S/V - s/v)^2 > z^2 (1/v - 1/V) / (4 n):    S, V, s, v <- s/v, 1, s/v, 1        f = S / V
+    if (S/V - s/v)^2 > z^2 (1/v - 1/V) / (4 n):    S, V, s, v <- s/v, 1, s/v, 1        f = S / V
 
-Bound: of readings that weigh 1 in S and w <= 1 in s, none mixed, sum w^2 <= v, so that on a floor that stays
-Var(S/V - s/v) = q(1 - q) (sum w^2 / v^2 - 1/V) <= (1/v - 1/V) / 4, as q(1 - q) <= 1/4. Mixing divides it by how many
-robots stand behind v, which a robot does not know: those that it hears in one round are as good as never more. So
-chance stays well within z, and the more so the more of the swarm is mixed.
+Bound: for unmixed readings with weight 1 in S and w <= 1 in s, sum w^2 <= v, so that on a floor that does not change
+Var(S/V - s/v) = q(1 - q) (sum w^2 / v^2 - 1/V) <= (1/v - 1/V) / 4, as q(1 - q) <= 1/4. Mixing divides it by the number
+of robots that contribute to v, which a robot does not know; the robots that it hears in one round are nearly always
+fewer. So chance stays well within z, the more so the more of the swarm is mixed.
 
-What the short ones still hold of the old floor weighs no more than one reading after that. A robot that begins anew by
-mistake is given the long sums back by its neighbours within a few rounds.
+After a restart, what the short sums still hold of the old floor weighs no more than one reading. A robot that restarts
+by mistake gets the long sums back from its neighbours within a few rounds.
 """
 
-LEAST = 10.0  # evidence that the short sums may hold at any time
-KEPT = 1.0  # evidence that what a robot believes is worth when it begins anew
+LEAST = 10.0  # evidence that the short sums may always hold
+KEPT = 1.0  # the weight of the estimate after a restart
 
 PARAMETERS = {
-    "memory": 100.0,  # evidence that the short sums hold at the most, in readings of a perfect sensor
-    "z": 2.5,  # standard deviations, by the bound, from which on the sums have parted
+    "memory": 100.0,  # the most evidence in the short sums, in readings of a perfect sensor
+    "z": 2.5,  # standard deviations, by the bound, beyond which the sums differ
 }
 MEMORY = {
     "s": 0.0,  # short: evidence for black
@@ -39,7 +39,7 @@ SUMS = ("heard", "heard_s", "heard_v", "heard_long_s", "heard_long_v")
 
 
 def observe(me, blacks, looks):
-    """Unbiased evidence, by how much the sensor tells."""
+    """Add unbiased evidence, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
@@ -65,7 +65,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices; then forget, and see whether the sums have parted."""
+    """Average all voices; then forget, and check whether the sums differ."""
     voices = 1.0 + me.heard
     me.s = (me.s + me.heard_s) / voices
     me.v = (me.v + me.heard_v) / voices
@@ -85,14 +85,14 @@ def fuse(me):
 
 def has_changed(me, voices):
     """Whether short and long sums differ by more than chance explains."""
-    if me.v <= 0.0 or me.long_v <= 1.01 * me.v:  # they have all but the same readings
+    if me.v <= 0.0 or me.long_v <= 1.01 * me.v:  # both have nearly the same readings
         return False
     off = me.long_s / me.long_v - me.s / me.v
     return off * off > me.z * me.z * (1.0 / me.v - 1.0 / me.long_v) / (4.0 * voices)
 
 
 def cut_short(me, most):
-    """Forget: the short sums hold no more than so much evidence."""
+    """Forget: limit the evidence in the short sums."""
     if me.v > most:
         me.s *= most / me.v
         me.v = most

@@ -1,17 +1,19 @@
-"""The weighted voter model: robots dance for a bin of the fill ratio, the longer the better it is, and others copy.
+"""The weighted voter model: robots dance for a bin of the fill ratio, longer for a better bin, and others copy them.
 
-The Boolean baseline that Crosscombe, Lawry, Hauert and Homer, 2017, hold three-valued opinions against. A robot has
-one site, and every `every` rounds makes a step. One that dances goes on until its steps are up. One that does not takes
-over the site of a dancer that it heard, each message as likely, and dances for it quality(site) steps, at least one.
-Where it heard nobody it dances again for its own site; where only such as do not dance, it waits. As published are
-these rules and the step of 0.5 s, here in rounds of 0.1 s.
+This is the Boolean baseline with which Crosscombe, Lawry, Hauert and Homer, 2017, compare three-valued opinions. A
+robot has one site, and makes a step every `every` rounds. A robot that dances goes on until its steps are over. A robot
+that does not dance takes the site of a dancer that it heard, each message equally likely, and dances for it
+quality(site) steps, at least one. If it heard nobody, it dances again for its own site; if it only heard robots that do
+not dance, it waits. As published: these rules and the step of 0.5 s, here in rounds of 0.1 s.
 
 Deviations:
-- The original is told the qualities of its options, up to 25. Here the options are the ten bins of the fill ratio, and
-  quality(bin) = dance * exp(-((middle of the bin - share) / width)^2 / 2), of the share of black in its own readings.
-- Steps are rounded up or down by lot, so that their mean is the quality.
-- All begin with a dance. Who has waited for `patience` steps dances again: all would wait for ever once nobody dances.
-- Sites begin at random, each bin as likely; `faulty` = 1 is a robot that draws its site at random where others listen.
+- In the source, robots know the qualities of their options, up to 25. Here the options are the ten bins of the fill
+  ratio, and quality(bin) = dance * exp(-((middle of the bin - share) / width)^2 / 2), with the share of black in a
+  robot's own readings.
+- Steps are rounded up or down at random, so that their mean is the quality.
+- All robots begin with a dance. A robot that has waited for `patience` steps dances again; otherwise all would wait for
+  ever once nobody dances.
+- First sites are random, each bin equally likely; `faulty` = 1 is a robot that draws a random site where others listen.
 - `debiased` = 1 corrects the share of black for the sensor: clip((share + w - 1) / (b + w - 1), 0, 1).
 """
 
@@ -21,27 +23,27 @@ OPTIONS = 10
 BINS = 10.0
 PARAMETERS = {
     "every": 5.0,  # rounds: one step
-    "dance": 25.0,  # steps: how long it dances for a bin whose middle is the share that it has seen
-    "width": 0.2,  # how far from that share a bin is still good
+    "dance": 25.0,  # steps: the length of the dance for a bin whose middle is the share that it has seen
+    "width": 0.2,  # the distance from that share over which quality falls
     "patience": 25.0,  # steps that it waits for a dancer
-    "faulty": 0.0,  # 1: it draws its site at random and never listens
+    "faulty": 0.0,  # 1: it draws a random site and never listens
     "debiased": 0.0,  # 1: the share of black is corrected for the sensor
 }
 MEMORY = {
     "site": -1.0,  # the bin that it dances for; -1 before the first round
-    "steps": 0.0,  # left to dance; below 0: so many it has waited
+    "steps": 0.0,  # of the dance that are left; below 0: the number of waiting steps
     "clock": 0.0,  # rounds since its last step
     "t": 0.0,  # readings
-    "n": 0.0,  # of which said black
+    "n": 0.0,  # black ones among them
     "heard": 0.0,  # messages since its last step
-    "dancers": 0.0,  # of which of robots that dance
-    "kept": 0.0,  # the site of one of these
+    "dancers": 0.0,  # messages from dancers among them
+    "kept": 0.0,  # the site of one dancer
 }
 MESSAGE = ("dancing", "site")
 
 
 def observe(me, blacks, looks):
-    """Readings of its whole life."""
+    """Count all readings."""
     me.t += looks
     me.n += blacks
 
@@ -52,7 +54,7 @@ def broadcast(me):
 
 
 def receive(me, message):
-    """Of what dancers say one message stays, each as likely."""
+    """Keep one message of dancers, each equally likely."""
     me.heard += 1.0
     if message[0] > 0.0:
         me.dancers += 1.0
@@ -61,7 +63,7 @@ def receive(me, message):
 
 
 def fuse(me):
-    """Every few rounds one step of the dance, of listening or of waiting."""
+    """Every few rounds, make one step of dancing, listening or waiting."""
     me.clock += 1.0
     if me.site < 0.0:
         me.site = drawn(me)
@@ -75,7 +77,7 @@ def fuse(me):
             me.site = drawn(me)
             begin(me)
     elif me.dancers > 0.0:
-        me.site = float(math.floor(min(max(me.kept, 0.0), BINS - 1.0)))  # a liar may name no bin
+        me.site = float(math.floor(min(max(me.kept, 0.0), BINS - 1.0)))  # a liar may send something that is not a bin
         begin(me)
     elif me.heard == 0.0 or me.steps <= 1.0 - me.patience:
         begin(me)
@@ -86,17 +88,17 @@ def fuse(me):
 
 
 def drawn(me):
-    """Any bin."""
+    """A random bin."""
     return float(math.floor(me.luck * BINS))
 
 
 def begin(me):
-    """How long it dances for its site."""
+    """Set the length of the dance for its site."""
     me.steps = float(max(math.floor(quality(me) + 16777216.0 * me.luck % 1.0), 1))
 
 
 def quality(me):
-    """Steps, of its site."""
+    """The quality of its site, in steps."""
     share = 0.5
     if me.t > 0.0:
         share = me.n / me.t
@@ -107,7 +109,7 @@ def quality(me):
 
 
 def corrected(me, share):
-    """The share of black at which its sensor says black so often; a half where it says the same of both colours."""
+    """The share of black that explains this share of black readings; a half if the sensor tells nothing."""
     slope = me.b + me.w - 1.0
     if abs(slope) < 1e-12:
         return 0.5
