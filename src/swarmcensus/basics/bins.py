@@ -9,9 +9,8 @@ import numpy as np
 def right_bin(fill_ratio: float, bins: int = 10) -> tuple[float, float]:
     """The half-open interval of estimates that decide for the bin of `fill_ratio`.
 
-    The first interval begins at minus infinity, and the last one ends at infinity.
-
-    Bins are [0, 1/B), [1/B, 2/B), ..., and the last one is closed. Paper, Sec. IV-A.
+    Bins are [0, 1/B), [1/B, 2/B), ..., and the last one is closed (paper, Sec. IV-A). The interval of the first bin
+    begins at minus infinity, and that of the last one ends at infinity.
     """
     edges = np.arange(bins + 1) / bins
     k = min(int(np.searchsorted(edges, fill_ratio, side="right")) - 1, bins - 1)

@@ -36,10 +36,7 @@ def _one_or_several(inner: Callable[[], Schema]) -> Schema:
 
 
 T = TypeVar("T")
-LISTED, ONE_OR_SEVERAL = (
-    BeforeValidator(_listed),
-    Form(_one_or_several),
-)  # a list, or its only value
+LISTED, ONE_OR_SEVERAL = BeforeValidator(_listed), Form(_one_or_several)  # a list, or its only value
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
 # a number of robots, or a fraction of them
 ROBOTS = Form(lambda _: {"anyOf": [{"type": "integer", "minimum": 0}, {"type": "number", "minimum": 0, "maximum": 1}]})

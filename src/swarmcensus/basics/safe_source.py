@@ -16,8 +16,8 @@ from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.plugins import Plugins
 
 CALLS = ("abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len")
-LARGEST = 2.0**1023  # constant; keeps arithmetic with constants quick
-LONGEST = 10_000  # repeated tuple
+LARGEST = 2.0**1023  # the largest constant, so that arithmetic with constants stays quick
+LONGEST = 10_000  # items of a repeated tuple
 ARITHMETIC: dict[type, Callable[[Any, Any], Any]] = {
     ast.Add: operator.add, ast.Sub: operator.sub, ast.Mult: operator.mul, ast.Div: operator.truediv,
     ast.FloorDiv: operator.floordiv, ast.Mod: operator.mod, ast.Pow: operator.pow,

@@ -116,16 +116,16 @@ def _roles(given: Any, message: dict[str, int]) -> dict[str, str]:
     needs = "information" in given.values() and "confidence" not in given.values()
     require(not needs, "ROLES names an information but no confidence: an information is a confidence times an estimate")
     for name in (name for name, role in given.items() if role == "information"):
-        other = confidence_of(name, list(message), given)
-        alike = message[name] == message[other]
-        require(alike, f"ROLES: the information {name!r} and its confidence {other!r} should have the same length")
+        confidence = confidence_of(name, list(message), given)
+        equal = message[name] == message[confidence]
+        require(equal, f"ROLES: the information {name!r} and its confidence {confidence!r} should have the same length")
     return dict(given)
 
 
 def confidence_of(name: str, message: Sequence[str], roles: Mapping[str, str]) -> str:
     """The confidence that belongs to an information field: the next one in the message, or else the first."""
-    after = [*message[message.index(name) :], *message]
-    return next(other for other in after if roles.get(other) == "confidence")
+    candidates = [*message[message.index(name) :], *message]
+    return next(field for field in candidates if roles.get(field) == "confidence")
 
 
 def _message(given: Any, memory: dict[str, int]) -> dict[str, int]:

@@ -7,7 +7,7 @@ from typing import Any, NoReturn
 from swarmcensus.basics import safe_source
 
 Value = float | tuple[float, ...]
-LONGEST = 4096  # vector
+LONGEST = 4096  # items of a vector
 LARGEST = 1e300
 
 
