@@ -1,28 +1,17 @@
-"""Tables of pages that are made from the code: of quantities and coordinates, and of the metrics that are shipped.
+"""Tables of pages that are made from the code: coordinates, quantities, and the shipped metrics.
 
-    python docs_hooks/tables.py        # writes the tables of docs/data-format.md anew
+    python docs_hooks/tables.py        # writes the tables of docs/data-format.md and docs/metrics.md
 
-The table of metrics is put into its page when the site is built; `swarmcensus list metrics` prints it.
+A table stands between two comments, which name it.
 """
 
 from pathlib import Path
 
-from mkdocs.config.defaults import MkDocsConfig
-from mkdocs.structure.files import Files
-from mkdocs.structure.pages import Page
-
 from swarmcensus import metrics
 from swarmcensus.vocabulary import coordinates, quantities
 
-PAGE = Path(__file__).parent.parent / "docs" / "data-format.md"
-METRICS = "<!-- the table of metrics is put here when the site is built -->"
-
-
-def of_quantities() -> str:
-    """The variables that runs store, beside those of settings."""
-    stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
-    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
-    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+DOCS = Path(__file__).parent.parent / "docs"
+PAGES = [DOCS / "data-format.md", DOCS / "metrics.md"]
 
 
 def of_coordinates() -> str:
@@ -31,25 +20,31 @@ def of_coordinates() -> str:
     return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
 
 
+def of_quantities() -> str:
+    """The variables that runs store."""
+    stored = [quantity for quantity in quantities.ALL if quantity.group != "derived"]
+    rows = [f"| `{q.name}` | {', '.join(q.dims)} | {q.unit} | {q.page or q.meaning} |" for q in stored]
+    return "\n".join(["| variable | dimensions | unit | meaning |", "|---|---|---|---|", *rows])
+
+
 def of_metrics() -> str:
-    """The metrics that are shipped."""
-    every = [metrics.load(name) for name in metrics.DOOR.shipped]
+    """The shipped metrics."""
+    every = [metrics.load(name) for name in metrics.PLUGINS.shipped]
     rows = [f"| `{one.name}` | {one.unit} | {'low' if one.low else 'high'} | {_cell(one.meaning)} |" for one in every]
-    return "\n".join(["| name | unit | better | what it is |", "|---|---|---|---|", *rows])
+    return "\n".join(["| name | unit | better | meaning |", "|---|---|---|---|", *rows])
+
+
+TABLES = {"coordinates": of_coordinates, "quantities": of_quantities, "metrics": of_metrics}
 
 
 def filled(markdown: str) -> str:
-    """The text of docs/data-format.md with its tables as the code has them."""
-    for name, table in (("coordinates", of_coordinates()), ("quantities", of_quantities())):
+    """The text of a page with its tables as the code has them."""
+    for name, table in TABLES.items():
         begin, end = f"<!-- {name}: python docs_hooks/tables.py -->", f"<!-- end of {name} -->"
-        before, _, rest = markdown.partition(begin)
-        markdown = f"{before}{begin}\n\n{table}\n\n{end}{rest.partition(end)[2]}"
+        if begin in markdown:
+            before, _, rest = markdown.partition(begin)
+            markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
     return markdown
-
-
-def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Put the table of metrics into its page."""
-    return markdown.replace(METRICS, of_metrics())
 
 
 def _cell(text: str) -> str:
@@ -57,4 +52,5 @@ def _cell(text: str) -> str:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    for page in PAGES:
+        page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
