@@ -40,14 +40,14 @@ def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
     """The names of each brain's parameters, which are coordinates. Raises InputError if they cannot be read."""
     text = data.attrs.get("parameters", "{}")
     try:
-        found = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
+        parameters = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
     except (ValueError, TypeError, AttributeError) as error:
         raise InputError(f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}") from error
-    for brain, names in found.items():
+    for brain, names in parameters.items():
         for name in names:
             if name not in data.coords or data[name].dims != ("setting",):
                 raise InputError(f"these results have no coordinate {name}, the parameter of {brain}")
-    return found
+    return parameters
 
 
 def field_of(

@@ -59,4 +59,4 @@ def worlds_by(standings: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...]
             hint = did_you_mean(name, names)
             raise InputError(f"{option('by', name)}: {hint}worlds differ in {', '.join(names) or 'nothing'}")
     keys = [tuple(world.get(name) for name in axes) for world in standings.field.worlds]
-    return {key: np.array([w for w, other in enumerate(keys) if other == key]) for key in dict.fromkeys(keys)}
+    return {key: np.array([w for w, world_key in enumerate(keys) if world_key == key]) for key in dict.fromkeys(keys)}

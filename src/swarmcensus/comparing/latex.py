@@ -42,7 +42,7 @@ def latex(standings: Standings, worlds: int | None = None) -> str:
         texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(standings.field.worlds[w].get, names))
         shown = [text if w != before else "" for text in texts]
         lines.append(
-            " & ".join([*shown, escaped(standings.contenders[c]), *(_cell(one[row]) for one in cells.values())])
+            " & ".join([*shown, escaped(standings.contenders[c]), *(_cell(column[row]) for column in cells.values())])
             + r" \\"
         )
         before = w

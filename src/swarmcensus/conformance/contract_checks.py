@@ -40,9 +40,9 @@ def _finite(brain: Brain) -> None:
         for (name, long), value in zip(brain.message.items(), message, strict=True):
             if long and not (isinstance(value, list | tuple) and len(value) == long):
                 raise Fault(f"{result} gives {name} = {value!r}, not a vector of {long} ({where})")
-            for one in value if long else (value,):
-                if not (isinstance(one, int | float) and abs(one) <= np.finfo(float).max):
-                    raise Fault(f"{result} gives {name} = {one!r}, not a finite number ({where})")
+            for number in value if long else (value,):
+                if not (isinstance(number, int | float) and abs(number) <= np.finfo(float).max):
+                    raise Fault(f"{result} gives {name} = {number!r}, not a finite number ({where})")
 
 
 def _decides(brain: Brain) -> None:

@@ -41,10 +41,10 @@ def compiles(brain: Brain) -> None:
         raise
     except Exception as error:
         lines = [line.strip() for line in without_colours(error).splitlines() if line.strip()]
-        said = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
+        message_lines = [line for line in lines if not line.startswith(("File", "During", "Failed in", "[1]"))]
         where = [line for line in lines if line.startswith("File") and "brain.py" in line]
         line = f" (line {where[-1].split('line')[-1].strip(' :')})" if where else ""
-        raise Fault(f"Numba cannot compile it{line}: {' '.join(said[:2]) or error}") from error
+        raise Fault(f"Numba cannot compile it{line}: {' '.join(message_lines[:2]) or error}") from error
 
 
 def history() -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:

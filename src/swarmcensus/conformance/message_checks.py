@@ -39,10 +39,10 @@ def any_order(brain: Brain) -> None:
         return
     heard = [call(brain, "before the first observation", "broadcast", brain.robot(0.8, 0.7))]
     for b, w, blacks in ((0.9, 0.6, 3.0), (0.6, 0.75, 11.0), (0.3, 0.6, 5.0), (0.75, 0.75, 8.0), (0.9, 0.9, 1.0)):
-        other = brain.robot(b, w)
+        speaker = brain.robot(b, w)
         where = f"b = {b}, w = {w}, {blacks:g} of 13 readings black"
-        call(brain, where, "observe", other, blacks, 13.0)
-        heard.append(call(brain, where, "broadcast", other))
+        call(brain, where, "observe", speaker, blacks, 13.0)
+        heard.append(call(brain, where, "broadcast", speaker))
     heard = [fixed(message) for message in heard if is_message(brain, message)]
     pools = [[message for _, message in messages(brain, extreme)] for extreme in (False, True)]
     if not heard and not any(pools):  # the brain is always silent
@@ -100,10 +100,10 @@ def sums_add(brain: Brain) -> None:
         own = fixed(call(brain, where, "broadcast", me))
         if own is None:
             continue
-        one = (own, _additions(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
+        message_and_sums = (own, _additions(brain, where, own)) if k % 2 else pools[1][k % len(pools[1])]
         for mind in (copy_of(brain, me), _random_mind(brain, random)):
             for _ in range(2):
-                _check_sums(brain, where, mind, [one])
+                _check_sums(brain, where, mind, [message_and_sums])
     for k, (where, me) in enumerate(long_lives(brain)):
         _check_sums(brain, where, copy_of(brain, me), sample(random, pools[k % 2], max(SIZES)))
 
@@ -151,7 +151,7 @@ def _random_mind(brain: Brain, random: np.random.Generator) -> Any:
 
 def flat(message: Any) -> list[float]:
     """The numbers of a message."""
-    return [one for part in message for one in (part if isinstance(part, tuple) else (part,))]
+    return [number for part in message for number in (part if isinstance(part, tuple) else (part,))]
 
 
 def _fields(mind: Any) -> str:

@@ -21,8 +21,8 @@ def footprints(brain: Brain) -> dict[tuple[int, float], dict[str, int]]:
     table = {}
     for robots in SWARMS:
         for age in AGES:
-            found = [_round(brain, robots, age, *history) for history in _histories()]
-            table[robots, age] = {name: max(each[name] for each in found) for name in found[0]}
+            needs = [_round(brain, robots, age, *history) for history in _histories()]
+            table[robots, age] = {name: max(each[name] for each in needs) for name in needs[0]}
     return table
 
 

@@ -107,7 +107,7 @@ def _law(brain: Brain, lived: Callable[[np.random.Generator], Any]) -> Numbers:
     """Each number in memory, in many minds that differ only in their random numbers."""
     luck = np.random.default_rng(SEED)
     minds = [dict(numbers_in(brain, lived(luck))) for _ in range(DRAWS)]
-    return {name: np.array([one[name] for one in minds], np.float64) for name in minds[0]}
+    return {name: np.array([mind[name] for mind in minds], np.float64) for name in minds[0]}
 
 
 def _first_difference(first: Numbers, second: Numbers) -> str | None:

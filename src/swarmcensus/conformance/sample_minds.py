@@ -168,17 +168,17 @@ def short_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
         for floor, share in floors:
             for talk in (True, False):
                 where = f"b = {b}, w = {w}, readings {floor}, {'with' if talk else 'without'} neighbours"
-                me, other = brain.robot(b, w), brain.robot(0.8, 0.7, 1.0)
+                me, neighbour = brain.robot(b, w), brain.robot(0.8, 0.7, 1.0)
                 yield f"{where}, before the first observation", me
                 for looks in (1.0, 1.0, 10.0, 1000.0):
                     if floor != "none":
                         blacks = float(random.binomial(int(looks), share))
                         if not is_done(brain, me):
                             call(brain, where, "observe", me, blacks, looks, luck=luck)
-                    call(brain, where, "observe", other, float(random.binomial(int(looks), 0.5)), looks, luck=luck)
+                    call(brain, where, "observe", neighbour, float(random.binomial(int(looks), 0.5)), looks, luck=luck)
                     if talk:
                         blank = brain.robot(b, w, 2.0)  # has no readings yet
-                        for sender in (other, blank):
+                        for sender in (neighbour, blank):
                             message = call(brain, where, "broadcast", sender)
                             if message is not None or not brain.uses.silence:
                                 call(brain, where, "receive", me, fixed(message), luck=luck)
@@ -205,9 +205,9 @@ def long_lives(brain: Brain) -> Iterator[tuple[str, Any]]:
                 yield where, me
 
 
-def sample(random: np.random.Generator, said: list[Any], count: int) -> list[Any]:
+def sample(random: np.random.Generator, pool: list[Any], count: int) -> list[Any]:
     """A random sample of `count` messages, with repetitions; empty if there are none."""
-    return [said[i] for i in random.integers(len(said) or 1, size=count if said else 0).tolist()]
+    return [pool[i] for i in random.integers(len(pool) or 1, size=count if pool else 0).tolist()]
 
 
 @functools.lru_cache(maxsize=4)  # a brain may be slow with 100,000 readings: once for all checks

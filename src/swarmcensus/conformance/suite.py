@@ -165,8 +165,8 @@ def report(path: str, patience: float, wearing: str = "") -> None:
 
         return run
 
-    for found in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
-        print(json.dumps([found.name, found.fault, found.used]), flush=True)
+    for result in examine(path, {name: timed(name, test) for name, test in checks().items()}, wearing):
+        print(json.dumps([result.name, result.fault, result.used]), flush=True)
 
 
 def call_by_call(path: str, patience: float, wearing: str = "") -> None:

@@ -74,7 +74,7 @@ def expect(
     if not trials.size:
         raise InputError(f"setting {number}: none of its trials has been run")
     first, count = int(trials[0]), int(trials[-1] - trials[0] + 1)
-    drawn = [one[trials - first] for one in setting.accuracies(study.seed, first, count)]
+    drawn = [values[trials - first] for values in setting.accuracies(study.seed, first, count)]
     absent = reasons(setting, all(map(np.array_equal, drawn[:2], drawn[2:])))
     if _some_stop_early(data.sel(setting=[number])):
         absent = dict.fromkeys((ALONE, NEAR, MIXED, SWARM), "some robots are done before the end and stop observing")
@@ -83,7 +83,7 @@ def expect(
     out = Expectation(list(times), {}, absent, setting, np.nan, np.nan, 0, floor)
     if not wanted:
         return out
-    b, w = (np.broadcast_to(one, (trials.size, setting.robots)) for one in drawn[:2])
+    b, w = (np.broadcast_to(values, (trials.size, setting.robots)) for values in drawn[:2])
     f, bins = setting.fill_ratio, int(data.attrs["bins"])
     readings = np.array(times, np.float64) * setting.observations_per_round
     if ALONE in wanted:
@@ -106,8 +106,8 @@ def expect(
     return out
 
 
-def _some_stop_early(one: xr.Dataset) -> bool:
-    return "done_round" in one and bool(np.isfinite(one["done_round"].values).any())
+def _some_stop_early(data: xr.Dataset) -> bool:
+    return "done_round" in data and bool(np.isfinite(data["done_round"].values).any())
 
 
 def reasons(setting: Setting, knows: bool) -> dict[str, str]:
@@ -161,7 +161,7 @@ def normal_line(variance: Floats, f: float, bins: int) -> Line:
     """The line of normal estimates about f with these variances (time, robots of all trials)."""
     mean = variance.mean(axis=1)
     sampled = np.sort(variance, axis=1)[:, _evenly_spaced(variance.shape[1])]
-    right = np.array([theory.normal_right_share(one, f, bins).mean() for one in sampled])
+    right = np.array([theory.normal_right_share(variances, f, bins).mean() for variances in sampled])
     half = theory.normal_median_error(sampled, f)
     return Line(
         half, np.maximum(f - half, 0.0), np.minimum(f + half, 1.0), np.sqrt(mean), np.zeros(len(mean)), right, mean
@@ -241,8 +241,8 @@ def _sensing(readings: Floats, f: float, b: Floats, w: Floats) -> Floats:
 
 def _evenly_spaced(count: int) -> NDArray[np.intp]:
     """At most `MOST_SAMPLED` of `count` places, evenly spaced."""
-    few = min(count, MOST_SAMPLED)
-    return ((np.arange(few) + 0.5) * count / few).astype(np.intp)
+    sampled = min(count, MOST_SAMPLED)
+    return ((np.arange(sampled) + 0.5) * count / sampled).astype(np.intp)
 
 
 def _drifts(member: object) -> bool:

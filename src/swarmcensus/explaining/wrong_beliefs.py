@@ -70,20 +70,21 @@ def costs_of(results: xr.Dataset) -> list[Cost]:
     return [_cost(results.isel(setting=k)) for k in range(results.sizes["setting"])]
 
 
-def _cost(one: xr.Dataset) -> Cost:
-    accuracy, belief, f = str(one["accuracy"].item()), str(one["assumed_accuracy"].item()), float(one["fill_ratio"])
+def _cost(selected: xr.Dataset) -> Cost:
+    accuracy, belief = str(selected["accuracy"].item()), str(selected["assumed_accuracy"].item())
+    f = float(selected["fill_ratio"])
     true, assumed = accuracy_of(accuracy), accuracy_of(belief)
     assert isinstance(true, Accuracy)
     error = _error(true, assumed, accuracy, belief)
     predicted = np.nan
-    if error is not None and _fixed(true) and one["brain"].item() in EQ_4:
+    if error is not None and _fixed(true) and selected["brain"].item() in EQ_4:
         predicted = float(np.abs(goes_to(true, error, f) - f))
-    final = one["final_estimate"].transpose("trial", "robot").values[:, : int(robots_in(one))]
-    off = np.abs(final[np.isfinite(final).all(axis=1)] - f)
+    final = selected["final_estimate"].transpose("trial", "robot").values[:, : int(robots_in(selected))]
+    errors = np.abs(final[np.isfinite(final).all(axis=1)] - f)
     median, low, high = np.nan, np.nan, np.nan
-    if len(off):
-        median, low, high = intervals.interval(intervals.medians(off, intervals.resample(len(off))))
-    if len(off) < intervals.FEWEST:
+    if len(errors):
+        median, low, high = intervals.interval(intervals.medians(errors, intervals.resample(len(errors))))
+    if len(errors) < intervals.FEWEST:
         low = high = np.nan
     return Cost(accuracy, belief, error, f, median, low, high, predicted)
 

@@ -119,7 +119,9 @@ def _check_accuracies(accuracies: Sequence[Accuracy]) -> None:
             raise ValueError(
                 f"the goal cannot be reached, because an accuracy of {accuracy} says the same of black and white"
             )
-    numbers = [one.black.numbers[0] for one in accuracies if one.white is None and one.black.is_number]
+    numbers = [
+        accuracy.black.numbers[0] for accuracy in accuracies if accuracy.white is None and accuracy.black.is_number
+    ]
     if numbers and min(numbers) < 0.5 < max(numbers):
         raise ValueError(
             f"known.accuracy: between {min(numbers):g} and {max(numbers):g} lies 0.5, "

@@ -190,15 +190,15 @@ class Mission(_Table):
     @property
     def worlds(self) -> list[Self]:
         """The mission for each network and density that is compared."""
-        found = []
+        worlds = []
         for topology in self.free.topology:
             densities: list[float | None] = [None]
             if topology.moves and self.free.density:
                 densities = [*self.free.density]
             for density in densities:
                 world = {"topology": [topology], "density": None if density is None else [density]}
-                found.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
-        return found
+                worlds.append(self.model_copy(update={"free": self.free.model_copy(update=world)}))
+        return worlds
 
     def sized(self, robots: int) -> Self:
         """The mission for a swarm of this size; if a density is given, with the area that follows from it."""

@@ -99,11 +99,11 @@ class Search:
             raise Unreachable(
                 f"not even {MOST_READINGS:.0e} readings are enough with an accuracy of {mission.accuracy}"
             )
-        off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
+        percent_off = 100 * (1 - goal.normal_share(least_deviation(mission, fill_ratio), fill_ratio))
         far = f"more than {goal.half_width:g} from it" if goal.half_width is not None else "in another bin"
         raise Unreachable(
-            f"in so small an area, {side:.3g} m x {side:.3g} m, {off:.2g} % of floors with f = {fill_ratio:g} have a "
-            f'share of black of their own that is {far}: compare estimates with it by wanted.truth = "floor"'
+            f"in so small an area, {side:.3g} m x {side:.3g} m, {percent_off:.2g} % of floors with f = {fill_ratio:g} "
+            f'have a share of black of their own that is {far}: compare estimates with it by wanted.truth = "floor"'
         )
 
     def run(

@@ -43,17 +43,20 @@ def reached(curve: Curve, confidence: float) -> Reached | None:
     (Chernozhukov, Fernandez-Val and Galichon, 2009, "Improving point and interval estimators of monotone functions by
     rearrangement"). Between two times the curve is interpolated linearly.
     """
-    every = [curve.at(k) for k in range(len(curve.rounds))]
+    measured = [curve.at(k) for k in range(len(curve.rounds))]
     expected = [curve.expected(k) for k in range(len(curve.rounds))]
-    begin = _first_place([one.low >= confidence for one in every], [one.high < confidence for one in every])
+    begin = _first_place(
+        [share.low >= confidence for share in measured], [share.high < confidence for share in measured]
+    )
     rounds, shares = curve.rounds[begin:], np.sort(expected[begin:])
-    lows, highs = (np.sort([getattr(one, end) for one in every[begin:]]) for end in ("low", "high"))
+    lows = np.sort([share.low for share in measured[begin:]])
+    highs = np.sort([share.high for share in measured[begin:]])
     at, first, last = (_crossing(rounds, each, confidence) for each in (shares, highs, lows))
     if at is None or first is None:
         return None
-    found = math.ceil(at)
-    share = Share(*(float(np.interp(found, rounds, each)) for each in (shares, lows, highs)))
-    return Reached(found, math.floor(first), None if last is None else math.ceil(last), share)
+    rounds_reached = math.ceil(at)
+    share_then = Share(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
+    return Reached(rounds_reached, math.floor(first), None if last is None else math.ceil(last), share_then)
 
 
 class FirstLook(NamedTuple):
@@ -85,19 +88,19 @@ def _first_look(search: Search, robots: int, prediction: Prediction, most: int) 
     """A first look at each brain in few trials, run longer and longer until all reach the goal, or the longest time."""
     last = min(most, max(LEAST, int(FIRST_LOOK_FACTOR * prediction.mixed)))
     left, cases = list(search.mission.brains), search.cases
-    found: dict[str, FirstLook] = {}
+    looks: dict[str, FirstLook] = {}
     while left:
         every = search.run(robots, left, cases, times_until(prediction.pooled / 2, last, robots), FEWEST_TRIALS)
         for brain in list(left):
             look = _judge_first_look(search, [curve for curve in every if curve.brain == brain.label], last)
             if look.rounds <= last or last == most:
-                found[brain.label] = look
+                looks[brain.label] = look
                 left.remove(brain)
         slow = {
             case for brain in left for case in _cases_to_extend(search, [c for c in every if c.brain == brain.label])
         }
         cases, last = [case for case in cases if case in slow], min(most, 2 * last)
-    return found
+    return looks
 
 
 def _cases_to_extend(search: Search, curves: Sequence[Curve]) -> list[Case]:
@@ -139,39 +142,44 @@ def _confirmed(
         times = times_until(earliest / 2.0, last, robots)
         every = search.run(robots, brains, cases, times, mission.trials)
         by_brain = {brain.label: [curve for curve in every if curve.brain == brain.label] for brain in brains}
-        found = {name: _slowest(curves, mission.wanted.confidence) for name, curves in by_brain.items()}
-        early = any(result is not None and 1 < result.rounds == times[0] for _, result in found.values())
-        late = last < most and any(result is None or result.high is None for _, result in found.values())
+        slowest = {name: _slowest(curves, mission.wanted.confidence) for name, curves in by_brain.items()}
+        early = any(result is not None and 1 < result.rounds == times[0] for _, result in slowest.values())
+        late = last < most and any(result is None or result.high is None for _, result in slowest.values())
         if not early and not late:
             break
         earliest, last = (
             (earliest / 2 if early else earliest),
             (min(most, int(CONFIRM_FACTOR * last)) if late else last),
         )
-    rows |= {name: _row(mission, *result, robots, in_minutes) for name, result in found.items()}
+    rows |= {name: _row(mission, *result, robots, in_minutes) for name, result in slowest.items()}
     return [rows[brain.label] for brain in mission.brains]
 
 
 def _slowest(curves: Sequence[Curve], confidence: float) -> tuple[Curve, Reached | None]:
     """The curve that reaches the confidence last, or never; the lowest of several such curves."""
-    found = [(curve, reached(curve, confidence)) for curve in curves]
-    return max(found, key=lambda one: (one[1].rounds if one[1] else math.inf, -float(one[0].shares[-1].mean())))
+    with_times = [(curve, reached(curve, confidence)) for curve in curves]
+
+    def slowness(pair: tuple[Curve, Reached | None]) -> tuple[float, float]:
+        curve, result = pair
+        return result.rounds if result else math.inf, -float(curve.shares[-1].mean())
+
+    return max(with_times, key=slowness)
 
 
-def _row(mission: Mission, curve: Curve, found: Reached | None, robots: int, theory: Prediction) -> Row:
+def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int, theory: Prediction) -> Row:
     minute = mission.round_minutes
     row = with_case(row_of(mission, curve.brain, robots, curve.rounds[-1] * minute, theory), curve)
-    if found is None:
+    if reached_at is None:
         share = curve.at(-1)
         return replace(row, answer="not reached", share=share._replace(value=min(share.value, curve.expected(-1))))
     least = mission.free.minutes[0] if mission.free.minutes else 0.0
     return replace(
         row,
         answer="reached",
-        minutes=max(found.rounds * minute, least),
-        minutes_low=found.low * minute,
-        minutes_high=None if found.high is None else found.high * minute,
-        share=found.share,
+        minutes=max(reached_at.rounds * minute, least),
+        minutes_low=reached_at.low * minute,
+        minutes_high=None if reached_at.high is None else reached_at.high * minute,
+        share=reached_at.share,
     )
 
 

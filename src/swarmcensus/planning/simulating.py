@@ -133,9 +133,9 @@ def _among_liars(study: Study, jobs: int | None, show: Show) -> xr.Dataset | Non
             if NOT_FINITE in str(error):
                 return None
             raise
-    for one in failed_trials(data):
-        if NOT_FINITE not in one["why"]:
-            raise InputError(f"some trials of the plan failed: {one['why'][:200]}")
+    for failure in failed_trials(data):
+        if NOT_FINITE not in failure["why"]:
+            raise InputError(f"some trials of the plan failed: {failure['why'][:200]}")
     return data
 
 

@@ -56,33 +56,33 @@ def smallest(search: Search, brain: Brain, minutes: float) -> Row:
             middle = (size + too_few) // 2
             size, too_few = (middle, too_few) if holds(middle) else (size, middle)
         while True:  # all trials confirm what few trials decided
-            found = _row(search, brain, size, minutes, chosen=True)
-            if found.answer == "reached":
-                found = _check_fresh(search, brain, found)
-            if found.answer == "reached":
+            row = _row(search, brain, size, minutes, chosen=True)
+            if row.answer == "reached":
+                row = _check_fresh(search, brain, row)
+            if row.answer == "reached":
                 break
             if size == high:
-                return found
+                return row
             size = min(high, max(size + 1, int(size * (1.0 + NEAR))))
     except TooLong:
         return _of_theory(search, brain, size, minutes)
-    few, many = _ends(search, brain, found)
-    return replace(found, robots_low=few, robots_high=many)
+    lowest, highest = _ends(search, brain, row)
+    return replace(row, robots_low=lowest, robots_high=highest)
 
 
-def _ends(search: Search, brain: Brain, found: Row) -> tuple[int, int | None]:
+def _ends(search: Search, brain: Brain, chosen: Row) -> tuple[int, int | None]:
     """The interval of a size: above the next smaller size that is surely too few, up to the first surely enough."""
-    wanted, size, (low, high) = search.mission.wanted.confidence, found.robots, search.sizes
+    wanted, size, (low, high) = search.mission.wanted.confidence, chosen.robots, search.sizes
 
     def share(robots: int) -> Share:
-        row = found if robots == size else _row(search, brain, robots, found.minutes)
+        row = chosen if robots == size else _row(search, brain, robots, chosen.minutes)
         assert row.share is not None
         return row.share
 
     smaller = sorted({max(low, min(size - 1, int(size / ratio))) for ratio in RATIOS} - {size}, reverse=True)
     larger = sorted({size} | {min(high, max(size + 1, round(size * ratio))) for ratio in RATIOS})
-    few = next((n + 1 for n in smaller if n < size and share(n).high < wanted), low)
-    return few, next((n for n in larger if share(n).low >= wanted), None)
+    lowest = next((n + 1 for n in smaller if n < size and share(n).high < wanted), low)
+    return lowest, next((n for n in larger if share(n).low >= wanted), None)
 
 
 def _theory_size(search: Search, minutes: float) -> int:
@@ -122,16 +122,16 @@ def _row(search: Search, brain: Brain, robots: int, minutes: float, few: bool = 
     """
     mission, before = search.mission, search.worst.get(brain.label, search.cases)
     cases, trials = (before, FEWEST_TRIALS) if few else (cases_to_confirm(before), mission.trials)
-    every = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
-    every.sort(key=lambda one: float(one.shares.mean()))  # ties stay in the order of sizes before
-    curve = every[0]
-    left = [one.case for one in every if one.at(0).low <= curve.at(0).high]
+    curves = search.run(robots, [brain], cases, [mission.rounds(minutes)], trials)
+    curves.sort(key=lambda curve: float(curve.shares.mean()))  # ties keep the order found at earlier sizes
+    worst = curves[0]
+    left = [curve.case for curve in curves if curve.at(0).low <= worst.at(0).high]
     search.worst[brain.label] = left + [case for case in before if case not in cases]
-    share = curve.at(0, SURE if few else LEVEL)
+    share = worst.at(0, SURE if few else LEVEL)
     if chosen:
-        share = share._replace(value=curve.expected(0))
+        share = share._replace(value=worst.expected(0))
     answer: Answer = "reached" if share.value >= mission.wanted.confidence else "not reached"
-    return replace(with_case(_of_theory(search, brain, robots, minutes), curve), answer=answer, share=share)
+    return replace(with_case(_of_theory(search, brain, robots, minutes), worst), answer=answer, share=share)
 
 
 def _of_theory(search: Search, brain: Brain, robots: int, minutes: float) -> Row:

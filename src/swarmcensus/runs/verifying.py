@@ -199,10 +199,10 @@ def _settings_in(
 ) -> tuple[NDArray[np.intp], list[Setting]]:
     """The unmatched settings of a dataset that are of this study: their places in the dataset, and the settings."""
     marks = {mark: k for k, mark in enumerate(data.variables["fingerprint"].values.tolist()) if unmatched[k]}
-    found = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
-    for setting in found.values():
+    by_place = {marks[mark]: s for s in study.settings() if (mark := s.fingerprint(study.seed)) in marks}
+    for setting in by_place.values():
         must_be_read(setting)
-    return np.array(sorted(found), np.intp), [found[k] for k in sorted(found)]
+    return np.array(sorted(by_place), np.intp), [by_place[k] for k in sorted(by_place)]
 
 
 def _compare(
@@ -228,10 +228,10 @@ def _compare(
         others = tuple(k for k, d in enumerate(dims) if d not in ("setting", "trial"))
         stored = data.variables[name].values[places]
         if name in again.arrays:
-            found = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
+            rerun = _in_shape_of(again.arrays[name], dims, trials, known, data.sizes["robot"])
         else:  # merged results: this study has no brain with such a variable
-            found = np.full(stored.shape, blank(stored.dtype), stored.dtype)
-        differ, there = ~same_bits(stored, found), ~is_missing(stored)
+            rerun = np.full(stored.shape, blank(stored.dtype), stored.dtype)
+        differ, there = ~same_bits(stored, rerun), ~is_missing(stored)
         expected = wanted
         # what only some merged studies measure is stored for all trials of a setting or none; `unlike` reports others
         if merged and (name in LOCAL or name in ESTIMATES or name not in EVERY):
@@ -242,7 +242,7 @@ def _compare(
             number, trial = int(data.variables["setting"].values[places[row]]), int(trials[column])
             position = {"setting": row, "trial": column}
             at = tuple(position.get(d, slice(None)) for d in dims)
-            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, found))
+            values = (np.atleast_1d(array[at])[np.atleast_1d(differ[at])][0].item() for array in (stored, rerun))
             out.setdefault((number, trial), Difference(number, trial, name, *values))
     return list(out.values())
 

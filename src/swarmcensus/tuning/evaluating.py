@@ -21,13 +21,13 @@ from swarmcensus.studies.toml_text import read_toml
 MARK = "tuned: "  # titles of evaluations begin with it: an evaluation replaces no other results
 
 
-def evaluation_of(study: Study, tuned: Brain, told: str) -> Study:
+def evaluation_of(study: Study, tuned: Brain, label: str) -> Study:
     """The study with the tuned brain added wherever the original appears, and with the largest number of trials.
 
-    The tuned brain's label, `told`, becomes part of the study's name.
+    The tuned brain's label, `label`, becomes part of the study's name.
     """
     tables = read_toml(study.text, "study")
-    changes: dict[str, Any] = {"name": f"{MARK}{told}, {study.name}", "trials": study.trials}
+    changes: dict[str, Any] = {"name": f"{MARK}{label}, {study.name}", "trials": study.trials}
     if tuned not in study.swarm.brain and _has(study.swarm.brain, tuned):
         changes["swarm"] = tables["swarm"] | {"brain": [*study.swarm.brain, tuned]}
     cases = [
@@ -38,8 +38,8 @@ def evaluation_of(study: Study, tuned: Brain, told: str) -> Study:
     return study.with_(**changes, **({"case": cases} if cases else {}))
 
 
-def _has(brains: list[Brain], brain: Brain) -> bool:
-    return any(brain.as_written == brain.as_written for brain in brains)
+def _has(brains: list[Brain], original: Brain) -> bool:
+    return any(brain.as_written == original.as_written for brain in brains)
 
 
 def evaluate(

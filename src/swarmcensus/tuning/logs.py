@@ -187,13 +187,15 @@ class Log:
         try:
             if not head.startswith(FORMAT):
                 raise ValueError
-            found = dict(json.loads(head.removeprefix(FORMAT)))
+            identity = dict(json.loads(head.removeprefix(FORMAT)))
         except (ValueError, TypeError):
             raise InputError(f"{self.path} is no log of a search. {hint()}") from None
-        differ = [key for key, value in self.identity.items() if found.get(key) != value]
+        differ = [key for key, value in self.identity.items() if identity.get(key) != value]
         if differ:
-            said = "; ".join(f"{key} is {found.get(key)!r} there and {self.identity[key]!r} here" for key in differ)
-            raise InputError(f"{self.path} is of another search: {said}. {hint()}")
+            differences = "; ".join(
+                f"{key} is {identity.get(key)!r} there and {self.identity[key]!r} here" for key in differ
+            )
+            raise InputError(f"{self.path} is of another search: {differences}. {hint()}")
 
     def _parsed(self, line: str, number: int) -> Evaluation:
         first, generation, *rest = line.split(",")

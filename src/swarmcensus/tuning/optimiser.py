@@ -37,16 +37,16 @@ class Search:
         self.ranges = ranges
         self._random = np.random.default_rng(seed)
         lacking = max(0, FEWEST - len(ranges))
-        self._asked: list[Any] = []
+        self._proposed: list[Any] = []
         self._best: tuple[float, ...] | None = None  # the losses of the best candidate so far
         self._everywhere = False  # whether the next generation is drawn from the whole ranges
         self.differed = False  # whether any generation had candidates that differ in the metric, before breaking ties
         self.drawn = 0  # generations drawn from the whole ranges
-        self._begin([one.share(value) for one, value in zip(ranges, start, strict=True)] + [0.5] * lacking)
+        self._begin([range_.share(value) for range_, value in zip(ranges, start, strict=True)] + [0.5] * lacking)
 
     def _begin(self, places: Sequence[float]) -> None:
         """Start, or restart, around these positions."""
-        least = [LEAST_STEPS * parameter.step for parameter in self.ranges] + [0.0] * (len(places) - len(self.ranges))
+        least = [LEAST_STEPS * range_.step for range_ in self.ranges] + [0.0] * (len(places) - len(self.ranges))
         size = POPULATION_FACTOR * (4 + int(3 * math.log(len(places))))
         options = {
             "bounds": [0, 1], "popsize": size, "minstd": least, "verbose": -9, "seed": np.nan, "randn": self._normal,
@@ -69,13 +69,13 @@ class Search:
 
         It never ends if all ranges are of whole numbers: generations stay wide enough to try neighbouring numbers.
         """
-        whole = all(one.scale == "whole" for one in self.ranges)
-        return self.differed and not whole and len({self._values(one) for one in self._asked}) == 1
+        whole = all(range_.scale == "whole" for range_ in self.ranges)
+        return self.differed and not whole and len({self._values(places) for places in self._proposed}) == 1
 
     def ask(self) -> list[tuple[float, ...]]:
         """The values of the next generation's candidates."""
-        self._asked = self._from_everywhere() if self._everywhere else self._strategy.ask()
-        return [self._values(one) for one in self._asked]
+        self._proposed = self._from_everywhere() if self._everywhere else self._strategy.ask()
+        return [self._values(places) for places in self._proposed]
 
     def _from_everywhere(self) -> list[Any]:
         """A Latin hypercube: each range is cut into as many equal parts as there are candidates, each used once."""
@@ -90,16 +90,16 @@ class Search:
         if self._everywhere:
             self.drawn += 1
             if not flat and (self._best is None or best < self._best):
-                self._begin(list(self._asked[int(np.argmin(order))]))
+                self._begin(list(self._proposed[int(np.argmin(order))]))
         elif flat:
             self._widen()
         else:
-            self._strategy.tell(self._asked, order.tolist())
+            self._strategy.tell(self._proposed, order.tolist())
             worst = max(loss[0] for loss in losses)
             half = np.argsort(order, kind="stable")[: len(order) // 2].tolist()
             better = [k for k in half if losses[k][0] < worst] or half  # leaves out those as bad as the worst
             weights = np.log(len(better) + 0.5) - np.log(np.arange(1, len(better) + 1))
-            self._middles.append(np.average([self._asked[k] for k in better], axis=0, weights=weights))
+            self._middles.append(np.average([self._proposed[k] for k in better], axis=0, weights=weights))
         self._best = best if self._best is None else min(best, self._best)
         self._everywhere = not self.differed and (flat or not self._everywhere)
 
@@ -118,7 +118,7 @@ class Search:
         return self._values(np.mean(last, axis=0))
 
     def _values(self, places: Any) -> tuple[float, ...]:
-        return tuple(one.value(float(place)) for one, place in zip(self.ranges, places, strict=False))
+        return tuple(range_.value(float(place)) for range_, place in zip(self.ranges, places, strict=False))
 
 
 def library() -> Any:

@@ -78,7 +78,7 @@ class Plan:
     @property
     def searched(self) -> list[str]:
         """The names of the searched parameters; a vector appears once."""
-        return list(dict.fromkeys(one.name for one in self.ranges))
+        return list(dict.fromkeys(each.name for each in self.ranges))
 
     def label(self, brain: Brain) -> str:
         """A brain's name, its searched parameters, and other parameters that differ from its file."""
@@ -88,7 +88,7 @@ class Plan:
     @property
     def losses(self) -> list[str]:
         """The columns of the log for a candidate's loss by each measure."""
-        return ["loss", *(f"{one.name}_loss" for one in self.measures[1:])]
+        return ["loss", *(f"{each.name}_loss" for each in self.measures[1:])]
 
     def brain_of(self, values: Sequence[float]) -> Brain:
         """The brain with these values of the searched parameters."""
@@ -130,7 +130,7 @@ def plan_of(
     worlds = list(dict.fromkeys(replace(setting, brain=before) for setting in with_this_brain))
     measures = measures_of(study, worlds, metric)
     lows = {m.variable: m.bounds[0] for m in study.measure.metrics}
-    least = [lows.get(one.name, 0.0) for one in measures]
+    least = [lows.get(each.name, 0.0) for each in measures]
     return Plan(study, before, worlds, ranges, metric, measures, least, budget, trials)
 
 

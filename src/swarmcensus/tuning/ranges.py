@@ -44,11 +44,11 @@ class Range:
             count = self.high - self.low + 1
             return self.low + min(math.floor(share * count), count - 1)
         if self.scale == "log":
-            found = float(f"{self.low * (self.high / self.low) ** share:.{DIGITS}g}")
+            value = float(f"{self.low * (self.high / self.low) ** share:.{DIGITS}g}")
         else:
             width = self.high - self.low
-            found = round(self.low + share * width, DIGITS - 1 - math.floor(math.log10(width)))
-        return min(max(found, self.low), self.high)
+            value = round(self.low + share * width, DIGITS - 1 - math.floor(math.log10(width)))
+        return min(max(value, self.low), self.high)
 
     def share(self, value: float) -> float:
         """The position of a value in [0, 1]; a value outside the range has the position of the nearest end."""
@@ -67,29 +67,29 @@ class Range:
 
 def ranges_of(texts: Iterable[str], brain: Brain) -> list[Range]:
     """Read ranges of a brain's parameters. Raises InputError, naming the text and what would be right."""
-    found: list[Range] = []
+    ranges: list[Range] = []
     for text in [texts] if isinstance(texts, str) else texts:
         try:
             given = _parsed(str(text))
             _check(given, brain)
             for parameter in _items(given, brain):
-                if parameter.label in [other.label for other in found]:
+                if parameter.label in [earlier.label for earlier in ranges]:
                     raise ValueError(f"{parameter.label} is given twice")
-                found.append(parameter)
+                ranges.append(parameter)
         except ValueError as error:
             raise InputError(f"{option('parameters', text)}: {error}") from None
-    if not found:
+    if not ranges:
         raise InputError(f"{option('parameters')}: none is given; the brain {brain.name!r} has {_known(brain)}")
-    return found
+    return ranges
 
 
 def start_of(ranges: Iterable[Range], brain: Brain) -> tuple[float, ...]:
     """The brain's present values of these parameters."""
-    found = []
+    values = []
     for parameter in ranges:
         value = brain.parameters[parameter.name]
-        found.append(value[parameter.item or 0] if isinstance(value, tuple) else value)
-    return tuple(found)
+        values.append(value[parameter.item or 0] if isinstance(value, tuple) else value)
+    return tuple(values)
 
 
 def with_values(brain: Brain, ranges: Iterable[Range], values: Iterable[float]) -> Brain:
@@ -125,12 +125,12 @@ def _parsed(text: str) -> Range:
 
 def _number(text: str) -> float:
     try:
-        found = float(text)
+        number = float(text)
     except ValueError:
         raise ValueError(FORM) from None
-    if not abs(found) <= LARGEST:
+    if not abs(number) <= LARGEST:
         raise ValueError(f"{text.strip()} should be at most {LARGEST:g} in size")
-    return found
+    return number
 
 
 def _items(given: Range, brain: Brain) -> list[Range]:

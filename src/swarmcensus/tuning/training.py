@@ -127,8 +127,8 @@ class Training:
         part.arrays = {name: array[rows] for name, array in values.arrays.items() if name in needed}
         part_settings = settings[rows]
         data = store.dataset(study, part_settings, [""] * len(part_settings), part)
-        found = np.stack([numbers(data, measure.name) for measure in self.measures])
-        return found.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
+        stacked = np.stack([numbers(data, measure.name) for measure in self.measures])
+        return stacked.reshape(len(self.measures), last - first, len(self.worlds), self.trials).swapaxes(0, 1)
 
 
 def scales_of(numbers: Floats, worlds: Sequence[Setting], measure: Measure, least: float) -> Floats:
@@ -165,7 +165,7 @@ def loss(numbers: Floats, measure: Measure, scales: Floats) -> float:
     else:
         with np.errstate(invalid="ignore", divide="ignore"):
             ratio = np.where(np.isposinf(numbers), 1.0, numbers / (numbers + middle))
-            off = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -MOST_WIDTHS, MOST_WIDTHS)
-        above = np.where(width > 0, 1.0 / (1.0 + np.exp(-off)), ratio)
+            distance = np.clip((numbers - middle) / np.where(width > 0, width, 1.0), -MOST_WIDTHS, MOST_WIDTHS)
+        above = np.where(width > 0, 1.0 / (1.0 + np.exp(-distance)), ratio)
         bad = above if measure.low else 1.0 - above
     return float(np.where(np.isnan(numbers), FAILED_LOSS, bad).mean())
