@@ -20,7 +20,7 @@ WRONG = [
     ("{from = 0.9, to = 0.1, when = 20}", "unknown key when: did you mean 'at'?"),
     ("{from = 0.9, at = 20}", "to is missing: a fill ratio that changes is {from = 0.9, to = 0.1, at = 500}"),
     ('{from = 0.9, to = 0.1, at = "5 min"}', 'world.fill_ratio.at = "5 min": the rounds of fixed networks have no'),
-    ('{from = 0.9, to = 0.1, at = "soon"}', "at: should be a whole number, or a time such as"),
+    ('{from = 0.9, to = 0.1, at = "soon"}', "at should be a whole number, or a time such as"),
     ("[0.5, {from = 0.9, to = 2, at = 20}]", "world.fill_ratio[1] = {from = 0.9, to = 2, at = 20}: to should be"),
     ("[0.5, 1.5]", "world.fill_ratio[1] = 1.5: should be less than or equal to 1"),
 ]
@@ -51,16 +51,16 @@ def test_what_is_wrong_of_a_change_is_named(fill, due, tmp_path, capsys):
         ("{start = 0.6, drift = -0.01, least = 0.6}", "start = 0.6 should lie above least = 0.6"),
         ('{start = "U(0.5, 0.9)", drift = -0.01, least = 0.6}', "start = U(0.5,0.9) should lie above least = 0.6"),
         ("{start = 1.0, drift = 0.01}", "start = 1.0 should lie below most = 1.0"),
-        ("{start = 0.9, drift = 0}", "drift = 0 is none"),
+        ("{start = 0.9, drift = 0}", "drift = 0 is no drift"),
         ("{start = 0.9, drift = -2}", "drift should be a number in [-1, 1]"),
-        ("{start = 0.9, drift = -0.1, least = 7}", "least should be a number in [0, 1]"),
-        ("{start = 0.9, drift = -0.1, most = 1}", "most means nothing where the drift is below 0: give least"),
-        ("{start = 0.6, drift = 0.1, least = 0.5}", "least means nothing where the drift is above 0: give most"),
+        ("{start = 0.9, drift = -0.1, least = 7}", "least should be a number in [0, 1)"),
+        ("{start = 0.9, drift = -0.1, most = 1}", "most means nothing if the drift is below 0: give least"),
+        ("{start = 0.6, drift = 0.1, least = 0.5}", "least means nothing if the drift is above 0: give most"),
         ("{start = 0.9}", "drift is missing: an accuracy that drifts is {start = 0.9, drift = -1e-5, least = 0.6}"),
         ("{drift = -0.1}", "start is missing"),
         ("{start = 1.9, drift = -0.1}", "a sensor accuracy lies in [0, 1]"),
         ("{start = 0.9, drift = -0.1, lest = 0.5}", "unknown key lest: did you mean 'least'?"),
-        ("{black = {start = 0.9, drift = -0.1}, white = 0.8}", "an accuracy that drifts is b = w"),
+        ("{black = {start = 0.9, drift = -0.1}, white = 0.8}", "black and white cannot drift"),
         ("{black = 0.9, grey = 0.8}", "an accuracy table has the keys black and white, or start and drift"),
     ],
 )
@@ -74,7 +74,7 @@ def test_what_is_wrong_of_a_drift_is_named(accuracy, due, tmp_path, capsys):
 def test_what_else_cannot_be(tmp_path, capsys):
     swarm = "trials = 1\n[swarm]\nrobots = 4\naccuracy = 0.8\n"
     belief = swarm + "assumed_accuracy = {start = 0.8, drift = -0.1}\n" + RING.replace("{fill}", "0.3")
-    assert "swarm.assumed_accuracy = {start = 0.8, drift = -0.1}: a belief does not drift" in said(
+    assert "swarm.assumed_accuracy = {start = 0.8, drift = -0.1}: an assumed accuracy does not drift" in said(
         tmp_path, capsys, belief
     )
     late = swarm + MOVING.replace("{fill}", '{from = 0.9, to = 0.1, at = "10 s"}')

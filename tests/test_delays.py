@@ -200,7 +200,7 @@ def test_the_line_that_fails_on_late_news_is_found(tmp_path):
         (MOVING | {"message_delay": 2}, {}, "is world.body.message_delay, in ticks"),
         (BOTH | {"message_delay": [0, 2]}, {}, "world.message_delay counts rounds of fixed networks"),
         (MOVING, {"case": [{"message_delay": 2}]}, "case[0].message_delay counts rounds of fixed networks"),
-        (RING | {"message_delay": [2, 2]}, {}, "a value stands twice"),
+        (RING | {"message_delay": [2, 2]}, {}, "a value is twice"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_said_in_a_sentence(world, tables, said):

@@ -9,7 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.engine.constants import NEVER, PARTS, SENSING, TALKING
 from swarmcensus.engine.failures import works
-from swarmcensus.worlds.faults import Fault, as_to_an_oracle, outages, stops
+from swarmcensus.worlds.faults import Fault, for_an_oracle, outages, stops
 
 STUDY = """
 seed = 3
@@ -116,9 +116,12 @@ def test_who_fails_differs_between_trials_and_faults():
     [
         ('{at = 0, robots = 3, stop = "sensing"}', "faults[0].at = 0: should be greater"),
         ('{at = 5, robots = 9, stop = "sensing"}', "faults[0].robots = 9: there are 8 robots"),
-        ('{at = 5, robots = 1.5, stop = "sensing"}', "a whole number, or a fraction in [0, 1]"),
-        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true: robots of a fault are a whole number"),
-        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3": robots of a fault are a whole number'),
+        (
+            '{at = 5, robots = 1.5, stop = "sensing"}',
+            "a whole number of robots, or a fraction of the swarm in [0, 1]",
+        ),
+        ('{at = 5, robots = true, stop = "sensing"}', "faults[0].robots = true: should be a whole number of robots"),
+        ('{at = 5, robots = "3", stop = "sensing"}', 'faults[0].robots = "3": should be a whole number of robots'),
         ('{at = 5, robots = 3, stop = "smiling"}', "faults[0].stop = \"smiling\": should be 'moving', 'sensing' or"),
         ("{at = 5, robots = 3, stop = []}", "faults[0].stop = []"),
         ('{at = 5, robots = 3, stop = "sensing", until = 5}', "faults[0].until = 5: should come after at = 5"),
@@ -210,7 +213,7 @@ def test_an_oracle_hears_who_is_away_for_a_while_and_never_a_liar():
     found[2 * PARTS + SENSING, 1] = 5
     found[[TALKING, PARTS + TALKING], 2] = 3
     found[2 * PARTS + TALKING, 2] = 6
-    heard = as_to_an_oracle(found, np.array([False, False, False, True]))
+    heard = for_an_oracle(found, np.array([False, False, False, True]))
     for tick in range(1, 9):
         assert all(works(heard, TALKING, i, tick) for i in range(4))
         assert [works(heard, SENSING, i, tick) for i in range(4)] == [True, not 2 <= tick < 5, True, False]

@@ -524,7 +524,7 @@ floor = FLOOR
         ("{stripes = nan}", "floor stripes: length = nan: should be a finite number"),
         ('{stripes = "wide"}', "length = 'wide': should be a valid number"),
         ("{clusters = 0.015}", "world.floor = {clusters = 0.015}: should be at least two tiles, 0.02 m"),
-        ('["tiles", "tiles"]', "a value stands twice in a list"),
+        ('["tiles", "tiles"]', "a value is twice in a list"),
         ("[]", "world.floor = []: should be a list of at least one"),
         ('{image = "a.png", mode = "blur"}', "mode = 'blur': should be 'threshold' or 'dither'"),
         ('{image = "a.png", moed = "dither"}', "floor image has no key moed: did you mean 'mode'? it has image, mode"),

@@ -88,7 +88,7 @@ def test_a_case_may_move_where_the_rest_stands():
         ([{"robots": [10, 20]}], "case[0] adds no setting"),
         ([{}], "case[0] adds no setting"),
         ([{"robots": 5}, {"robots": 5}], "case[1] adds no setting"),
-        ([{"robots": [5, 5]}], "a value stands twice in a list"),
+        ([{"robots": [5, 5]}], "a value is twice in a list"),
         ([{"ticks": 5}], 'case[0].ticks is of robots that move: it goes with topology = "moving"'),
         ([{"density": 5}], "case[0].density is of robots that move"),
         ([{"topology": "moving", "side": 1, "rounds": 5}], "case[0].rounds is of fixed networks"),

@@ -307,9 +307,9 @@ rounds = 3
     ("old", "new", "said"),
     [
         ("robots = 2", "robots = 6", "members[0].robots = 6: that is 6 of 5 robots"),
-        ("robots = 2", "robots = 1.5", "members[0].robots = 1.5: members are a whole number of robots, or a fraction"),
-        ("robots = 2", "robots = -1", "members[0].robots = -1: members are a whole number of robots, or a fraction"),
-        ("robots = 2", "robots = true", "members[0].robots = true: members are a whole number"),
+        ("robots = 2", "robots = 1.5", "members[0].robots = 1.5: should be a whole number of robots, or a fraction"),
+        ("robots = 2", "robots = -1", "members[0].robots = -1: should be a whole number of robots, or a fraction"),
+        ("robots = 2", "robots = true", "members[0].robots = true: should be a whole number"),
         ("robots = 2", "robots = [0.1, 'all']", "members[0].robots"),
         ("robots = 2", "robots = []", "members[0].robots"),
         ("robots = 2\n", "", "members[0].robots is missing"),

@@ -121,7 +121,7 @@ def test_a_graphs_own_numbers_are_kept(tmp_path):
 
 def test_a_file_without_edges_is_refused(tmp_path):
     (tmp_path / "links.csv").write_text("i,j\n")
-    with pytest.raises(ValueError, match="holds no edge"):
+    with pytest.raises(ValueError, match="has no edges"):
         parse("links.csv", tmp_path)
 
 

@@ -423,7 +423,7 @@ WRONG = [
     ("topology", '"two"', "its edges should be pairs of robot numbers, from 0"),
     ("topology", '"nan"', "its edges should be pairs of robot numbers, from 0"),
     ("topology", '"number"', "topology 'number' of 12 robots: TypeError"),
-    ("topology", '"dice"', "its edges are others when they are asked for again: what differs from trial"),
+    ("topology", '"dice"', "its edges should be the same at each call: those that differ from trial"),
     ("topology", '"typo"', "topology 'typo' of 12 robots: NameError: name 'robot' is not defined, at "),
     ("topology", '{name = "odd", day = 2024-02-29}', "topology odd: day should be a number, a text, true or false, or"),
     ("topology", '"unclear"', "the keys of meadow.wrong.edges cannot be read: NameError"),
@@ -436,10 +436,10 @@ WRONG = [
     ("floor", '{photo = "none.png"}', "none.png: there is no such file"),
     ("floor", '{photo = "leaf.png"}', 'world.floor = {photo = "leaf.png", bright = true}: floor photo(leaf): the picture is of a smaller place'),  # noqa: E501
     ("floor", '"empty"', "floor 'empty', meadow.empty: it has no function score"),
-    ("floor", '"flat"', "floor flat: of each of the tiles (1, 3, 2) it should give a finite number, (1, 3)"),
+    ("floor", '"flat"', "floor flat: for tiles (1, 3, 2) it should give a finite number each, (1, 3)"),
     ("floor", '"blank"', "it should give a finite number"),
     ("floor", "{dots = 0}", "floor dots(0): ZeroDivisionError"),
-    ("floor", '"fickle"', "what it says of a tile should not depend on when it is asked"),
+    ("floor", '"fickle"', "a tile should have the same value at each call, in any order"),
     ("floor", '"failing"', "floor failing: ZeroDivisionError"),
     # spreads
     ("accuracy", '"bta(8, 2)"', "did you mean 'beta'? a sensor accuracy is"),

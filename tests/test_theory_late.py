@@ -122,7 +122,7 @@ def test_it_is_explained(runs):
 def test_what_cannot_be_held_is_refused():
     assert fits(100, 1000)
     assert not fits(1000, 20)
-    with pytest.raises(InputError, match="1,000 robots with messages 20 rounds late: more than can be held at a time"):
+    with pytest.raises(InputError, match="1,000 robots with messages 20 rounds late: the weights do not fit in memory"):
         theory.mixing_variance(theory.mixing_matrix("ring", 1000), 5, 10, 0.5, 0.8, delay=20)
     with pytest.raises(InputError, match="delay = -1: should be from 0"):
         theory.mixing_variance(np.eye(2), 5, 10, 0.5, 0.8, delay=-1)

@@ -142,7 +142,7 @@ def test_runs_have_this_law(b, w, f):
         (lambda: theory.local_law(5, 0.5, [0.7, 0.8]), "b has several numbers: should be one"),
         (lambda: theory.local_law(5, 0.5, [[0.7], [0.7, 0.8]]), "b = [[0.7], [0.7, 0.8]]: should be a number"),
         (lambda: theory.local_law(5, [0.1, 0.2], 0.7), "fill_ratio = [0.1, 0.2]: should be one number"),
-        (lambda: theory.mixed_law([]), "should hold a law"),
+        (lambda: theory.mixed_law([]), "should contain a law"),
         (lambda: theory.mixed_law([1]), "laws: should be a list of laws, as `local_law` gives them"),
         (lambda: theory.mixed_law(theory.local_law(5, 0.5, 0.7)), "laws: should be a list of laws"),
         (lambda: theory.local_law(5, 0.5, 0.7).quantile([0.1, 0.2]), "share = [0.1, 0.2]: should be one number"),

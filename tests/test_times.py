@@ -59,7 +59,7 @@ def test_every_key_that_counts_ticks_takes_times():
         ({"schedule": {"ticks": "1e999 h"}}, "2,147,483,647 at the most"),
         ({"schedule": {"ticks": "10"}}, 'schedule.ticks = "10": should be a whole number, or a time such as "17 min"'),
         ({"schedule": {"ticks": "5 m"}}, "(s, min or h)"),
-        ({"schedule": {"ticks": ["1 s", 10]}}, "a value stands twice in a list"),
+        ({"schedule": {"ticks": ["1 s", 10]}}, "a value is twice in a list"),
         ({"case": [{"ticks": "0.25 s"}]}, 'case[0].ticks = "0.25 s": that is 2.5 ticks'),
         ({"faults": [{"at": "0.25 s", "robots": 1, "stop": "moving"}]}, 'faults[0].at = "0.25 s": that is 2.5 ticks'),
         ({"measure": {"checkpoints": "0.25 s"}}, 'measure.checkpoints = "0.25 s": that is 2.5 ticks'),

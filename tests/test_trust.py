@@ -493,16 +493,16 @@ class TestNothingElseIsOpened:
     @pytest.mark.parametrize(
         ("old", "new", "said"),
         [
-            ('"office.csv"', '"other-office.csv"', "these edges are not here"),
-            ('"leaf.png"', '"other-leaf.png"', "this image is not here"),
-            ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not here"),
+            ('"office.csv"', '"other-office.csv"', "these edges are not stored here"),
+            ('"leaf.png"', '"other-leaf.png"', "this image is not stored here"),
+            ("[swarm]", '[swarm]\nbrain = "mine.py"', "this brain's source is not stored here"),
         ],
     )
     def test_in_any_command(self, command, old, new, said, changed, here, capsys):
         (here / "mine.py").write_text("raise SystemExit('was run')")
         shutil.copy(changed(old, new), "x.nc")
         assert main(command.split()) == 2
-        assert f"{said}, and no file is opened that is only named here" in capsys.readouterr().err
+        assert f"{said}, and no file is opened here" in capsys.readouterr().err
 
 
 class TestBrainFiles:

@@ -2,13 +2,12 @@
 
 import math
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
-from pydantic import WrapValidator
+from pydantic import BeforeValidator
 
-from swarmcensus.basics.forms import Schema, or_else
+from swarmcensus.basics.forms import Form, OrElse
 
 UNITS = {"s": 1.0, "min": 60.0, "h": 3600.0}
 WRITTEN = r"\s*(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(s|min|h)\s*"
@@ -41,23 +40,20 @@ class Time:
         raise ValueError(f"that is {count:.6g} ticks of {tick:g} s: should be a {kind}, such as {near}")
 
 
-def parse_time(text: str) -> Time:
+def parse_time(text: "str | Time") -> Time:
     """Read a time such as "90 s", "17 min" or "1.5 h". Raises ValueError."""
+    if isinstance(text, Time):
+        return text
     match = re.fullmatch(WRITTEN, text)
     if match is None:
         raise ValueError('should be a whole number, or a time such as "17 min" (s, min or h)')
     return Time(float(match[1]), match[2])
 
 
-def _time_or(value: object, whole: Callable[[Any], Any]) -> Any:
-    if isinstance(value, Time):
-        return value
-    return parse_time(value) if isinstance(value, str) else whole(value)
-
-
-OR_TIME = WrapValidator(_time_or)  # a whole number, or a time until its ticks are known
-WORDS: Schema = {"type": "string", "pattern": f"^{WRITTEN}$"}  # the JSON schema of a time
-TIME = or_else(WORDS)  # in place of a number
+WrittenTime = Annotated[
+    Time, BeforeValidator(parse_time), Form(lambda _: {"type": "string", "pattern": f"^{WRITTEN}$"})
+]
+OR_TIME = OrElse(WrittenTime, str, Time)  # a whole number, or a time until its ticks are known
 
 
 def in_ticks(value: Any, tick: float | None, key: str, least: int = 1) -> int:

@@ -6,11 +6,10 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationError, WrapValidator, model_validator
+from pydantic import Field, ValidationError, WrapValidator, model_validator
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.forms import Form, Schema
-from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.forms import Form, Number, Schema, Share, Table, says
 from swarmcensus.brains import Adversary, Brain, adversary, load
 from swarmcensus.planning.areas import check_areas
 from swarmcensus.planning.goals import Goal, check_consistency, check_liars
@@ -22,7 +21,6 @@ from swarmcensus.studies.fields import (
     Floors,
     Name,
     Positives,
-    Share,
     Topologies,
     Whole,
 )
@@ -30,7 +28,7 @@ from swarmcensus.studies.schema import schema_of
 from swarmcensus.studies.tables import explain
 from swarmcensus.studies.toml_text import plain, read_toml, text_of_file, to_toml
 from swarmcensus.worlds import arena
-from swarmcensus.worlds.bodies import Body, Number, Positive
+from swarmcensus.worlds.bodies import Body, Positive
 from swarmcensus.worlds.sensors import Accuracy
 
 FEWEST_TRIALS = 40  # of a first look: fewer are too imprecise to help
@@ -57,26 +55,18 @@ def _one_or_two(inner: Callable[[], Schema]) -> Schema:
     return {"anyOf": [two["prefixItems"][0], two]}
 
 
-def _right(value: object) -> object:
-    if value != "majority" and (isinstance(value, bool) or not isinstance(value, int) or not 2 <= value <= MOST_BINS):
-        hint = did_you_mean(value, ["majority"]) if isinstance(value, str) else ""
-        raise ValueError(f'{hint}should be "majority", or a number of bins from 2 to {MOST_BINS:,}')
-    return value
-
-
 RANGE, ONE_OR_TWO = WrapValidator(_range), Form(_one_or_two)
 Wholes = Annotated[tuple[Whole, Whole], RANGE, ONE_OR_TWO]
 Times = Annotated[tuple[Positive, Positive], RANGE, ONE_OR_TWO]
 Shares = Annotated[tuple[Share, Share], RANGE, ONE_OR_TWO]
-RIGHT = Form(lambda _: {"anyOf": [{"enum": ["majority"]}, {"type": "integer", "minimum": 2, "maximum": MOST_BINS}]})
+Right = Annotated[
+    Literal["majority"] | Annotated[int, Field(strict=True, ge=2, le=MOST_BINS)],
+    says(f'should be "majority", or a number of bins from 2 to {MOST_BINS:,}', "majority"),
+]
 SomeButNotAll = Annotated[Number, Field(ge=0.0, lt=1.0)]
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
-
-
-class Area(_Table):
+class Area(Table):
     """The square in which robots move: its side in metres or its area in square metres, and the kind of floor."""
 
     side: Positive | None = None
@@ -87,7 +77,7 @@ class Area(_Table):
     """The kind of floor: "tiles", {clusters = 0.2}, "half", an image."""
 
 
-class Known(_Table):
+class Known(Table):
     """What is known: sensors, the range of fill ratios, the share of messages received, the shares that fail or lie.
 
     Plans are for the worst of several accuracies, or lies.
@@ -107,12 +97,12 @@ class Known(_Table):
     """What liars do: an adversary, or a list, whose worst is used."""
 
 
-class Wanted(_Table):
+class Wanted(Table):
     """What robots should know: f within a half-width, or the right bin; and what share of robots."""
 
     half_width: Annotated[Number, Field(gt=0.0, lt=0.5)] | None = None
     """The largest allowed distance of an estimate from the truth."""
-    right: Annotated[Any, BeforeValidator(_right), RIGHT] = None
+    right: Right | None = None
     """Or "majority", or the number of bins of which an estimate should be in the right one."""
     margin: Annotated[Number, Field(ge=0.0, lt=0.5)] = 0.0
     """The least distance of f from the edges between bins."""
@@ -122,7 +112,7 @@ class Wanted(_Table):
     """The truth: the floor's own share of black, or the f by which the floor was drawn."""
 
 
-class Free(_Table):
+class Free(Table):
     """What is to be found or is given (robots, minutes), and what is compared (brains, networks, densities)."""
 
     robots: Wholes | None = None
@@ -141,7 +131,7 @@ class Free(_Table):
     """The seconds of a round, on fixed networks."""
 
 
-class Mission(_Table):
+class Mission(Table):
     """A whole mission file. Properties that depend on the network are of its `worlds`, which have one network each."""
 
     name: Name = "mission"

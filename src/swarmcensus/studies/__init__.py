@@ -1,4 +1,4 @@
-"""From a study file to its settings: tables and keys, what goes together, the grid, each setting's random addresses.
+"""Studies: from tables and keys of a study file, over checks, to the grid of settings and their random addresses.
 
 In: TOML text or Python values.
 Out: a Study, and its Settings.

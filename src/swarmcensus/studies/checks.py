@@ -1,4 +1,4 @@
-"""Whether a study's values go together: what one table alone cannot tell."""
+"""Checks of a study's values against each other, which no table alone can do."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from decimal import ROUND_DOWN, ROUND_UP, Context
@@ -18,21 +18,20 @@ from swarmcensus.worlds import arena
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
-MOST_TILES = 2**30  # from wall to wall: a tile is named by two 32-bit numbers
+MOST_TILES = 2**30  # from wall to wall: a tile's place is two 32-bit numbers
 MOVING_ONLY = ("density", "side", "floor", "body", "ticks")  # keys of robots that move
 FIXED_ONLY = ("rounds", "observations_per_round")  # of fixed networks
 
 
 def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
-    """Raise ValueError, naming the key, where values do not go together; with `all_used`, where one means nothing."""
+    """Raise ValueError, naming the key, if values contradict each other, or with `all_used` if a key has no effect."""
     for grid in grids:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
             names = [v.label if isinstance(v, Brain) else v.name for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
-    own, theirs = (one.brain for one in (grid.swarm for grid in grids)), (one.brain or [] for one in tables.members)
-    every = (b for some in (*own, *theirs) for b in some)
-    _one_name("swarm.brain", "brains", (b.as_written for b in every))
+    lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
+    _one_name("swarm.brain", "brains", (brain.as_written for brains in lists for brain in brains))
     _check_parameters(tables, grids)
     _one_name("world.topology", "topologies", (t for grid in grids for t in grid.world.topology))
     sizes = ((topology, robots) for g in grids for topology in g.world.topology for robots in g.swarm.robots)
@@ -67,18 +66,18 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
 
 
 def _check_parameters(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Parameters are coordinates of the results, beside what else has a name there."""
+    """Raise ValueError if a brain's parameter, a coordinate of the results, has the name of something else there."""
     metrics = [metric.variable for metric in tables.measure.metrics]
     for brain in dict.fromkeys(b.as_written for grid in grids for b in grid.swarm.brain):
         if name := taken_in_results(brain, metrics):
             raise ValueError(
                 f"swarm.brain: the brain {brain.name!r} has a parameter {name!r}, a name that is taken in the "
-                "results: call it otherwise"
+                "results: rename it"
             )
 
 
 def taken_in_results(brain: Brain, also: Iterable[str] = ()) -> str:
-    """The first parameter of a brain that is called like something else in a dataset; nothing where none is."""
+    """The first parameter of a brain with a name that is taken in datasets; empty if there is none."""
     taken = {*RESERVED, *also}
     return next((n for n in brain.parameters if n in taken or n.startswith(PREFIXES) or n.endswith(SUFFIXES)), "")
 
@@ -97,7 +96,7 @@ def _one_name(key: str, what: str, values: Iterable[Any]) -> None:
 
 
 def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
-    """Raise ValueError where a key was given that means nothing in any grid that has it."""
+    """Raise ValueError for a given key that has no effect in any grid."""
     base = {
         key
         for table in (tables.swarm, tables.world, tables.schedule)
@@ -106,8 +105,8 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
     }
     for keys, kind in ((MOVING_ONLY, "moves"), (FIXED_ONLY, "stands")):
         for key in keys:
-            same = SIZES if key in SIZES else {key}
-            users = [grid for grid in grids if getattr(grid, kind) and not (grid.given & same)]
+            replaced_by = SIZES if key in SIZES else {key}
+            users = [grid for grid in grids if getattr(grid, kind) and not (grid.given & replaced_by)]
             useless = [grids[0]] if key in base and not users else []
             useless += [grid for grid in grids if key in grid.given and not getattr(grid, kind)]
             for grid in useless:
@@ -202,7 +201,7 @@ def _check_moving(grid: Grid) -> None:
 
 
 def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
-    """Numbers of robots, and with each the key and value that say how large the arena is, and the density."""
+    """For each number of robots and size of the arena: the robots, the size's key and value, and the density."""
     key, values = ("density", grid.world.density) if grid.world.density is not None else ("side", grid.world.side)
     for robots in grid.swarm.robots:
         for value, density in zip(values or (), grid.densities(robots), strict=True):
@@ -210,7 +209,7 @@ def _sizes(grid: Grid) -> Iterator[tuple[int, tuple[str, float, float]]]:
 
 
 def _rounded(value: float, way: str) -> str:
-    """In four digits, not beyond the limit that it is."""
+    """A limit in four digits, rounded to the side on which it is valid."""
     return f"{float(Context(prec=4, rounding=way).create_decimal_from_float(value)):g}"
 
 
@@ -233,25 +232,25 @@ def _check_faults(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None
 
 
 def _check_changes(grid: Grid, all_used: bool) -> None:
-    """Fill ratios change while there is somebody to see it, on floors that can."""
+    """Raise ValueError if a change comes after the last round, or the floor cannot change."""
     changes = [fill for fill in grid.world.fill_ratio if isinstance(fill, Change)]
     last = max(grid.lengths)
     for change in changes if all_used else ():
         if isinstance(change.at, int) and change.at >= last:
             raise ValueError(
-                f"{grid.key('fill_ratio')} = {to_toml_value(change.given or change)}: at = {change.told('at')} should "
-                f"be before the last round, {last}, so that there are some after it"
+                f"{grid.key('fill_ratio')} = {to_toml_value(change.given or change)}: at = {change.label('at')} should "
+                f"be before the last round, {last}, so that rounds follow it"
             )
     for floor in (grid.world.floor or ()) if changes and grid.moves else ():
         if not floor.can_change:
             raise ValueError(
                 f"{grid.key('floor')} = {to_toml_value(floor.form)}: this floor does not tell which tiles turn first, "
-                f"so that its fill ratio cannot change: {grid.key('fill_ratio')} should be a number here"
+                f"so its fill ratio cannot change: {grid.key('fill_ratio')} should be a number here"
             )
 
 
 def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setting]:
-    """Those of all grids, each once. Raises ValueError where one holds a setting twice, or nothing that is new."""
+    """The settings of all grids, each once. Raises ValueError if a grid has a setting twice, or adds none."""
     found: dict[Setting, None] = {}
     for grid in grids:
         settings = list(grid.settings(faults))
@@ -259,8 +258,8 @@ def all_settings(grids: Sequence[Grid], faults: tuple[Fault, ...]) -> list[Setti
         own = dict.fromkeys(settings)
         if len(own) < len(settings):
             twice = next(s for s in settings if own.pop(s, s) is not None)
-            raise ValueError(f"a value stands twice in a list, and so does the setting {twice}")
+            raise ValueError(f"a value is twice in a list, so that this setting is there twice: {twice}")
         found = found | own if found else own
         if len(found) == before:
-            raise ValueError(f"{grid.case} adds no setting: all that it spans are there already")
+            raise ValueError(f"{grid.case} adds no setting: all of its settings are there already")
     return list(found)

@@ -1,35 +1,37 @@
-"""What the values of a study file may be, key by key."""
+"""The types of the values in a study file."""
 
 import itertools
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, BeforeValidator, Discriminator, Field, Tag, ValidationInfo
+from pydantic import AfterValidator, BeforeValidator, ConfigDict, Field, ValidationInfo
 
 from swarmcensus import brains, metrics
-from swarmcensus.basics.forms import LISTED, ONE_OR_SEVERAL, Form, Several
-from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
-from swarmcensus.basics.times import OR_TIME, TIME
-from swarmcensus.brains import adversary
-from swarmcensus.studies.forms import (
-    BELIEF,
-    BRAIN,
-    BRAIN_OR_ADVERSARY,
-    FILL_RATIO,
-    FLOOR,
-    METRIC,
-    TOPOLOGY,
-    TRUE_ACCURACY,
+from swarmcensus.basics.forms import (
+    LISTED,
+    ONE_OR_SEVERAL,
+    Form,
+    OrElse,
+    Several,
+    Share,
+    Text,
+    ValueTable,
+    any_of,
+    name_in,
 )
+from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
+from swarmcensus.basics.times import OR_TIME
+from swarmcensus.brains import adversary
+from swarmcensus.brains.fields import LARGEST as LARGEST_VALUE
 from swarmcensus.studies.precision import Until
-from swarmcensus.worlds.bodies import Number, Positive
+from swarmcensus.worlds.bodies import Positive
 from swarmcensus.worlds.changes import OR_CHANGE
-from swarmcensus.worlds.networks import Topology, parse_topology
-from swarmcensus.worlds.patterns import Floor, parse_floor
-from swarmcensus.worlds.sensors import Accuracy, Misjudgement, parse_accuracy, parse_assumed
+from swarmcensus.worlds.networks import TOPOLOGY, Topology, parse_topology
+from swarmcensus.worlds.patterns import FLOOR, Floor, parse_floor
+from swarmcensus.worlds.sensors import ACCURACY, BELIEF, Accuracy, Misjudgement, parse_accuracy, parse_assumed
 
-LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in an address
+LARGEST = 2**31 - 1  # trials, robots and rounds are 32-bit numbers in addresses
 
 
 def _tables(value: object, info: ValidationInfo) -> object:
@@ -58,12 +60,12 @@ def _joined(lists: list[list[Any]]) -> list[Any]:
 
 
 def _sweep(value: object, info: ValidationInfo) -> list[brains.Brain]:
-    """A brain, or one for each combination of its parameters' values: a list of such spans a grid."""
+    """A brain with its parameters: one for each combination of their values."""
     return _swept(value, info, _brain)
 
 
 def _sweep_of_members(value: object, info: ValidationInfo) -> list[BrainOrAdversary]:
-    """The same, of brains and adversaries."""
+    """A brain or adversary with its parameters: one for each combination of their values."""
     return _swept(value, info, _brain_or_adversary)
 
 
@@ -81,7 +83,7 @@ def _swept(value: object, info: ValidationInfo, read: Callable[[object, Validati
 
 
 def _values(brain: BrainOrAdversary, name: str, value: object) -> list[object]:
-    """The values that a parameter is to have, one after the other: of a vector each is a list itself."""
+    """The list of values for a parameter; for a vector, each value is a list itself."""
     if isinstance(value, list | tuple) and not value:
         raise ValueError(f"{name} = []: should be a list of at least one")
     listed = isinstance(value, list | tuple)
@@ -100,7 +102,7 @@ def _brain(value: object, info: ValidationInfo) -> brains.Brain:
         return known[str(value)]  # type: ignore[no-any-return]
     base = _context(info, "base", Path())
     if base is None and str(value) not in brains.PLUGINS:
-        raise ValueError("this brain's source is not here, and no file is opened that is only named here")
+        raise ValueError("this brain's source is not stored here, and no file is opened here")
     return brains.load(value, base)
 
 
@@ -132,34 +134,51 @@ def _metric(value: object, info: ValidationInfo) -> metrics.Metric:
         return known[str(value)]  # type: ignore[no-any-return]
     base = _context(info, "base", Path())
     if base is None and value not in metrics.PLUGINS:
-        raise ValueError("this metric's source is not here, and no file is opened that is only named here")
+        raise ValueError("this metric's source is not stored here, and no file is opened here")
     return metrics.load(value, base)
 
 
 def plain_text(value: str) -> str:
-    """The text, for names. Raises ValueError where it holds control characters."""
+    """A text without control characters, for names. Raises ValueError."""
     if not value.isprintable():
-        raise ValueError("a name is printed and drawn: it has no control characters")
+        raise ValueError("a name is printed and drawn: it should have no control characters")
     return value
 
 
 PRINTED = Form(lambda inner: inner() | {"pattern": r"^[^\u0000-\u001f\u007f-\u009f]*$"})
-Name = Annotated[str, Field(min_length=1), AfterValidator(plain_text), PRINTED]
+Name = Annotated[Text, AfterValidator(plain_text), PRINTED]
 Whole = Annotated[int, Field(strict=True, ge=1, le=LARGEST)]
-Share = Annotated[Number, Field(ge=0.0, le=1.0)]
 
-NUMBER, RULE = "(number)", "(rule)"  # how pydantic tells the two forms of `trials` apart
-Trials = Annotated[
-    Annotated[Whole, Tag(NUMBER)] | Annotated[Until, Tag(RULE)],
-    Discriminator(lambda value: RULE if isinstance(value, Mapping | Until) else NUMBER),
-]
+Trials = Annotated[Whole, OrElse(Until, Mapping, Until)]
 
-# of keys that span a grid: one value, or a list of them
+Parameter = Annotated[float, Field(gt=-LARGEST_VALUE, lt=LARGEST_VALUE)]
+Vector = Annotated[list[Parameter], Field(min_length=1)]
+
+
+class BrainTable(ValueTable):
+    """A brain file with values for its parameters. The names of these are in the file, so any are accepted here."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, Parameter | Annotated[list[Parameter | Vector], Field(min_length=1)]]
+
+    file: Annotated[str, name_in(brains.PLUGINS)]
+
+
+class BrainOrAdversaryTable(BrainTable):
+    """The file of a brain or adversary with values for its parameters."""
+
+    file: Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)]
+
+
+BRAIN = any_of(Annotated[str, name_in(brains.PLUGINS)], BrainTable)
+BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLUGINS)], BrainOrAdversaryTable)
+
+# for keys that span a grid: one value, or a list of them
 Wholes = Several[Whole]
-Times = Several[Annotated[Whole, OR_TIME, TIME]]
+Times = Several[Annotated[Whole, OR_TIME]]
 Shares = Several[Share]
 Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
-FillRatios = Several[Annotated[Share, OR_CHANGE, FILL_RATIO]]
+FillRatios = Several[Annotated[Share, OR_CHANGE]]
 Positives = Several[Positive]
 Brains = Annotated[Several[Annotated[Any, BeforeValidator(_sweep), BRAIN]], AfterValidator(_joined)]
 BrainsOrAdversaries = Annotated[
@@ -167,7 +186,8 @@ BrainsOrAdversaries = Annotated[
 ]
 Topologies = Several[Annotated[Topology, BeforeValidator(_topology), TOPOLOGY]]
 Floors = Several[Annotated[Floor, BeforeValidator(_floor), FLOOR]]
-Accuracies = Several[Annotated[Accuracy, BeforeValidator(parse_accuracy), TRUE_ACCURACY]]
+Accuracies = Several[Annotated[Accuracy, BeforeValidator(parse_accuracy), ACCURACY]]
 Beliefs = Several[Annotated[Accuracy | Misjudgement, BeforeValidator(parse_assumed), BELIEF]]
-Metrics = Annotated[tuple[Annotated[metrics.Metric, BeforeValidator(_metric), METRIC], ...], LISTED, ONE_OR_SEVERAL]
+Metric = Annotated[metrics.Metric, BeforeValidator(_metric), name_in(metrics.PLUGINS)]
+Metrics = Annotated[tuple[Metric, ...], LISTED, ONE_OR_SEVERAL]
 SeveralTables = BeforeValidator(_tables)

@@ -1,4 +1,4 @@
-"""A grid of settings: every combination of a study's values, as they are or with a case's in place of some."""
+"""Grids of settings: all combinations of a study's values, and for each case, of its values in place of some."""
 
 import itertools
 import math
@@ -14,12 +14,12 @@ from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 from swarmcensus.worlds.patterns import Floor
 
-SIZES = {"density", "side"}  # of an arena: a case that gives one takes it in place of the other
+SIZES = {"density", "side"}  # of an arena: a case that gives one replaces the other
 
 
 @dataclass(frozen=True)
 class Grid:
-    """The tables that span a grid; of a case's, its name, such as "case[0]", and the keys that it gave."""
+    """The tables that span a grid; for a case also its name, such as "case[0]", and the keys that it gives."""
 
     swarm: Swarm
     world: World
@@ -29,7 +29,7 @@ class Grid:
     members: tuple[Members, ...] = ()
 
     def key(self, name: str) -> str:
-        """How messages call one of the grid's keys: "world.side", "case[0].side" or "case[0]: world.side"."""
+        """A key's name in messages: "world.side", "case[0].side" or "case[0]: world.side"."""
         if name in self.given:
             return f"{self.case}.{name}"
         table = next(t for t in ("swarm", "world", "schedule") if name in type(getattr(self, t)).model_fields)
@@ -47,11 +47,11 @@ class Grid:
 
     @property
     def lengths(self) -> set[int]:
-        """How many rounds, or ticks, its settings have."""
+        """The numbers of rounds, or ticks, of its settings."""
         return {*(self.schedule.rounds if self.stands else ()), *(self.schedule.ticks if self.moves else ())}
 
     def densities(self, robots: int) -> list[float]:
-        """The swarm densities of so many robots that move."""
+        """The swarm densities for this number of robots that move."""
         sides = [arena.density(robots, side, self.world.body) for side in self.world.side or ()]
         return [*(self.world.density or ()), *sides]
 
@@ -64,13 +64,13 @@ class Grid:
         ]  # fmt: skip
 
     def _mixes(self, robots: int) -> list[tuple[Member, ...]]:
-        """The members of swarms of so many robots, each combination once: those that are none are left out."""
+        """The combinations of members in swarms of this size, each once, without members of 0 robots."""
         every = itertools.product(*(list(table.every()) for table in self.members))
         return list(dict.fromkeys(tuple(m for m in members if m.count(robots)) for members in every))
 
     @property
     def count(self) -> int:
-        """How many settings there are."""
+        """The number of settings."""
         world, schedule = self.world, self.schedule
         moving = sum(t.moves for t in world.topology)
         fixed = len(world.topology) - moving
@@ -84,7 +84,7 @@ class Grid:
         )
 
     def settings(self, faults: tuple[Fault, ...]) -> Iterator[Setting]:
-        """Every combination of the values: brain, topology, robots and accuracy vary slowest."""
+        """All combinations of the values: brain, topology, robots and accuracy vary slowest."""
         world, schedule = self.world, self.schedule
         fixed = [(c, r, None, None, faults) for c in schedule.rounds for r in schedule.observations_per_round]
         moving = {
@@ -111,7 +111,7 @@ class Grid:
 def grids_of(
     swarm: Swarm, world: World, schedule: Schedule, cases: Iterable[Case], members: tuple[Members, ...] = ()
 ) -> list[Grid]:
-    """The full grid of a study, and then that of each case."""
+    """The full grid of a study, followed by the grid of each case."""
     grids = [Grid(swarm, world, schedule, members=members)]
     for number, case in enumerate(cases):
         given = {key: values for key, values in case if values is not None}

@@ -1,4 +1,4 @@
-"""Mixed swarms: some of the robots have another brain, other sensors or another speed, or lie."""
+"""Mixed swarms: some robots have another brain, other sensors or another speed, or lie."""
 
 import itertools
 from collections.abc import Iterator
@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import Field
 
 from swarmcensus.basics.formatting import counted
-from swarmcensus.basics.forms import ROBOTS, Several
+from swarmcensus.basics.forms import Robots, Several, Table
 from swarmcensus.brains import Adversary, Brain, lying_brain
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import compile_world
@@ -17,12 +17,10 @@ from swarmcensus.studies.fields import Accuracies, Beliefs, BrainsOrAdversaries
 from swarmcensus.worlds.bodies import Least
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 
-HOW_MANY = "members are a whole number of robots, or a fraction of the swarm in [0, 1]"
-
 
 @dataclass(frozen=True)
 class Member:
-    """So many robots of a swarm, and in what they differ from the others; None where they do not."""
+    """Some robots of a swarm, and how they differ from the others; None: they do not."""
 
     robots: int | float  # a number, or a fraction
     brain: Brain | Adversary | None = None
@@ -33,16 +31,16 @@ class Member:
     share: bool = False  # whether `robots` is a fraction: 1.0 is all of them, 1 is one
 
     def count(self, robots: int) -> int:
-        """How many of a swarm they are."""
+        """Their number in a swarm of `robots`."""
         return round(self.robots * robots) if self.share else int(self.robots)
 
     def brain_in(self, brain: Brain) -> Brain:
-        """Their brain in a swarm of `brain`: an adversary wears that."""
+        """Their brain in a swarm with this brain, which an adversary wears."""
         return lying_brain(self.brain, brain) if isinstance(self.brain, Adversary) else self.brain or brain
 
     @property
     def traits(self) -> list[str]:
-        """In what they differ from the others."""
+        """How they differ from the others."""
         sides = (
             ("", self.brain and self.brain.label),
             ("accuracy ", self.accuracy),
@@ -52,7 +50,7 @@ class Member:
         return [f"{what}{value}" for what, value in sides if value is not None]
 
     def __str__(self) -> str:
-        """Who they are, as the dataset says it."""
+        """Their text in the dataset."""
         many = f"{float(self.robots)!r}" if self.share else str(self.robots)
         return " ".join([many, ", ".join(self.traits + ["not honest"] * (not self.honest))]).rstrip()
 
@@ -64,33 +62,24 @@ class Member:
         return self.robots, self.share, brain, *beliefs, self.speed, self.honest
 
 
-def _number(value: object) -> object:
-    whole = isinstance(value, int) and not isinstance(value, bool) and value >= 0
-    if not whole and not (isinstance(value, float) and 0.0 <= value <= 1.0):
-        raise ValueError(HOW_MANY)
-    return value
+class Members(Table):
+    """Robots that differ from the others: each key but `honest` may be a list, which spans the grid."""
 
-
-class Members(BaseModel):
-    """A table of a study: each of its keys but `honest` may be a list, which spans the grid."""
-
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
-
-    robots: Several[Annotated[int | float, BeforeValidator(_number), ROBOTS]]
+    robots: Several[Robots]
     """How many: a number, or a fraction of the swarm."""
     brain: BrainsOrAdversaries | None = None
     """Their brain, or an adversary."""
     accuracy: Accuracies | None = None
     """The true b and w of their sensors."""
     assumed_accuracy: Beliefs | None = None
-    """The b and w that they believe in."""
+    """The b and w that they assume."""
     speed: Several[Least] | None = None
     """How fast they move, in m/s."""
     honest: Annotated[bool, Field(strict=True)] = True
     """Whether metrics count them."""
 
     def every(self) -> Iterator[Member]:
-        """The members that its lists span."""
+        """All members that its lists span."""
         lists: list[list[Any]] = [
             self.robots, *(v or [None] for v in (self.brain, self.accuracy, self.assumed_accuracy, self.speed))
         ]  # fmt: skip
@@ -99,7 +88,7 @@ class Members(BaseModel):
 
 
 def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
-    """Raise ValueError where members do not go together with a study's swarms."""
+    """Raise ValueError if members do not fit a study's swarms."""
     for n, one in enumerate(members):
         if one.honest and all(v is None for v in (one.brain, one.accuracy, one.assumed_accuracy, one.speed)):
             raise ValueError(
@@ -108,10 +97,10 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
             )
         if not any(one.robots):
             raise ValueError(f"members[{n}].robots = {one.robots[0]}: that is nobody, and the table would mean nothing")
-        for some in one.robots:
-            if some and not Member(some, share=isinstance(some, float)).count(max(sizes)):
+        for size in one.robots:
+            if size and not Member(size, share=isinstance(size, float)).count(max(sizes)):
                 raise ValueError(
-                    f"members[{n}].robots = {some}: that is less than one of {counted(max(sizes), 'robot')}"
+                    f"members[{n}].robots = {size}: that is less than one of {counted(max(sizes), 'robot')}"
                 )
         if one.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
@@ -124,12 +113,12 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
                 if brain.message != other.message:
                     raise ValueError(
                         f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_said(brain)}), and that of "
-                        f"{other.name!r} ({_said(other)}): brains that live together say the same"
+                        f"{other.name!r} ({_said(other)}): brains of one swarm have the same MESSAGE"
                     )
                 if brain.decides and other.decides and brain.options != other.options:
                     raise ValueError(
                         f"members[{n}].brain = {brain.name!r}: its OPTIONS is {brain.options}, and that of "
-                        f"{other.name!r} {other.options}: brains that live together decide among the same"
+                        f"{other.name!r} {other.options}: brains of one swarm have the same OPTIONS"
                     )
     for robots in sizes:
         for chosen in itertools.product(*(one.robots for one in members)):
@@ -147,7 +136,7 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
 def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Brain]) -> None:
     where = f"members[{n}].brain = {adversary.label!r}"
     if one.honest:
-        raise ValueError(f"{where}: that is an adversary, and none is honest: say honest = false")
+        raise ValueError(f"{where}: that is an adversary, which is not honest: add honest = false")
     for brain in brains:
         try:
             lying_brain(adversary, brain)
@@ -160,10 +149,10 @@ def _said(brain: Brain) -> str:
 
 
 def groups(members: tuple[Member, ...], seed: int, first: int, trials: int, robots: int) -> np.ndarray:
-    """Who is who (trial, robot): 0 for robots that no table of members is of, else the table's number, from 1 on.
+    """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none.
 
-    It is drawn afresh for each trial, by a lot for each robot that depends on their number alone: a larger share holds
-    the robots of a smaller one.
+    Robots are drawn for each trial, by random numbers that depend only on the size of the swarm. So a larger share
+    includes the robots of a smaller one.
     """
     lots = np.empty((trials, robots))
     compile_world().spread_uniform(address(seed, "members", robots=robots), first, 0.0, 1.0, lots)

@@ -1,4 +1,4 @@
-"""The JSON schema of study files, by which an editor completes and checks them."""
+"""The JSON schema of study files, with which editors complete and check them."""
 
 from typing import Any
 
@@ -7,19 +7,19 @@ from pydantic import BaseModel
 from swarmcensus.basics.forms import Schema
 from swarmcensus.studies.tables import Schedule, Swarm, Tables, World
 
-DRAFT = "http://json-schema.org/draft-07/schema#"  # which editors know best
-# a bound behind a validator comes out under pydantic's own name, and a pair of values under that of a later draft
+DRAFT = "http://json-schema.org/draft-07/schema#"  # the draft that editors support best
+# pydantic's own names of bounds behind a validator, and a later draft's name for the items of a pair
 NAMES = {
     "ge": "minimum", "gt": "exclusiveMinimum", "le": "maximum", "lt": "exclusiveMaximum", "prefixItems": "items",
 }  # fmt: skip
-NULL = {"type": "null"}  # which TOML has not
+NULL = {"type": "null"}  # TOML has none
 
 
 def schema() -> Schema:
-    """The schema, a JSON object: tables, keys, values and what each means, with the names that this installation knows.
+    """The schema, a JSON object: tables, keys, values and their meanings, with the names that this installation knows.
 
-    What it refuses is no study; what it lets through may still be none, for files and how keys go together are seen
-    by `Study.load` alone.
+    It refuses no valid study. It may accept an invalid one, as only `Study.load` checks files and keys against each
+    other.
     """
     found = schema_of(Tables, "study")
     keys = {name: field for table in (Swarm, World, Schedule) for name, field in table.model_fields.items()}
@@ -34,7 +34,7 @@ def schema_of(tables: type[BaseModel], what: str) -> Schema:
 
 
 def _plain(node: Any) -> Any:
-    """The same in one draft, without what says nothing in TOML: titles of keys, null, and tables as defaults."""
+    """The schema in one draft, without titles of keys, and without null and defaults that TOML cannot express."""
     if isinstance(node, list):
         return [_plain(one) for one in node]
     if not isinstance(node, dict):

@@ -31,7 +31,7 @@ MOST_SETTINGS = 1_000_000
 
 
 class Study:
-    """A grid of settings, and those of its cases, each run for a number of trials."""
+    """A grid of settings, and those of its cases, each run for several trials."""
 
     def __init__(self, **tables: Any) -> None:
         """Build a study from the study file's tables as keywords. Raises InputError, naming key and value."""
@@ -83,9 +83,9 @@ class Study:
 
     @classmethod
     def load(cls, path: str | Path) -> Self:
-        """Read a study file. Brain and metric files, edge lists and images are looked for beside it.
+        """Read a study file. Brain and metric files, edge lists and images are looked for in its folder.
 
-        One that gives no `name` has that of its file, which is then the first line of its text.
+        If it has no `name`, it gets the name of its file, as a new first line of its text. Raises InputError.
         """
         where, name = f"study file {path}", Path(path).stem
         text = text_of_file(path, where)
@@ -97,9 +97,9 @@ class Study:
     def parse(cls, text: str, *, where: str = "study", context: Mapping[str, Any] = {}) -> Self:
         """Read a study from TOML text.
 
-        `context` may hold `base` (the folder of brain and metric files, edge lists and images; None: no file is
-        opened), `brains`, `adversaries`, `metrics`, `edges` and `images` (known by name, so that no file is read), and
-        `kept` (the text is that of results: keys that mean nothing there are let pass).
+        `context` may have `base` (the folder of brain and metric files, edge lists and images; None: no file is
+        opened), `brains`, `adversaries`, `metrics`, `edges` and `images` (by name, in place of files), and `kept` (the
+        text is from results: keys without effect are allowed).
 
         Raises InputError, naming file, key and value.
         """
@@ -108,7 +108,7 @@ class Study:
         return study
 
     def with_(self, **changes: Any) -> Self:
-        """The same study with another seed or number of trials; None leaves a value as it is."""
+        """This study with other values of keys such as seed or trials; None keeps a value."""
         changes = {k: plain(v) for k, v in changes.items() if v is not None}
         if not changes:
             return self
@@ -118,7 +118,7 @@ class Study:
 
     @property
     def context(self) -> dict[str, Any]:
-        """What `parse` must know to read the study's text again without its files."""
+        """The context with which `parse` reads the study's text again without its files."""
         return {
             "brains": {b.name: b for b in self.brains},
             "adversaries": {a.name: a for a in self.adversaries},
@@ -129,25 +129,25 @@ class Study:
         }
 
     def stages(self) -> Iterator[int]:
-        """After how many trials of a setting it is looked at whether there are enough: once, but for a rule."""
+        """The numbers of trials after which a setting may end: one, or several with a rule."""
         return self.until.stages() if self.until else iter([self.trials])
 
     @property
     def brains(self) -> list[Brain]:
-        """The brains of all settings, each once, with the parameters that their files say."""
+        """The brains of all settings, each once, with the parameters of their files."""
         theirs = [brain for table in self.members for brain in table.brain or () if isinstance(brain, Brain)]
-        every = (brain for grid in self.grids for brain in grid.swarm.brain)
-        return list({brain.name: brain.as_written for brain in (*every, *theirs)}.values())
+        own = (brain for grid in self.grids for brain in grid.swarm.brain)
+        return list({brain.name: brain.as_written for brain in (*own, *theirs)}.values())
 
     @property
     def adversaries(self) -> list[Adversary]:
-        """The adversaries of all settings, each once, with the parameters that their files say."""
+        """The adversaries of all settings, each once, with the parameters of their files."""
         every = [one for table in self.members for one in table.brain or () if isinstance(one, Adversary)]
         return list({one.name: one.as_written for one in every}.values())
 
     @functools.cached_property
     def additions(self) -> dict[str, dict[str, str]]:
-        """What of other packages its settings use, as "topology torus": its package, version and hash."""
+        """Additions of other packages that its settings use, as "topology torus": package, version and hash."""
         spreads = [s for a in self._accuracies for s in a.spreads]
         floors = [f for grid in self.grids if grid.moves for f in grid.world.floor or ()]
         used = [
@@ -184,29 +184,29 @@ class Study:
             return sorted(set(self.measure.checkpoints))
         lengths = {length for grid in self.grids for length in grid.lengths}
         steps = {m * 10**k for k in range(10) for m in (1, 2, 5)}
-        asked = {self.until.checkpoint} if self.until and self.until.checkpoint else set()
-        return sorted({s for s in steps if s < max(lengths)} | lengths | asked)
+        in_rule = {self.until.checkpoint} if self.until and self.until.checkpoint else set()
+        return sorted({s for s in steps if s < max(lengths)} | lengths | in_rule)
 
     def settings(self) -> list[Setting]:
-        """Those of the full grid, in which brain, topology, robots and accuracy vary slowest; then each case's."""
+        """The settings of the full grid, where brain, topology, robots and accuracy vary slowest; then of each case."""
         every = itertools.chain.from_iterable(grid.settings(self.faults) for grid in self.grids)
         return list(dict.fromkeys(every) if self.case else every)
 
 
-def _of(plugins: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
-    """Whether a brain, adversary or metric is another package's, and no file that has the name of one."""
-    return one.name not in plugins.shipped and one.name in plugins and plugins.path(one.name) == one.path
+def _of(door: Plugins, one: Brain | Adversary | metrics.Metric) -> bool:
+    """Whether a brain, adversary or metric is from another package, and not from a file with such a name."""
+    return one.name not in door.shipped and one.name in door and door.path(one.name) == one.path
 
 
 SHOWN_VALUES = 12
-LONGEST = 60  # letters of a value
-COUNTED = 10_000  # settings of which those that are alike are counted once
+LONGEST = 60  # characters of a value
+COUNTED = 10_000  # settings up to which equal ones of cases are counted once
 OF_FIXED = {"rounds", "observations_per_round", "message_delay"}
 OF_MOVING = {"ticks", "density", "side", "floor"}
 
 
 def size_of(study: Any) -> str:
-    """How many settings a study has, and how many trials of each."""
+    """The numbers of settings and of trials as a text."""
     settings = sum(grid.count for grid in study.grids)
     if study.case and settings <= COUNTED:
         settings = len(study.settings())
@@ -215,7 +215,7 @@ def size_of(study: Any) -> str:
 
 
 def grid(study: Any) -> str:
-    """The study as a table in HTML: a row for each key, those of several values first."""
+    """The study as an HTML table: a row for each key, those with several values first."""
     rows = sorted(_keys(study.grids[0]), key=lambda row: len(row[1]) < 2)
     rows += [(f"[[{name}]]", [f"{len(tables)} more"]) for name, tables in _more(study) if tables]
     return render(
@@ -227,14 +227,14 @@ def grid(study: Any) -> str:
     )
 
 
-def _keys(of: Grid) -> Iterator[tuple[str, list[Any]]]:
-    """The keys of a grid that mean something in it, with their values."""
-    idle = (set() if of.moves else OF_MOVING) | (set() if of.stands else OF_FIXED)
-    for table in (of.swarm, of.world, of.schedule):
+def _keys(grid: Grid) -> Iterator[tuple[str, list[Any]]]:
+    """The keys that have an effect in a grid, with their values."""
+    idle = (set() if grid.moves else OF_MOVING) | (set() if grid.stands else OF_FIXED)
+    for table in (grid.swarm, grid.world, grid.schedule):
         default = {name: field.default for name, field in type(table).model_fields.items()}
         for name, values in table:
-            said = values != default[name] or name in ("brain", "rounds", "ticks", "observations_per_round")
-            if isinstance(values, list) and name not in idle and said:
+            shown = values != default[name] or name in ("brain", "rounds", "ticks", "observations_per_round")
+            if isinstance(values, list) and name not in idle and shown:
                 yield name, values
 
 

@@ -1,17 +1,16 @@
-"""The tables and keys of a study file, and what is said where one is wrong."""
+"""The tables and keys of a study file, and the messages for wrong ones."""
 
 import re
 from collections.abc import Iterator
 from typing import Annotated, Any, Literal, Self, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from swarmcensus.basics.errors import pydantic_message
+from swarmcensus.basics.forms import Number, Table
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.times import in_ticks
 from swarmcensus.studies.fields import (
-    NUMBER,
-    RULE,
     Accuracies,
     Beliefs,
     Brains,
@@ -31,19 +30,15 @@ from swarmcensus.studies.fields import (
 from swarmcensus.studies.members import Members
 from swarmcensus.studies.precision import Until
 from swarmcensus.studies.toml_text import to_toml_value
-from swarmcensus.worlds.bodies import Body, Number
+from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change
 from swarmcensus.worlds.faults import Fault
 
 UNNAMED = "study"  # what a study is called that has no name and comes from no file
 
 
-class _Table(BaseModel):
-    model_config = ConfigDict(extra="forbid", arbitrary_types_allowed=True, frozen=True, use_attribute_docstrings=True)
-
-
-class Swarm(_Table):
-    """The robots: their brains, how many, how good their sensors are, and what they think of them."""
+class Swarm(Table):
+    """The robots: their brains, their number, their sensors, and what they assume about these."""
 
     brain: Brains = Field(default=["minimalistic"], validate_default=True)
     """A shipped brain's name or the path of a brain file; {file = "...", prior = 1} gives it parameters."""
@@ -52,23 +47,23 @@ class Swarm(_Table):
     accuracy: Accuracies
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Beliefs | None = None
-    """The b and w that robots believe in; by default the true ones."""
+    """The b and w that robots assume; by default the true ones."""
 
 
-class World(_Table):
-    """What the robots live in: who hears whom, how much is black, how often a message gets through, and how late.
+class World(Table):
+    """The robots' world: who hears whom, the share of black, and how often and how late messages get through.
 
-    `density` or `side`, `floor` and `body` are those of robots that move (topology "moving"), and `message_delay`, in
-    rounds, is that of fixed networks.
+    `density` or `side`, `floor` and `body` are for robots that move (topology "moving"); `message_delay`, in rounds, is
+    for fixed networks.
     """
 
     topology: Topologies
     """Who hears whom: a network, or "moving" for robots that walk in an arena."""
     fill_ratio: FillRatios
     """f, the fraction of the floor that is black, or a change as {from = 0.9, to = 0.1, at = 500}."""
-    link_success: Shares = [1.0]
+    link_success: Shares = Field(default=[1.0])
     """The probability that a message gets through."""
-    message_delay: Delays = [0]
+    message_delay: Delays = Field(default=[0])
     """How many rounds late messages are on fixed networks."""
     density: Positives | None = None
     """D = N π r² / L² of robots that move."""
@@ -80,19 +75,19 @@ class World(_Table):
     """The body of robots that move."""
 
 
-class Schedule(_Table):
-    """How long: communication rounds (C), and observations in each (R); ticks of robots that move."""
+class Schedule(Table):
+    """How long: communication rounds (C), and observations in each (R); ticks for robots that move."""
 
-    rounds: Wholes = [1000]
+    rounds: Wholes = Field(default=[1000])
     """C, communication rounds on fixed networks."""
-    observations_per_round: Wholes = [10]
+    observations_per_round: Wholes = Field(default=[10])
     """R, observations of each robot before each exchange."""
-    ticks: Times = [10_000]
-    """How long robots that move do so: a number of ticks, or a time such as "17 min"."""
+    ticks: Times = Field(default=[10_000])
+    """How long robots move: a number of ticks, or a time such as "17 min"."""
 
 
-class Case(_Table):
-    """Values in place of some of the tables above: a grid of its own, beside the full one."""
+class Case(Table):
+    """Values in place of some of the tables' above: another grid, beside the full one."""
 
     brain: Brains | None = None
     robots: Wholes | None = None
@@ -110,13 +105,13 @@ class Case(_Table):
     ticks: Times | None = None
 
 
-class Measure(_Table):
-    """What is kept: convergence within delta, decisions among bins at checkpoints; local and all estimates; metrics."""
+class Measure(Table):
+    """What is measured: convergence within delta, decisions among bins at checkpoints, estimates and metrics."""
 
     delta: Annotated[Number, Field(gt=0.0, allow_inf_nan=False)] = 0.01
-    """A robot has converged once its estimate stays within less than this of where it is."""
+    """A robot has converged once its estimate moves by less than this from then on."""
     bins: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 10
-    """B: a decision is one of so many equal bins of [0, 1]."""
+    """B: [0, 1] is divided into this many equal bins, among which robots decide."""
     checkpoints: Times | None = None
     """Rounds, ticks or times after which decisions are recorded."""
     local: Annotated[bool, Field(strict=True)] = False
@@ -124,12 +119,12 @@ class Measure(_Table):
     estimates: Annotated[bool, Field(strict=True)] = False
     """Also keep each robot's estimate at the checkpoints."""
     truth: Literal["nominal", "floor"] = "nominal"
-    """What errors and decisions are held against: f, or the black share of the floor that was drawn."""
+    """The truth for errors and decisions: f, or the black share of the drawn floor."""
     metrics: Metrics = ()
-    """What else is measured: shipped metrics or metric files."""
+    """Further measures: shipped metrics or metric files."""
 
 
-class Tables(_Table):
+class Tables(Table):
     """The study file as a whole."""
 
     name: Name = UNNAMED
@@ -137,15 +132,15 @@ class Tables(_Table):
     seed: Annotated[int, Field(strict=True, ge=0, lt=2**63)] = 0
     """The same seed gives the same numbers."""
     trials: Trials
-    """Repetitions of each setting, or a rule that adds them until they are enough."""
+    """Repetitions of each setting, or a rule that adds trials until they suffice."""
     swarm: Swarm
     """The robots."""
     world: World
-    """What they live in."""
+    """Their world."""
     schedule: Schedule = Schedule()
     """How long."""
     measure: Measure = Measure()
-    """What is kept."""
+    """What is measured."""
     faults: Annotated[tuple[Fault, ...], SeveralTables] = ()
     """Robots that fail."""
     case: Annotated[tuple[Case, ...], SeveralTables] = ()
@@ -157,7 +152,7 @@ class Tables(_Table):
     def _times_in_ticks(self) -> Self:
         tick = self.world.body.tick
         topologies = [*self.world.topology, *(t for case in self.case for t in case.topology or ())]
-        common = tick if all(t.moves for t in topologies) else None  # of what holds for all settings
+        common = tick if all(t.moves for t in topologies) else None  # for keys that all settings share
 
         def converted(table: Any, key: str, where: str, tick: float | None) -> Any:
             values = getattr(table, key)
@@ -170,8 +165,8 @@ class Tables(_Table):
             values = table.fill_ratio or []
             if not any(isinstance(v, Change) for v in values):
                 return table
-            told = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
-            return table.model_copy(update={"fill_ratio": told})
+            ticks = [v.in_ticks(common, f"{where}.fill_ratio") if isinstance(v, Change) else v for v in values]
+            return table.model_copy(update={"fill_ratio": ticks})
 
         def times_of(fault: Fault, where: str) -> dict[str, int]:
             times = {"at": fault.at} | ({} if fault.until is None else {"until": fault.until})
@@ -193,12 +188,12 @@ class Tables(_Table):
 
 
 def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, given: Any = None) -> str:
-    """The first thing that is wrong, as a sentence: file, key, value, and what would be right.
+    """The first error as a sentence that names file, key and value, and says what would be right.
 
-    `given` is what was checked: where it has one value for a list, the key has no index.
+    `given` is what was checked: if it has one value in place of a list, the key gets no index.
     """
     first = min(error.errors(), key=lambda e: e["type"] != "extra_forbidden")
-    place = tuple(p for p in first["loc"] if p not in (NUMBER, RULE))
+    place = first["loc"]
     key = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in _as_given(place, given)).lstrip(".")
     more = f" (and {error.error_count() - 1} more)" if error.error_count() > 1 else ""
     if first["type"] == "extra_forbidden":
@@ -208,9 +203,7 @@ def explain(error: ValidationError, name: str, model: type[BaseModel] = Tables, 
     if first["type"] == "missing":
         return f"{name}: {key} is missing{more}"
     message = pydantic_message(first["msg"])
-    message = message.replace("should be a valid boolean", "should be true or false")
     message = re.sub(r"should be a valid dictionary or instance of \w+", "should be a table", message)
-    message = re.sub(r".*at least 1 item.*", "should be a list of at least one", message)
     if not key:
         return f"{name}: {message}{more}"
     value = first["input"]

@@ -1,4 +1,4 @@
-"""Study files as text: TOML read, and written from whatever a study may be made of."""
+"""Study files as TOML text: read, and written from all values that a study may have."""
 
 import json
 import re
@@ -20,8 +20,8 @@ from swarmcensus.worlds.patterns import Floor
 from swarmcensus.worlds.sensors import Accuracy, Misjudgement
 from swarmcensus.worlds.spreading import Spread
 
-LARGEST = 20_000_000  # bytes of a file that a person wrote: a device would never end
-MOST_BITS = 10_000  # of a number that is printed in decimals
+LARGEST = 20_000_000  # bytes of a file that a person wrote; reading a device would never end
+MOST_BITS = 10_000  # of a number that is printed in decimal digits
 
 
 def text_of_file(path: str | Path, where: str) -> str:
@@ -41,7 +41,7 @@ def text_of_file(path: str | Path, where: str) -> str:
 
 
 def read_toml(text: str, where: str) -> dict[str, Any]:
-    """Parse TOML; raises InputError."""
+    """Parse TOML. Raises InputError."""
     try:
         return tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError, ValueError) as error:
@@ -69,12 +69,12 @@ def plain(value: Any) -> Any:
 
 
 def _pairs(edges: Any) -> Any:
-    """Edges as a list, whatever gives them; their numbers are looked at where they are read."""
+    """Edges as a list, from any iterable; `edges_of` checks them."""
     return list(edges) if isinstance(edges, Iterable) and not isinstance(edges, str | list | np.ndarray) else edges
 
 
 def _fields(table: Mapping[str, Any] | BaseModel) -> dict[str, Any]:
-    """A table's keys and values, but for those that were not given."""
+    """The keys of a table that were given, with their values."""
     pairs = ((k, v) for k, v in table if k in table.model_fields_set) if isinstance(table, BaseModel) else table.items()
     return {k: v for k, v in pairs if v is not None}
 
@@ -107,5 +107,5 @@ def to_toml_value(value: Any) -> str:
         value = parse_topology(value, Path(), {})
     if isinstance(value, Topology):
         return to_toml_value(value.form)
-    # what JSON escapes TOML does too, but for the last control character
+    # TOML escapes what JSON does, and one control character more
     return json.dumps(str(value), ensure_ascii=False).replace("\x7f", "\\u007f")

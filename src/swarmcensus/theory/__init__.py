@@ -1,4 +1,4 @@
-"""Closed forms to lay beside what is measured: exact laws, bounds, mixing on networks, finite floors.
+"""Closed forms to compare measurements with: exact distributions, bounds, mixing on networks, finite floors.
 
 In: numbers and arrays, graphs.
 Out: numbers and arrays.

@@ -1,4 +1,4 @@
-"""Arguments of theory, made sure of: one sentence for each that cannot be."""
+"""Checks of the arguments of theory, each with an error message of one sentence."""
 
 from collections.abc import Sequence
 from typing import Any
@@ -10,7 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.worlds.graphs import whole
 
 Floats = NDArray[np.float64]
-MOST_READINGS = 10_000_000  # whose law is listed count by count
+MOST_READINGS = 10_000_000  # of a local law, which lists every count
 BLIND = 1e-12  # |b + w - 1| below which readings say nothing
 
 
@@ -76,7 +76,7 @@ def count(name: str, value: Any, least: int = 1, most: int | None = None) -> int
 
 
 def times(name: str, value: int | Sequence[int] | NDArray[Any]) -> tuple[list[int], bool]:
-    """Whole numbers from 1 on, one or several, and whether it was one. Raises InputError."""
+    """A list of one or several whole numbers from 1 on, and whether a single one was given. Raises InputError."""
     single = np.ndim(value) == 0
     given: list[Any] = [value] if single else list(value)  # type: ignore[arg-type]
     if not given:
@@ -85,14 +85,14 @@ def times(name: str, value: int | Sequence[int] | NDArray[Any]) -> tuple[list[in
 
 
 def sensors(b: ArrayLike, w: ArrayLike | None) -> tuple[Floats, Floats]:
-    """Accuracies b and w, of one shape; w is b where it is not given. Raises InputError."""
+    """Accuracies b and w, broadcast to one shape; w is b by default. Raises InputError."""
     black = shares("b", b)
     black, white = fitting(b=black, w=black if w is None else shares("w", w))
     return black, white
 
 
 def fitting(**given: Floats) -> tuple[Floats, ...]:
-    """These arrays, broadcast to one shape. Raises InputError, which names them."""
+    """These arrays, broadcast to one shape. Raises InputError, naming them."""
     try:
         return tuple(np.broadcast_arrays(*given.values()))
     except ValueError:

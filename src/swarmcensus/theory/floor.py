@@ -1,15 +1,15 @@
-"""The floor itself: tiles are finite in number, robots see some of them again, and others never.
+"""Finite floors: robots see some of the tiles several times, and others never.
 
 A floor has M tiles, and a share a_m of the T readings falls on tile m, on a path that does not depend on colours. Then
-a mean of corrected readings errs by two parts that are independent of each other: the sensor's, which falls with T, and
-the floor's, which falls as tiles are visited more evenly:
+the error of a mean of corrected readings has two independent parts: the sensor's, which falls with T, and the floor's,
+which falls as tiles are visited more evenly:
 
     Var = (f b (1 - b) + (1 - f) w (1 - w)) / (k^2 T)  +  sum_{m,m'} d_m d_m' Cov(c_m, c_m').
 
-c_m is 1 where tile m is black. Against the floor's own black share, d_m = a_m - 1/M; against the nominal f, d_m = a_m.
-With exactly f M black tiles, in places of no order, the second part is f (1 - f) (M C - 1) / (M - 1) either way, where
-C = sum a_m^2; of tiles drawn one by one it is f (1 - f) (C - 1/M), or f (1 - f) C against the nominal f. Derived from
-Var(mean of X) = E Var(X | colours) + Var E(X | colours), readings being independent given the colours.
+c_m is 1 if tile m is black. For errors against the floor's own black share, d_m = a_m - 1/M; against the nominal f,
+d_m = a_m. With exactly f M black tiles in random places, the second part is f (1 - f) (M C - 1) / (M - 1) in both
+cases, where C = sum a_m^2. With tiles drawn one by one it is f (1 - f) (C - 1/M), or f (1 - f) C against the nominal f.
+This follows from Var(mean of X) = E Var(X | colours) + Var E(X | colours), as readings are independent given colours.
 """
 
 import math
@@ -24,19 +24,19 @@ from swarmcensus.theory.checks import BLIND, Floats, count, fitting, numbers, on
 
 Drawn = Literal["exactly", "one by one"]
 Truth = Literal["floor", "nominal"]
-MOST_TILES = 20_000  # of a covariance: tile by tile
+MOST_TILES = 20_000  # of a covariance matrix
 
 
 def concentration(visits: ArrayLike) -> float:
-    """C = sum a_m^2 of readings or visits a tile (tile,): 1/M where all tiles have as many, 1 where one has all.
+    """C = sum a_m^2, from the numbers of readings or visits (tile,): 1/M if all tiles have as many, 1 if one has all.
 
-    Tiles that nobody visits may be left out. Raises InputError.
+    Tiles without visits may be left out. Raises InputError.
     """
     return float((_visited(visits) ** 2).sum())
 
 
 def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
-    """The expected C where each reading falls on any of the tiles alike: 1/T + (1 - 1/T)/M.
+    """The expected C if each reading falls on any tile with equal probability: 1/T + (1 - 1/T)/M.
 
     Raises InputError, also for less than one reading.
     """
@@ -47,16 +47,16 @@ def even_concentration(readings: ArrayLike, tiles: int) -> Floats:
 
 
 def sensing_variance(readings: ArrayLike, fill_ratio: float, b: float, w: float | None = None) -> Floats:
-    """What the sensor leaves of a mean of so many corrected readings, colours being given: the first part above.
+    """The sensor's part of the variance of a mean of corrected readings, given the colours: the first part above.
 
-    Less than `robot_bound`, which counts the drawing of the tiles too. Raises InputError, also for b + w = 1.
+    It is less than `robot_bound`, which includes the drawing of tiles. Raises InputError, also for b + w = 1.
     """
     f, t = one_share("fill_ratio", fill_ratio), positive("readings", readings)
     black, white = sensors(b, w)
     t, black, white = fitting(readings=t, b=black, w=white)
     slope = black + white - 1.0
     if (np.abs(slope) < BLIND).any():
-        raise InputError("b + w = 1: such a sensor's readings say nothing of the floor")
+        raise InputError("b + w = 1: such a sensor's readings say nothing about the floor")
     errs = f * black * (1.0 - black) + (1.0 - f) * white * (1.0 - white)
     return np.asarray(errs / slope**2 / t)
 
@@ -64,10 +64,10 @@ def sensing_variance(readings: ArrayLike, fill_ratio: float, b: float, w: float 
 def tiles_variance(
     concentrated: ArrayLike, fill_ratio: float, tiles: int, *, drawn: Drawn = "one by one", truth: Truth = "nominal"
 ) -> Floats:
-    """What the floor leaves, of `concentration` C on so many tiles: the second part above, of tiles in no order.
+    """The floor's part of the variance, for a `concentration` C on M tiles without order: the second part above.
 
-    `drawn` is "exactly" for a floor with exactly f M black tiles; `truth` is what the estimate is held against. Raises
-    InputError, also for a C below 1/M, or above 1.
+    `drawn` is "exactly" for a floor with exactly f M black tiles. `truth` is what estimates are compared with. Raises
+    InputError, also for a C below 1/M or above 1.
     """
     f, m = one_share("fill_ratio", fill_ratio), count("tiles", tiles)
     c = shares("concentration", concentrated)
@@ -98,10 +98,10 @@ def floor_variance(
 
 
 def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Truth = "nominal") -> float:
-    """The second part above for tiles of any order: visits (tile,) and Cov(c_m, c_m') (tile, tile).
+    """The second part above for correlated tiles: visits (tile,) and Cov(c_m, c_m') (tile, tile).
 
-    With `truth` "floor" the tiles must be all that there are, also those that nobody visits. Raises InputError, also
-    for more than 20,000 tiles.
+    With `truth` "floor", all tiles must be given, also those without visits. Raises InputError, also for more than
+    20,000 tiles.
     """
     weights = _visited(visits)
     _among("truth", truth, get_args(Truth))
@@ -118,11 +118,12 @@ def covariance_variance(visits: ArrayLike, covariance: ArrayLike, *, truth: Trut
 
 
 def cluster_covariance(fill_ratio: float, correlation: ArrayLike) -> Floats:
-    """Cov(c, c') of two tiles that are black where a Gaussian field is lowest, from the field's correlation there.
+    """Cov(c, c') of two tiles that are black where a Gaussian field is lowest, from the field's correlation at them.
 
-    The shipped floor `clusters` has the correlation exp(-(d / length)^2) at a distance d. P(both below z) grows with
-    the correlation r by the bivariate density exp(-z^2 / (1 + r)) / (2 pi sqrt(1 - r^2)); integrated over r = sin(u)
-    from 0 on (Plackett, 1954), by Gauss and Legendre in 64 points. Of the correlation's shape. Raises InputError.
+    The shipped floor `clusters` has the correlation exp(-(d / length)^2) at a distance d. The derivative of
+    P(both below z) by the correlation r is the bivariate density exp(-z^2 / (1 + r)) / (2 pi sqrt(1 - r^2)). It is
+    integrated over r = sin(u) from 0 on (Plackett, 1954), by Gauss-Legendre quadrature with 64 points. Returns the
+    shape of `correlation`. Raises InputError.
     """
     from statistics import NormalDist
 

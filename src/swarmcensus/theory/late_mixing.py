@@ -1,23 +1,23 @@
-"""Running sums that are mixed and divided where messages are late: how much of each reading is in them.
+"""Mixed running sums with late messages: the weight of each reading in them.
 
-Of the weights W let D be the diagonal and O the rest. What robots say in round t is y(t) = s(t - 1) + the new s of that
-round's readings, and what they hear was said d rounds before, so that
+Let D be the diagonal of the weights W, and O the rest. In round t robots send y(t) = s(t - 1) + the new s of that
+round's readings, and they hear what was sent d rounds before, so that
 
-    s(t) = D y(t) + O y(t - d),   but s(t) = y(t) up to round d, when nobody hears anything.
+    s(t) = D y(t) + O y(t - d),   but s(t) = y(t) up to round d, when no message has arrived yet.
 
-So y follows the powers of a companion matrix. Its response to one new s, n rounds later, is X(n), with X(0) = 1,
-nothing before it, and
+So y follows the powers of a companion matrix. Its response to one new s, n rounds later, is X(n), with X(0) = 1, 0
+before it, and
 
     X(n + 1) = D X(n) + O X(n - d).
 
-A reading of round r > d has the weights X(t - r + 1) in s(t). One of round r <= d has been said again in all rounds up
-to d + 1; by what each of these adds, its weights are, with n = t - d,
+A reading of round r > d has the weights X(t - r + 1) in s(t). One of round r <= d is sent again in each round up to
+d + 1. Summed over these rounds, its weights are, with n = t - d,
 
     X(n) + (X(n - r) + ... + X(n - d)) O.
 
-With d = 0 X(n) is W^n, and that is the mixing of `mixing.py`. In the end all weights are as there: X(n) tends to
+With d = 0, X(n) is W^n: the mixing of `mixing.py`. With any d, weights tend to the same limit, as X(n) tends to
 1 pi' / (1 + d (1 - sum pi_i W_ii)), with the pi of W. It only takes longer: in a large full network the sums of every
-(d + 1)-th round hardly ever meet the others.
+(d + 1)-th round hardly mix with the others.
 """
 
 from collections import deque
@@ -29,24 +29,24 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.theory.checks import Floats
 from swarmcensus.theory.matrices import product_with
 
-MOST_LATE = 20_000_000  # of robots squared, times rounds that are remembered
+MOST_LATE = 20_000_000  # robots squared, times rounds that are kept
 
 
 def fits(robots: int, delay: int) -> bool:
-    """Whether the weights of so many robots in so many rounds can be held."""
+    """Whether the weights fit in memory."""
     return robots**2 * (delay + 1) <= MOST_LATE
 
 
 def late_moments(matrix: Floats, delay: int, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
     """sum_{r,j} c_ij(r)^2 squared_j and sum_{r,j} c_ij(r) summed_j, each (t, robot), for the times t of `at`.
 
-    c_ij(r) is the weight of a reading of robot j and round r = 1 .. t in s_i(t). O(links N t), or O(N^3 t) where nearly
-    all hear all, and O(N^3 d) for each time. Raises InputError where that needs too much room.
+    c_ij(r) is the weight of a reading of robot j in round r = 1 .. t in s_i(t). Takes O(links N t) steps, or O(N^3 t)
+    if nearly all robots hear each other, and O(N^3 d) for each time. Raises InputError if it needs too much memory.
     """
     robots = len(matrix)
     if not fits(robots, delay):
         raise InputError(
-            f"{counted(robots, 'robot')} with messages {counted(delay, 'round')} late: more than can be held at a time"
+            f"{counted(robots, 'robot')} with messages {counted(delay, 'round')} late: the weights do not fit in memory"
         )
     own = np.diag(matrix)[:, np.newaxis]
     others = matrix - np.diagflat(own)

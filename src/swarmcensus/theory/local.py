@@ -1,12 +1,12 @@
-"""The local estimate, exactly: what a robot alone believes after t readings, with which probability.
+"""The exact distribution of the local estimate after t readings.
 
-Of t independent readings, n say black, and n is binomial with q = b f + (1 - w)(1 - f). The paper's Eq. 4 turns n into
-x_hat = (n / t + w - 1) / (b + w - 1), cut to [0, 1]. So x_hat has t + 1 values at the most, each with the probability
-of its n, and those that are cut make atoms at 0 and 1. With b + w < 1 the formula holds as it is; with b + w = 1
-readings say nothing, and x_hat stays at 0.5.
+The number n of black readings among t independent ones is binomial with q = b f + (1 - w)(1 - f). The paper's Eq. 4
+turns n into x_hat = (n / t + w - 1) / (b + w - 1), cut to [0, 1]. So x_hat has at most t + 1 values, each with the
+probability of its n; all that are cut add up at 0 and 1. The formula holds for b + w < 1 too. With b + w = 1 readings
+say nothing, and x_hat stays at 0.5.
 
-It holds where readings are independent given f: on fixed networks, and not where a robot looks at one tile again and
-again (see `floor`).
+Readings must be independent given f. They are on fixed networks, but not where a robot reads the same tile several
+times (see `floor`).
 """
 
 import itertools
@@ -33,7 +33,7 @@ from swarmcensus.theory.checks import (
 
 
 class Law(NamedTuple):
-    """A discrete distribution: its values, rising, and the chance of each; both (value,)."""
+    """A discrete distribution: its values, sorted, and their probabilities, both (value,)."""
 
     values: Floats
     chances: Floats
@@ -45,20 +45,20 @@ class Law(NamedTuple):
 
     @property
     def variance(self) -> float:
-        """The expected square of the distance from the mean."""
+        """The variance."""
         return float((self.values - self.mean) ** 2 @ self.chances)
 
     def at_most(self, x: float) -> float:
-        """The chance of a value up to x: the distribution function."""
+        """The probability of a value of at most x: the distribution function."""
         return float(self.chances[: np.searchsorted(self.values, x, side="right")].sum())
 
     def between(self, low: float, high: float) -> float:
-        """The chance of a value from `low` on and below `high`, which may be infinite."""
+        """The probability of a value from `low` to below `high`, which may be infinite."""
         first, last = np.searchsorted(self.values, [low, high], side="left")
         return float(self.chances[first:last].sum())
 
     def quantile(self, share: float) -> float:
-        """The lowest value that is not exceeded with a chance of `share` or more. Raises InputError."""
+        """The lowest value that has a probability of `share` or more up to it. Raises InputError."""
         share = one_share("share", share)
         upto = np.cumsum(self.chances)
         at = int(np.searchsorted(upto, share * upto[-1] * (1.0 - 1e-12)))
@@ -68,9 +68,8 @@ class Law(NamedTuple):
 def local_law(readings: int, fill_ratio: float, b: float, w: float | None = None) -> Law:
     """The distribution of the local estimate x_hat (paper, Eq. 4) after so many `readings`; w is b by default.
 
-    Values are computed in the brain's own order of operations, so that those on the edge of a bin lie on the same side
-    of it. Time and memory are O(readings). Raises InputError for a number out of its range and for more than 10,000,000
-    readings.
+    Values are computed with the brain's own order of operations, so that values at the edge of a bin are in the same
+    bin. Takes O(readings) time and memory. Raises InputError, also for more than 10,000,000 readings.
     """
     t = count("readings", readings, 0, MOST_READINGS)
     b_, w_ = (float(one) for one in sensors(_single("b", b), None if w is None else _single("w", w)))
@@ -92,28 +91,27 @@ def error_law(law: Law, fill_ratio: float) -> Law:
 
 
 def mixed_law(laws: list[Law]) -> Law:
-    """The distribution of an estimate that has each of these laws with the same chance, as in a swarm of unequal
-    sensors.
+    """The mixture of these laws with equal weights, as for a random robot of a swarm with unequal sensors.
 
-    Raises InputError where there is none.
+    Raises InputError for an empty list.
     """
     if not isinstance(laws, list | tuple) or not all(isinstance(one, Law) for one in laws):
         raise InputError("laws: should be a list of laws, as `local_law` gives them")
     if not laws:
-        raise InputError("laws = []: should hold a law")
+        raise InputError("laws = []: should contain a law")
     values, chances = (np.concatenate([law[k] for law in laws]) for k in (0, 1))
     return merged(values, chances / len(laws))
 
 
 def merged(values: Floats, chances: Floats) -> Law:
-    """A law of values in any order, equal ones added up, and those without a chance left out."""
+    """A law from values in any order: equal ones are added up, and those with probability 0 left out."""
     kept = chances > 0.0
     distinct, place = np.unique(values[kept], return_inverse=True)
     return Law(distinct, np.bincount(place, weights=chances[kept], minlength=len(distinct)).astype(np.float64))
 
 
 def binomial(tries: int, chance: float) -> Floats:
-    """The chances of 0 .. tries hits, (tries + 1,): ratios of neighbours, multiplied from the likeliest on."""
+    """The binomial probabilities of 0 .. tries hits, (tries + 1,), as products of ratios from the mode on."""
     if not 0.0 < chance < 1.0:
         return np.asarray(np.eye(1, tries + 1, tries if chance >= 1.0 else 0)[0])
     odds = chance / (1.0 - chance)
@@ -132,7 +130,7 @@ def _single(name: str, value: float) -> float:
     return value
 
 
-HALVINGS = 48  # of the unit interval: to rounding
+HALVINGS = 48  # of the unit interval, down to rounding errors
 
 _erf = np.vectorize(math.erf, otypes=[np.float64])
 
@@ -140,7 +138,7 @@ _erf = np.vectorize(math.erf, otypes=[np.float64])
 def right_share(law: Law, fill_ratio: float, bins: int = 10) -> float:
     """The expected share of robots in the bin of the fill ratio, where each robot's estimate has this law.
 
-    It is the chance that one robot is right, and so the expected share whether robots depend on each other or not.
+    It equals the probability that one robot is right, whether robots are independent or not.
     Raises InputError.
     """
     low, high = right_bin(one_share("fill_ratio", fill_ratio), count("bins", bins))
@@ -148,16 +146,16 @@ def right_share(law: Law, fill_ratio: float, bins: int = 10) -> float:
 
 
 def bin_shares(law: Law, bins: int = 10) -> Floats:
-    """The expected share of robots in every bin, (bin,), from the lowest on. Raises InputError."""
+    """The expected share of robots in each bin, (bin,), the lowest first. Raises InputError."""
     edges = np.arange(count("bins", bins) + 1) / bins
     edges[[0, -1]] = -np.inf, np.inf
     return np.array([law.between(low, high) for low, high in itertools.pairwise(edges)])
 
 
 def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, bias: ArrayLike = 0.0) -> Floats:
-    """The same where estimates are normal about f + bias with this variance, cut to [0, 1]; of the shape of both.
+    """`right_share` of estimates that are normal about f + bias with this variance, cut to [0, 1].
 
-    A variance of 0 is an estimate that lies at f + bias. Raises InputError.
+    With a variance of 0 all estimates are f + bias. Returns the shape of variance and bias together. Raises InputError.
     """
     f = one_share("fill_ratio", fill_ratio)
     spread, off = fitting(variance=from_zero("variance", variance), bias=numbers("bias", bias))
@@ -170,10 +168,10 @@ def normal_right_share(variance: ArrayLike, fill_ratio: float, bins: int = 10, b
 
 
 def normal_median_error(variances: ArrayLike, fill_ratio: float) -> Floats:
-    """The median of |x - f| over robots whose estimates are normal about f, each with a variance of its own.
+    """The median of |x - f| over robots whose estimates are normal about f, with `variances` (..., robot).
 
-    Estimates are cut to [0, 1]. `variances` is (..., robot), the medians (...). By bisection: the share of robots
-    within e of f grows with e. Raises InputError.
+    Estimates are cut to [0, 1]. Returns (...), by bisection: the share of robots within e of f grows with e. Raises
+    InputError.
     """
     f, spread = one_share("fill_ratio", fill_ratio), numbers("variances", variances)
     if spread.ndim == 0 or not spread.size or (spread < 0.0).any():
@@ -195,29 +193,29 @@ def local_squared_error(
 ) -> Floats:
     """The mean of (x - f)^2 of the local estimate (paper, Eq. 4) after so many `readings`, cut to [0, 1].
 
-    `pull` is the share of its way to 1/2 that a prior draws it before it is cut. Of the shape of the sensors; time is
-    O(readings) for each that is another. With b + w = 1, x stays at 1/2. Raises InputError.
+    A prior moves it by the share `pull` of its distance towards 1/2 before it is cut. With b + w = 1, x stays at 1/2.
+    Returns the shape of the sensors; takes O(readings) time for each distinct sensor. Raises InputError.
     """
     t = count("readings", readings, 1, MOST_READINGS)
     f, (black, white) = one_share("fill_ratio", fill_ratio), sensors(b, w)
     black, white, share = fitting(b=black, w=white, pull=shares("pull", pull))
     kinds, which = np.unique(np.stack([black.ravel(), white.ravel(), share.ravel()]), axis=1, return_inverse=True)
-    said = np.arange(t + 1) / t
-    found = []
+    black_share = np.arange(t + 1) / t
+    errors = []
     for b_, w_, h in kinds.T.tolist():
         slope = b_ + w_ - 1.0
         if abs(slope) < BLIND:
-            found.append((0.5 - f) ** 2)
+            errors.append((0.5 - f) ** 2)
             continue
-        x = np.clip((1.0 - h) * (said + w_ - 1.0) / slope + 0.5 * h, 0.0, 1.0)
-        found.append(float(binomial(t, slope * f + 1.0 - w_) @ (x - f) ** 2))
-    return np.array(found)[which.ravel()].reshape(black.shape)
+        x = np.clip((1.0 - h) * (black_share + w_ - 1.0) / slope + 0.5 * h, 0.0, 1.0)
+        errors.append(float(binomial(t, slope * f + 1.0 - w_) @ (x - f) ** 2))
+    return np.array(errors)[which.ravel()].reshape(black.shape)
 
 
 def pulled_squared_error(variance: ArrayLike, fill_ratio: float, pull: ArrayLike) -> Floats:
-    """The mean of (x - f)^2 of an unbiased estimate with this `variance` that a prior draws to 1/2, before it is cut.
+    """The mean of (x - f)^2 of an unbiased estimate that a prior moves by the share `pull` towards 1/2, not cut.
 
-    Of the shape of both together. Raises InputError.
+    Returns the shape of variance and pull together. Raises InputError.
     """
     spread, share = _normal(variance, pull)
     bias = share * (0.5 - one_share("fill_ratio", fill_ratio))
@@ -225,10 +223,10 @@ def pulled_squared_error(variance: ArrayLike, fill_ratio: float, pull: ArrayLike
 
 
 def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Floats:
-    """By how much cutting such an estimate to [0, 1] lowers its mean of (x - f)^2, were it normal.
+    """By how much cutting to [0, 1] lowers the mean of (x - f)^2 of a normal estimate, as in `pulled_squared_error`.
 
-    Below 0 that is the mean of (x - f)^2 - f^2 where x < 0, and above 1 likewise. Of the shape of variance and pull
-    together. Raises InputError.
+    Estimates below 0 contribute the mean of (x - f)^2 - f^2, and those above 1 likewise. Returns the shape of variance
+    and pull together. Raises InputError.
     """
     f, (spread, share) = one_share("fill_ratio", fill_ratio), _normal(variance, pull)
     bias, sd = share * (0.5 - f), (1.0 - share) * np.sqrt(spread)
@@ -243,7 +241,7 @@ def cut_off(variance: ArrayLike, fill_ratio: float, pull: ArrayLike = 0.0) -> Fl
 
 
 def _normal(variance: ArrayLike, pull: ArrayLike) -> tuple[Floats, Floats]:
-    """Finite variances and shares, of one shape. Raises InputError."""
+    """Finite variances and pulls, broadcast to one shape. Raises InputError."""
     found = from_zero("variance", variance)
     if np.isinf(found).any():
         raise InputError("variance: should be finite")

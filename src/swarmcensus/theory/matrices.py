@@ -1,4 +1,4 @@
-"""Mixing matrices: how much of each robot's number goes into each other's in a round."""
+"""Mixing matrices: the weights with which each robot averages its own number and those that it hears in a round."""
 
 import functools
 from collections.abc import Callable
@@ -12,32 +12,32 @@ from swarmcensus.theory.checks import Floats, numbers
 from swarmcensus.worlds.graphs import network
 
 MOST = 4096  # robots of a matrix: 128 MB
-SMALL = 100  # robots, and rows, of matrices whose decompositions are remembered: 512 of them are 80 MB
+SMALL = 100  # robots of the largest matrix whose decomposition is cached: 512 of them take 80 MB
 
 
 def mixing_matrix(graph: Any, robots: int | None = None, *, directed: bool = False) -> Floats:
-    """The matrix W (robot, robot) of means over one's own number and all that one hears: the rows of A + I, over sums.
+    """The matrix W (robot, robot) of equal-neighbour means: the rows of A + I over their sums, A the adjacency matrix.
 
-    `graph` is a networkx graph, anything that a study takes for a topology ("ring", with `robots`), or pairs of robot
-    numbers from 0; of a directed pair (u, v), v hears u. Raises InputError where it is none of these, differs from
-    trial to trial, or has more than 4,096 robots.
+    `graph` is a networkx graph, any topology of a study file ("ring", with `robots`), or pairs of robot numbers from 0;
+    in a directed pair (u, v), v hears u. Raises InputError if it is none of these, differs from trial to trial, or has
+    more than 4,096 robots.
     """
     try:
-        found = network(graph, robots, directed, MOST, "for a matrix has a row and a column a robot")
+        found = network(graph, robots, directed, MOST, "as a matrix has a row and a column for each robot")
     except ValueError as error:
         raise InputError(str(error)) from None
     return from_links(found.robots, found.receivers, found.senders)
 
 
 def from_links(robots: int, receivers: np.ndarray, senders: np.ndarray) -> Floats:
-    """The same of links: `receivers[k]` hears `senders[k]`."""
+    """`mixing_matrix` from links: `receivers[k]` hears `senders[k]`."""
     matrix = np.eye(robots)
     matrix[receivers, senders] = 1.0
     return np.asarray(matrix / matrix.sum(axis=1, keepdims=True))
 
 
 def checked(matrix: ArrayLike) -> Floats:
-    """A matrix that may mix: square, nothing negative, rows that sum to 1. Raises InputError."""
+    """A mixing matrix, checked: square, nothing negative, rows that sum to 1. Raises InputError."""
     found = numbers("matrix", matrix)
     if found.ndim != 2 or found.shape[0] != found.shape[1] or not found.size:
         raise InputError(f"matrix has the shape {found.shape}: should be a square, a row and a column a robot")
@@ -50,7 +50,7 @@ def checked(matrix: ArrayLike) -> Floats:
 
 
 def product_with(matrix: Floats) -> Callable[[Floats], Floats]:
-    """What multiplies other matrices by this one, from the left: link by link where it has few."""
+    """A function that multiplies matrices by this one from the left; sparse if the matrix has few links."""
     rows, columns = np.nonzero((matrix != 0.0) | np.eye(len(matrix), dtype=np.bool_))  # no row is empty
     if 20 * len(rows) >= matrix.size:
         return lambda other: matrix @ other
@@ -59,7 +59,7 @@ def product_with(matrix: Floats) -> Callable[[Floats], Floats]:
 
 
 class Spectrum(NamedTuple):
-    """W = diag(1 / root) U diag(values) U' diag(root): what makes all powers of a reversible W cheap."""
+    """W = diag(1 / root) U diag(values) U' diag(root), which makes all powers of a reversible W cheap."""
 
     values: Floats
     vectors: Floats
@@ -67,9 +67,9 @@ class Spectrum(NamedTuple):
 
 
 def balance(matrix: Floats) -> Floats | None:
-    """Numbers d (robot,) for which d_i W_ij is symmetric: 1, or 1 / W_ii; None where neither does.
+    """Numbers d (robot,) for which d_i W_ij is symmetric: all 1, or 1 / W_ii; None if neither works.
 
-    The latter holds of equal-neighbour means on undirected graphs, where W_ij = 1 / d_i for oneself and neighbours.
+    1 / W_ii works for equal-neighbour means on undirected graphs, where W_ij = 1 / d_i for a robot and its neighbours.
     """
     own = np.diag(matrix)
     for d in (np.ones(len(matrix)), 1.0 / np.where(own > 0.0, own, np.inf)):
@@ -80,18 +80,18 @@ def balance(matrix: Floats) -> Floats | None:
 
 
 def spectrum_of(matrix: Floats) -> Spectrum | None:
-    """The decomposition of a W that has a `balance` d, for then D^(1/2) W D^(-1/2) is symmetric; None of another.
+    """The decomposition of a W with a `balance` d, for which D^(1/2) W D^(-1/2) is symmetric; None without one.
 
-    The last ones of small matrices are remembered, for the settings of a study share their graphs.
+    Decompositions of small matrices are cached, as the settings of a study share their graphs.
     """
-    return _decomposed(matrix) if len(matrix) > SMALL else _remembered(_raw(matrix), len(matrix))
+    return _decomposed(matrix) if len(matrix) > SMALL else _cached_spectrum(_raw(matrix), len(matrix))
 
 
 def summed_products(matrix: Floats, spectrum: Spectrum, terms: int) -> Floats:
-    """`geometric` of the products of all pairs of eigenvalues, (robot, robot); likewise remembered."""
+    """`geometric` of the products of all pairs of eigenvalues, (robot, robot); cached for small matrices."""
     if len(matrix) > SMALL:
         return geometric(np.multiply.outer(spectrum.values, spectrum.values), terms)
-    return _products(_raw(matrix), len(matrix), terms)
+    return _cached_products(_raw(matrix), len(matrix), terms)
 
 
 def _raw(matrix: Floats) -> bytes:
@@ -99,13 +99,13 @@ def _raw(matrix: Floats) -> bytes:
 
 
 @functools.lru_cache(maxsize=512)
-def _remembered(raw: bytes, robots: int) -> Spectrum | None:
+def _cached_spectrum(raw: bytes, robots: int) -> Spectrum | None:
     return _decomposed(np.frombuffer(raw).reshape(robots, robots))
 
 
 @functools.lru_cache(maxsize=512)
-def _products(raw: bytes, robots: int, terms: int) -> Floats:
-    values = _remembered(raw, robots)[0]  # type: ignore[index]
+def _cached_products(raw: bytes, robots: int, terms: int) -> Floats:
+    values = _cached_spectrum(raw, robots)[0]  # type: ignore[index]
     return geometric(np.multiply.outer(values, values), terms)
 
 
@@ -119,7 +119,7 @@ def _decomposed(matrix: Floats) -> Spectrum | None:
 
 
 def geometric(x: Floats, terms: int) -> Floats:
-    """x + x^2 + ... + x^terms, for |x| up to 1, without a loss of digits near 1."""
+    """x + x^2 + ... + x^terms, for |x| up to 1, without loss of precision near 1."""
     near = (x > 0.5) & (x != 1.0)
     gap = np.where(near, 1.0 - x, 0.5)
     close = -(1.0 - gap) * np.expm1(terms * np.log1p(-gap)) / gap

@@ -1,19 +1,18 @@
-"""The variance of running sums that are mixed and divided, for any network and any time, exactly.
+"""The exact variance of estimates from mixed running sums, for any network and any time.
 
-Each round a robot adds to s its corrected readings, k (blacks - looks (1 - w)), and to v their weight, k^2 looks; all
-say (s, v); and each takes the mean of its own and of all that it hears, or any other weights W that sum to 1. Readings
-of round r are so mixed t - r + 1 times after round t: what is heard is of the same round. So
+In each round a robot adds its corrected readings, k (blacks - looks (1 - w)), to s, and their weight, k^2 looks, to v.
+It broadcasts (s, v), and replaces them with the mean of its own and all that it hears, or with other weights W that sum
+to 1. Messages arrive in the same round, so after round t readings of round r have been mixed t - r + 1 times:
 
     s_i(t) = sum_{m=1..t} sum_j [W^m]_ij (robot j's new s of round t - m + 1),   v_i(t) likewise,
 
-the ratio s / v is unbiased for f whatever W, and, given W, with R readings a round
+The ratio s / v is unbiased for f with any W. Given W, and with R readings a round,
 
     Var = sum_{m,j} [W^m]_ij^2 k_j^2 q_j (1 - q_j) / (R (sum_{m,j} [W^m]_ij k_j^2)^2).
 
-Of equal sensors that is the variance of one corrected reading, over R, times (1 / t^2) sum_m |e_i' W^m|^2: the factor
-of the network. It is 1 / (N t) where all is shared at once, and 1 / t where nothing is. Estimates are taken as they
-are, not cut to [0, 1]; no message is lost, and W is the same in every round. With messages that are late there are
-other weights in place of W^m: see `late_mixing.py`.
+For equal sensors that is the variance of one corrected reading, over R, times (1 / t^2) sum_m |e_i' W^m|^2: the factor
+of the network. It is 1 / (N t) in a full network, and 1 / t without links. Estimates are not cut to [0, 1], no message
+is lost, and W is the same in every round. Late messages have other weights in place of W^m: see `late_mixing.py`.
 """
 
 from collections.abc import Sequence
@@ -27,15 +26,16 @@ from swarmcensus.theory.checks import BLIND, Floats, count, one_share, sensors, 
 from swarmcensus.theory.late_mixing import late_moments
 from swarmcensus.theory.matrices import Spectrum, checked, geometric, product_with, spectrum_of, summed_products
 
-SETTLED = 1e-15  # a power of W differs from the one before by rounding alone
+SETTLED = 1e-15  # a power of W differs from the one before only by rounding
 
 
 def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
     """The factor (1 / t^2) sum_{m=1..t} |e_i' W^m|^2 of each robot after round t, for equal sensors.
 
-    Times `reading_variance` over the readings of a round it is the variance of the robot's estimate. (robot,) for one
-    number of rounds, (rounds, robot) for several. All times cost one decomposition of O(N^3) where W is reversible, as
-    means over undirected neighbours are; else O(t) products of matrices. Raises InputError.
+    Multiplied by `reading_variance` over the readings of a round, it is the variance of the robot's estimate. Returns
+    (robot,) for one number of rounds, (rounds, robot) for several. A reversible W, as of means over undirected
+    neighbours, takes one decomposition of O(N^3) steps for all times; any other takes t products of matrices. Raises
+    InputError.
     """
     found = checked(matrix)
     at, single = times("rounds", rounds)
@@ -46,9 +46,9 @@ def variance_factors(matrix: ArrayLike, rounds: int | Sequence[int]) -> Floats:
 
 
 class Mixed(NamedTuple):
-    """What running sums hold after some rounds, each (robot,) or (rounds, robot)."""
+    """Estimates from running sums after some rounds, each (robot,) or (rounds, robot)."""
 
-    variance: Floats  # of s / v; infinite where v is 0
+    variance: Floats  # of s / v; infinite if v is 0
     evidence: Floats  # v
 
 
@@ -61,11 +61,11 @@ def mixed_sums(
     w: ArrayLike | None = None,
     delay: int = 0,
 ) -> Mixed:
-    """The variance of each robot's estimate after round t, and its v, of unequal sensors too: b, w numbers or (robot,).
+    """The variance of each robot's estimate after round t, and its v; b and w are numbers or (robot,).
 
-    What is heard was said `delay` rounds ago, and nobody hears anything in the rounds before. (robot,) for one number
-    of rounds, (rounds, robot) for several; the variance is infinite of a robot that only knows of sensors with
-    b + w = 1. Raises InputError, also where all sensors are such.
+    Messages arrive `delay` rounds late. Returns (robot,) for one number of rounds, (rounds, robot) for several. The
+    variance is infinite for a robot that only has readings of sensors with b + w = 1. Raises InputError, also if all
+    sensors are such.
     """
     found = checked(matrix)
     at, single = times("rounds", rounds)
@@ -75,7 +75,7 @@ def mixed_sums(
         raise InputError(f"b has the shape {black.shape}: should be one number, or {len(found)}, one a robot")
     slope = np.broadcast_to(black + white - 1.0, (len(found),))
     if (np.abs(slope) < BLIND).all():
-        raise InputError("b + w = 1 for all robots: their readings say nothing of the floor")
+        raise InputError("b + w = 1 for all robots: their readings say nothing about the floor")
     q = slope * one_share("fill_ratio", fill_ratio) + 1.0 - white
     late, parts = count("delay", delay, 0), (slope**2 * q * (1.0 - q), slope**2)
     squares, sums = late_moments(found, late, at, *parts) if late else moments(found, at, *parts)
@@ -93,10 +93,9 @@ def mixing_variance(
     w: ArrayLike | None = None,
     delay: int = 0,
 ) -> Floats:
-    """The variance of each robot's estimate after round t, also of unequal sensors: b and w are numbers or (robot,).
+    """The variance of each robot's estimate after round t, as in `mixed_sums`; b and w are numbers or (robot,).
 
-    (robot,) for one number of rounds, (rounds, robot) for several. What is heard was said `delay` rounds ago. It is
-    that of `mixed_sums`. Raises InputError.
+    Returns (robot,) for one number of rounds, (rounds, robot) for several. Raises InputError.
     """
     return mixed_sums(matrix, rounds, observations_per_round, fill_ratio, b, w, delay).variance
 
@@ -122,7 +121,7 @@ def _by_spectrum(
 
 
 def by_powers(matrix: Floats, at: list[int], squared: Floats, summed: Floats) -> tuple[Floats, Floats]:
-    """The same for any W, power by power: O(links N t), or O(N^3 t) where nearly all hear all."""
+    """`moments` for any W, power by power: O(links N t) steps, or O(N^3 t) if nearly all robots hear each other."""
     mixed = product_with(matrix)
     squares, sums = np.zeros((2, len(at), len(matrix)))
     square, total = np.zeros((2, len(matrix)))

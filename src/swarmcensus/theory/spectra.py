@@ -14,10 +14,10 @@ MOST_SQUARED = 60  # doublings of a power
 
 
 def stationary_law(matrix: ArrayLike) -> Floats:
-    """The weights pi (robot,) with which old readings of all robots end up in every robot's sums: pi' W = pi'.
+    """The stationary distribution pi (robot,), pi' W = pi': the weights of robots' old readings in every robot's sums.
 
-    Of equal-neighbour means on an undirected graph pi_i is proportional to d_i + 1. Raises InputError for a network
-    that falls apart, where there is no one such law.
+    For equal-neighbour means on an undirected graph, pi_i is proportional to d_i + 1. Raises InputError for a network
+    that is not connected, which has no single such distribution.
     """
     found = _connected(checked(matrix))
     d = balance(found)
@@ -29,36 +29,36 @@ def stationary_law(matrix: ArrayLike) -> Floats:
 
 
 def stationary_efficiency(matrix: ArrayLike) -> float:
-    """What share of the swarm's readings, all being equal, an estimate is worth in the end: 1 / (N sum pi_i^2).
+    """The share of a swarm's readings, of equal sensors, that a late estimate is worth: 1 / (N sum pi_i^2).
 
-    1 where all robots hear as many. Raises InputError for a network that falls apart.
+    1 if all robots hear equally many. Raises InputError for a network that is not connected.
     """
     law = stationary_law(matrix)
     return float(1.0 / (len(law) * (law**2).sum()))
 
 
 def spectral_gap(matrix: ArrayLike) -> float:
-    """1 - |l|, where l is the eigenvalue of W that is second in size: what share of a difference goes in a round, late.
+    """1 - |l|, where l is the second largest eigenvalue of W: the share by which late differences fall in a round.
 
-    Raises InputError for a network that falls apart.
+    Raises InputError for a network that is not connected.
     """
     return 1.0 - _second(_connected(checked(matrix)))
 
 
 def relaxation_time(matrix: ArrayLike) -> float:
-    """The rounds -1 / ln |l| in which differences fall to 1 / e, late; 0 where a round is enough.
+    """The rounds -1 / ln |l| in which late differences fall to 1 / e; 0 if one round removes them.
 
-    Raises InputError for a network that falls apart.
+    Raises InputError for a network that is not connected.
     """
     return relaxation_of(np.array([1.0, _second(_connected(checked(matrix)))]))
 
 
 def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
-    """The first round m after which every row of W^m is within `distance` of pi, in total variation: half the sum of
-    |[W^m]_ij - pi_j|, which never rises.
+    """The first round m after which every row of W^m is within `distance` of pi, in total variation.
 
-    Exact: powers are doubled and then bisected, O(N^3 log m). Raises InputError for a network that falls apart or never
-    mixes, and for a distance that is not between 0 and 1.
+    That is half the sum of |[W^m]_ij - pi_j|, which never rises. Exact, by doubling powers and then bisection:
+    O(N^3 log m) steps. Raises InputError for a network that is not connected or never mixes, and for a distance that is
+    not between 0 and 1.
     """
     found = _connected(checked(matrix))
     wanted = one_share("distance", distance)
@@ -74,7 +74,7 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
     doubled = [found]
     while far(doubled[-1]):
         if len(doubled) == MOST_SQUARED:
-            raise InputError("the network never mixes: its robots swap their numbers in turns")
+            raise InputError("the network never mixes: its robots only swap their numbers, round by round")
         doubled.append(doubled[-1] @ doubled[-1])
     rounds, power = 0, np.eye(len(found))
     for k in range(len(doubled) - 2, -1, -1):
@@ -85,11 +85,11 @@ def mixing_time(matrix: ArrayLike, distance: float = 0.25) -> int:
 
 
 def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25) -> int:
-    """Rounds that are enough for `mixing_time`, where W is reversible.
+    """An upper bound of `mixing_time` for a reversible W, from its stationary `law` and relaxation time alone.
 
-    relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), and 1 at least unless all are near from the first, for networks
-    of any size whose stationary `law` and relaxation time are known: the square of the total variation is at most
-    (1/pi_i - 1) l^(2m) / 4. Raises InputError, also for an infinite relaxation time, where no rounds are enough.
+    It is relaxation ln(sqrt(1 / min pi - 1) / (2 distance)), at least 1 unless all rows are near pi from the start: the
+    square of the total variation is at most (1/pi_i - 1) l^(2m) / 4. Networks may have any size. Raises InputError,
+    also for an infinite relaxation time.
     """
     least = float(_law(law).min())
     wanted = one_share("distance", distance)
@@ -105,12 +105,12 @@ def mixing_time_bound(law: ArrayLike, relaxation: float, distance: float = 0.25)
 
 
 def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Floats, Floats]:
-    """Between which numbers each robot's `variance_factors` lie after so many rounds, (robot,) each; W reversible.
+    """Lower and upper bounds of each robot's `variance_factors` for a reversible W, (robot,) each.
 
-    For networks of any size whose stationary `law` (robot,) and relaxation time are known. With l = exp(-1 /
-    relaxation) and c_i = sqrt(max pi (1/pi_i - 1)), the row e_i' W^m is within c_i l^m of pi, so that its length is
-    within as much of |pi|; it is never below 1 / sqrt(N), nor above 1. Both ends meet as rounds pass many relaxation
-    times. Raises InputError.
+    Only the stationary `law` (robot,) and the relaxation time are needed, so networks may have any size. With
+    l = exp(-1 / relaxation) and c_i = sqrt(max pi (1/pi_i - 1)), the row e_i' W^m is within c_i l^m of pi, and so is
+    its length of |pi|; the length is from 1 / sqrt(N) to 1. The bounds meet after many relaxation times. Raises
+    InputError.
     """
     pi, t = _law(law), count("rounds", rounds)
     kinds, which = np.unique(pi, return_inverse=True)
@@ -127,19 +127,21 @@ def factor_bounds(law: ArrayLike, relaxation: float, rounds: int) -> tuple[Float
 
 
 def full_spectrum(robots: int) -> Floats:
-    """The eigenvalues of W where everyone hears everyone: 1, and 0 for the others. Raises InputError."""
+    """The eigenvalues of W of a full network: one is 1, the others 0. Raises InputError."""
     return np.asarray(np.eye(1, count("robots", robots))[0])
 
 
 def ring_spectrum(robots: int) -> Floats:
-    """Those of a ring of three robots or more: (1 + 2 cos(2 pi k / N)) / 3. Raises InputError."""
+    """The eigenvalues of W of a ring of three robots or more: (1 + 2 cos(2 pi k / N)) / 3. Raises InputError."""
     n = count("robots", robots, 3)
     return (1.0 + 2.0 * np.cos(2.0 * np.pi * np.arange(n) / n)) / 3.0
 
 
 def torus_spectrum(rows: int, columns: int) -> Floats:
-    """Those of a grid without borders, in which each robot hears the four beside it, of three rows and columns or more:
-    (1 + 2 cos(2 pi i / rows) + 2 cos(2 pi j / columns)) / 5. Raises InputError.
+    """The eigenvalues of W of a torus: (1 + 2 cos(2 pi i / rows) + 2 cos(2 pi j / columns)) / 5.
+
+    A torus is a grid without borders, in which each robot hears four neighbours; it has three rows and columns or more.
+    Raises InputError.
     """
     sides = count("rows", rows, 3), count("columns", columns, 3)
     waves = [2.0 * np.cos(2.0 * np.pi * np.arange(n) / n) for n in sides]
@@ -147,10 +149,10 @@ def torus_spectrum(rows: int, columns: int) -> Floats:
 
 
 def alike_factors(spectrum: ArrayLike, rounds: Any) -> Floats:
-    """`variance_factors` of networks in which all robots are alike, as in a ring, for any size: of the shape of rounds.
+    """`variance_factors` of networks in which all robots have equal places, as in a ring, in the shape of `rounds`.
 
-    Where W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has as much of it. `spectrum` holds
-    all eigenvalues of W. Raises InputError.
+    If W is symmetric, sum_i [W^(2m)]_ii is the sum of all l^(2m), and each robot has an equal share of it. `spectrum`
+    is all eigenvalues of W, of a network of any size. Raises InputError.
     """
     values = _spectrum(spectrum)
     at, single = times("rounds", rounds)
@@ -159,7 +161,7 @@ def alike_factors(spectrum: ArrayLike, rounds: Any) -> Floats:
 
 
 def relaxation_of(spectrum: ArrayLike) -> float:
-    """`relaxation_time` from all eigenvalues of W: 0 where all but one are 0, infinite where another is 1 or -1.
+    """`relaxation_time` from all eigenvalues of W: 0 if all but one are 0, infinite if another one is 1 or -1.
 
     Raises InputError.
     """
@@ -171,7 +173,7 @@ def relaxation_of(spectrum: ArrayLike) -> float:
 
 
 def _second(matrix: Floats) -> float:
-    """The size of the eigenvalue that is second in size; 0 of one robot."""
+    """The absolute value of the second largest eigenvalue; 0 for one robot."""
     if len(matrix) == 1:
         return 0.0
     found = spectrum_of(matrix)
@@ -181,7 +183,7 @@ def _second(matrix: Floats) -> float:
 
 
 def _connected(matrix: Floats) -> Floats:
-    """The matrix, where news of every robot reaches every other. Raises InputError."""
+    """The matrix itself. Raises InputError unless messages of every robot reach every other."""
     hears = matrix > 0.0
     for way in (hears, hears.T):
         reached = np.zeros(len(matrix), np.bool_)
@@ -193,7 +195,7 @@ def _connected(matrix: Floats) -> Floats:
         if not reached.all():
             other = int(np.flatnonzero(~reached)[0])
             to, of = (0, other) if way is hears else (other, 0)
-            raise InputError(f"the network falls apart: no news of robot {of} ever reaches robot {to}")
+            raise InputError(f"the network is not connected: nothing from robot {of} ever reaches robot {to}")
     return matrix
 
 

@@ -1,7 +1,7 @@
-"""What surrounds a mind: sensors, networks, floors, bodies, arenas, faults; each parsed, validated and drawn here.
+"""The world of a swarm: sensors, networks, floors, bodies, arenas and faults; parsed, validated and drawn here.
 
-In: values of a study's tables, keys.
-Out: accuracies, links, colours, stops, as arrays; how robust a network is.
+In: values of a study's tables, addresses of random numbers.
+Out: arrays of accuracies, links, colours and faults; the robustness of networks.
 Must not know: brains, studies, settings, what is measured.
 """
 
@@ -14,7 +14,7 @@ __all__ = ["is_rs_robust", "r_robustness"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import on first use: most studies ask for neither."""
+    """Import on first use: most programs use neither."""
     if name in __all__:
         from swarmcensus.worlds import robustness
 

@@ -20,8 +20,8 @@ Scores = NDArray[np.floating[Any]]  # (tick, robot)
 Score = Callable[[Tiles], Scores]
 Paint = Callable[[Tiles], NDArray[np.bool_]]
 
-MOST_COUNTED = 10_000_000  # tiles; of more, a regular grid of as many stands for all
-COVERED = 0.45  # of the floor by bodies: beyond it, robots placed at random soon find no room
+MOST_COUNTED = 10_000_000  # tiles; of a larger floor only a regular grid of tiles is counted
+COVERED = 0.45  # the largest share of the floor under bodies: above it, random placement often fails
 
 
 @dataclass(frozen=True)

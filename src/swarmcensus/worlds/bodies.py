@@ -4,40 +4,30 @@ import math
 from typing import Annotated
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo
+from pydantic import BeforeValidator, Field, ValidationInfo
 
-from swarmcensus.basics.times import TIME, parse_time
+from swarmcensus.basics.forms import Number, Table, any_of
+from swarmcensus.basics.times import WrittenTime, parse_time
 from swarmcensus.engine.records import record_type
 
-
-def _plain_number(value: object) -> object:
-    if isinstance(value, bool):
-        raise ValueError("a number is wanted, not a truth value")
-    if isinstance(value, str):  # pydantic would read a number from it
-        raise ValueError("a number is wanted, not a text")
-    return value
-
-
-Number = Annotated[float, BeforeValidator(_plain_number)]
-# beyond these, squares and quotients of lengths and times would leave what floating point can hold
+# outside these bounds, squares and quotients of lengths and times would overflow
 Positive = Annotated[Number, Field(gt=0.0, ge=1e-9, le=1e9)]
 Least = Annotated[Number, Field(ge=0.0, le=1e9)]
 Place = Annotated[Number, Field(ge=-1e9, le=1e9)]
+Ticks = Annotated[int, Field(strict=True, ge=0, le=1000)]
 
 
 def _delay(value: object, info: ValidationInfo) -> object:
-    if isinstance(value, str) and "tick" in info.data:  # else the tick is what is wrong
+    if isinstance(value, str) and "tick" in info.data:  # it is missing if the tick itself is wrong
         return parse_time(value).ticks(info.data["tick"], least=0)
     return value
 
 
-class Body(BaseModel):
+class Body(Table):
     """Shape, motion, sensors and radio of a robot, in SI units; a disc with two wheels.
 
     Sources: the paper, Sec. IV-C; docs/moving-robots.md for what it leaves open.
     """
-
-    model_config = ConfigDict(extra="forbid", frozen=True, use_attribute_docstrings=True)
 
     speed: Least = 0.14
     """m/s, straight."""
@@ -71,12 +61,12 @@ class Body(BaseModel):
     """m between centres."""
     line_of_sight: Annotated[bool, Field(strict=True)] = True
     """Whether a body in between stops a message."""
-    message_delay: Annotated[int, BeforeValidator(_delay), Field(strict=True, ge=0, le=1000), TIME] = 1
+    message_delay: Annotated[Ticks, BeforeValidator(_delay), any_of(Ticks, WrittenTime)] = 1
     """Ticks, or a time: how old a message is when it is heard."""
 
     @property
     def numbers(self) -> np.ndarray:
-        """The body as the engine takes it: one record of float64."""
+        """The body in the engine's form: one record of float64."""
         values = {
             "radius": self.radius,
             "tick": self.tick,
@@ -104,16 +94,16 @@ class Body(BaseModel):
 
     @property
     def reach(self) -> float:
-        """How far a robot must look for others that it may hear, see, bump into, or that may stand between."""
+        """How far away a robot may be that is heard, seen or bumped into, or that blocks a message."""
         seen = 2.0 * self.radius + self.proximity_range
         return max(math.hypot(self.radio_range, self.radius), seen, self.touched)
 
     @property
     def touched(self) -> float:
-        """How far apart two robots may be that touch by the end of the next tick, if contact pushes neither too far."""
+        """The largest distance of two robots that may touch by the end of the next tick, with a margin for contacts."""
         return 2.0 * self.radius + 4.0 * self.speed * self.tick + 0.25 * self.radius
 
     @property
     def skin(self) -> float:
-        """How much further lists of others reach, so that they hold for some ticks."""
+        """How much further than `reach` neighbour lists go, so that they stay valid for some ticks."""
         return max(8.0 * self.speed * self.tick, 0.1 * self.reach)

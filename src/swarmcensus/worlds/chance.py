@@ -1,4 +1,4 @@
-"""Chance: what a trial's world is drawn from, number by number at its address, whoever asks for it and when."""
+"""The random numbers of a trial's world. They are counter-based: a number depends on its address alone."""
 
 from typing import NamedTuple
 
@@ -14,18 +14,18 @@ class Chance(NamedTuple):
     key: np.ndarray
     trial: int
 
-    def generator(self) -> "np.random.Generator":  # quoted: that part of NumPy is imported once somebody draws
-        """Return a generator of NumPy that begins anew at each call; Philox is addressed too, by key and counter."""
+    def generator(self) -> "np.random.Generator":  # quoted: that part of NumPy is imported on first use
+        """Return a generator of NumPy, the same at each call: Philox is counter-based too."""
         return np.random.Generator(np.random.Philox(key=self.key, counter=[0, 0, 0, self.trial]))
 
     def uniform(self, count: int) -> NDArray[np.float64]:
-        """Return so many uniform numbers in [0, 1)."""
+        """Return `count` uniform numbers in [0, 1)."""
         out = np.empty((1, count))
         compile_world().spread_uniform(self.key, self.trial, 0.0, 1.0, out)
         return np.asarray(out[0])
 
     def noise(self, tiles: NDArray[np.int32]) -> NDArray[np.float64]:
-        """Return a uniform number in [0, 1) for each of tiles (tick, robot, 2), the same whenever a tile is met."""
+        """Return a uniform number in [0, 1) for each of tiles (tick, robot, 2), always the same one for a tile."""
         out = np.empty(tiles.shape[:2])
         compile_world("scores").noise(tiles, self.key, self.trial, out)
         return out

@@ -1,4 +1,4 @@
-"""The floor of a trial whose fill ratio changes: tiles turn, and no more of them than need be."""
+"""The floor of a trial whose fill ratio changes: no more tiles change colour than necessary."""
 
 import math
 from collections.abc import Iterator
@@ -17,16 +17,16 @@ NO_TURN = np.iinfo(np.int32).max
 
 
 class ChangingGround:
-    """What `Ground` is, of a share of black that changes by tick.
+    """Like `Ground`, for a fill ratio that changes from tick to tick.
 
-    Each tile has a number that stays, its level or score, and is black where that lies below the cut of the tick: so
-    black tiles of a smaller share are among those of a larger one.
+    Each tile has a fixed number, its level or score, and is black if that is below the tick's cut. So the black tiles
+    of a smaller fill ratio are among those of a larger one.
     """
 
     def __init__(
         self, floor: Floor, body: Body, side: float, shares: NDArray[np.float64], key: np.ndarray, trial: int
     ) -> None:
-        """Take a floor in an arena of such a side (metres), and the share of each tick until it changes no more."""
+        """`side` is the arena's, in metres; `shares` are the fill ratios of the ticks until the change has ended."""
         arena, chance = Arena(side, body.tile), Chance(key, trial)
         self.across = arena.across
         reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, floor.most_counted(arena))
@@ -36,35 +36,35 @@ class ChangingGround:
         numbers = np.concatenate([self.number(block)[0] for block in blocks])
         distinct, place = np.unique(shares, return_inverse=True)
         cuts = distinct if level else quantiles(numbers, distinct)
-        # how many lie below each cut: each number below those from some cut on
+        # how many numbers are below each cut: cuts are sorted, so each number is below all cuts from one on
         first = np.searchsorted(cuts, numbers, side="right")
         black = np.cumsum(np.bincount(first, minlength=cuts.size + 1))[:-1]
         self.cuts, self.truths = cuts[place], (black / numbers.size)[place]
 
     @property
     def true_fill_ratio(self) -> float:
-        """The share of black among the tiles in reach after the last tick."""
+        """The share of black tiles among those in reach, after the last tick."""
         return float(self.truths[-1])
 
     def truth(self, ticks: Any) -> NDArray[np.float64]:
-        """The same after these ticks."""
-        return np.asarray(self.truths[self._of(ticks)])
+        """The share of black tiles among those in reach, after each of these ticks."""
+        return np.asarray(self.truths[self._index(ticks)])
 
     def colours(self, tiles: Tiles, tick: int = 1) -> NDArray[np.bool_]:
-        """Whether tiles (tick, robot, 2) are black (tick, robot), from this tick on."""
-        return np.asarray(self.number(tiles) < self.cuts[self._of(tick + np.arange(len(tiles)))][:, np.newaxis])
+        """Whether tiles (tick, robot, 2) are black (tick, robot); the first row is of tick `tick`."""
+        return np.asarray(self.number(tiles) < self.cuts[self._index(tick + np.arange(len(tiles)))][:, np.newaxis])
 
     def all_tiles(self) -> NDArray[np.uint8]:
-        """The tiles of the arena in tick 1, as `Ground.all_tiles`."""
+        """The tiles of the arena in tick 1, in the form of `Ground.all_tiles`."""
         tiles = np.empty((self.across, self.across), np.bool_)
         for row, numbers in enumerate(self._rows()):
             tiles[row] = numbers < self.cuts[0]
         return tiles.view(np.uint8)
 
     def turns(self) -> NDArray[np.int32]:
-        """The tick from which each of them has the other colour (row, column), NO_TURN where it never has.
+        """The tick at which each tile of the arena changes colour (row, column), NO_TURN if it never does.
 
-        A fill ratio rises or falls all the way, so that none turns twice.
+        A fill ratio only rises or only falls, so no tile changes colour twice.
         """
         out = np.empty((self.across, self.across), np.int32)
         rises = self.cuts[-1] > self.cuts[0]
@@ -78,17 +78,17 @@ class ChangingGround:
         out[out == self.cuts.size] = NO_TURN - 1
         return out + np.int32(1)
 
-    def _of(self, ticks: Any) -> Any:
-        """Where the numbers of ticks stand: the last ones hold on."""
+    def _index(self, ticks: Any) -> Any:
+        """The index of ticks in `cuts` and `truths`; the last one stays."""
         return np.clip(np.asarray(ticks) - 1, 0, self.cuts.size - 1)
 
     def _rows(self) -> Iterator[Scores]:
-        """The numbers of the arena's tiles, row by row; the first row is the lowest in y."""
+        """The numbers of the arena's tiles, row by row; the first row has the lowest y."""
         return (self.number(row)[0] for row in rows_of(self.across))
 
 
 def quantiles(scores: Scores, shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """What each of the shares of the scores lies below, as `ground.quantile` has it."""
+    """The cut below which each of these shares of the scores lies, as `ground.quantile` gives it for one."""
     below = np.round(shares * scores.size).astype(np.int64)
     inside = (below > 0) & (below < scores.size)
     cuts = np.where(below > 0, math.inf, -math.inf)

@@ -1,4 +1,4 @@
-"""Edge lists: pairs of robots that hear each other, as a study file or a CSV file gives them."""
+"""Edge lists: pairs of robots that hear each other, from a study file or a CSV file."""
 
 import csv
 import operator
@@ -9,13 +9,13 @@ from typing import Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.worlds.generators import WEIGHTS
 
-DIGITS = 18  # of a number in an edge list: more would not fit 64 bits
+DIGITS = 18  # of a number in an edge list: more may not fit 64 bits
 
 
 def edges_of(pairs: Iterable[Any], directed: bool) -> tuple[tuple[int, int], ...]:
-    """Each edge once, in order. Raises ValueError where a pair is none, or joins a robot to itself."""
+    """Each edge once, sorted. Raises ValueError for what is not a pair of robots, or joins a robot to itself."""
     try:
-        if isinstance(pairs, str | Mapping):  # an empty one would be no edges
+        if isinstance(pairs, str | Mapping):  # an empty one would count as an empty list
             raise TypeError
         rows = [_pair(row) for row in pairs]
     except TypeError:
@@ -41,7 +41,7 @@ def _pair(row: Any) -> tuple[int, int]:
 def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:
     """Read rows of whole numbers from a CSV file, with or without a header. Raises InputError.
 
-    Without `weights`, a third column is refused.
+    Without `weights`, a third column is an error.
     """
     rows: list[tuple[int, ...]] = []
     try:
@@ -60,7 +60,7 @@ def read_edges(path: Path, weights: bool = True) -> list[tuple[int, ...]]:
 
 
 def is_header(row: list[str]) -> bool:
-    """Whether a first row names its columns: each begins with a letter."""
+    """Whether a first row is a header: each cell begins with a letter."""
     return all(cell.strip()[:1].isalpha() for cell in row)
 
 

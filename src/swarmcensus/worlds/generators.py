@@ -1,4 +1,4 @@
-"""Graphs that networkx makes: one for each trial, with as many nodes as there are robots."""
+"""Graphs from generators of networkx: one for each trial, with a node for each robot."""
 
 import inspect
 import json
@@ -10,14 +10,15 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 
 MOST_GENERATED = 1_000_000  # robots: a larger graph of networkx would not fit in memory
-TRIED = 24  # sizes tried from 1 on, before a graph of the size that is wanted is made
-WEIGHTS = "links have no weights: a message is heard or not (see link_success), and nobody's counts for more"
+TRIED = 24  # small sizes that are tried first, before the graph for all robots
+WEIGHTS = "links have no weights: a message is heard or not (see link_success), and all count alike"
 
 
 def check(name: str, arguments: str, robots: int) -> None:
-    """Raise ValueError where this function makes no graph of so many robots.
+    """Raise ValueError if this generator makes no graph for `robots` robots.
 
-    Some take `n` for something else, such as a hypercube's dimensions, and would not end: so small sizes are tried.
+    For some generators `n` is not the number of nodes, but a hypercube's dimensions, for example, and they would never
+    end. So small sizes are tried first.
     """
     if robots > MOST_GENERATED:
         raise ValueError(f"{name}: networkx makes graphs of {MOST_GENERATED:,} robots at the most")
@@ -39,7 +40,7 @@ def check(name: str, arguments: str, robots: int) -> None:
 
 
 def draws(name: str) -> bool:
-    """Whether a function of networkx makes its graphs by chance: it then takes a seed."""
+    """Whether a generator of networkx makes random graphs: it then takes a seed."""
     import networkx
 
     function = getattr(networkx, name, None)
@@ -47,18 +48,19 @@ def draws(name: str) -> bool:
 
 
 def edges_of(name: str, arguments: str, robots: int, seed: int) -> tuple[np.ndarray, bool]:
-    """A graph's edges (edge, 2), and whether they are directed. Raises ValueError where there is no such graph."""
+    """A graph's edges (edge, 2), and whether they are directed. Raises ValueError if there is no such graph."""
     graph = _made(name, arguments, json.loads(arguments).get("n", robots), seed)
     if graph.number_of_nodes() != robots:
         raise ValueError(f"networkx.{name} gives {counted(graph.number_of_nodes(), 'robot')} instead of {robots}")
-    edges = [(a, b) for a, b in numbered(graph) if a != b]  # nobody hears oneself
+    edges = [(a, b) for a, b in numbered(graph) if a != b]  # no robot hears itself
     return np.array(edges, np.int64).reshape(-1, 2), bool(graph.is_directed())
 
 
 def numbered(graph: Any, own: bool = False) -> list[tuple[int, int]]:
-    """A graph's edges by the places of their nodes in it, or by their `own` numbers if all are whole and from 0.
+    """A graph's edges as pairs of node numbers, in the order of its nodes.
 
-    Raises ValueError where edges have weights.
+    With `own`, nodes that are all whole numbers from 0 on keep their own numbers. Raises ValueError if edges have
+    weights.
     """
     if any(weight != 1 for *_, weight in graph.edges(data="weight", default=1)):
         raise ValueError(f"the graph's edges have weights: {WEIGHTS}")

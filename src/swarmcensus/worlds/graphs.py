@@ -1,4 +1,4 @@
-"""A network that somebody asks about: a networkx graph, a study's topology, or pairs of robots, as links."""
+"""Networks for functions of theory: a networkx graph, a study's topology, or pairs of robots, as links."""
 
 import operator
 from collections.abc import Iterable, Mapping
@@ -15,7 +15,7 @@ from swarmcensus.worlds.wiring import PLUGINS
 
 
 class Network(NamedTuple):
-    """Who hears whom: `receivers[k]` hears `senders[k]`, sorted by both; nobody hears oneself."""
+    """Who hears whom: `receivers[k]` hears `senders[k]`, sorted by both; no robot hears itself."""
 
     robots: int
     receivers: np.ndarray
@@ -33,10 +33,10 @@ def whole(name: str, value: Any) -> int:
 
 
 def network(graph: Any, robots: int | None, directed: bool, most: int, why: str) -> Network:
-    """Read a network of 1 to `most` robots; of more, `why` says why they are too many.
+    """Read a network of 1 to `most` robots; `why` explains that limit in messages.
 
-    `graph` is a networkx graph, anything that a study takes for a topology, or pairs of robot numbers from 0; of a
-    directed pair (u, v), v hears u. `robots` is their number where the graph does not tell. Raises ValueError.
+    `graph` is a networkx graph, any topology of a study file, or pairs of robot numbers from 0; in a directed pair
+    (u, v), v hears u. `robots` is their number, if the graph does not give it. Raises ValueError.
     """
     robots = None if robots is None else whole("robots", robots)
     if not isinstance(directed, bool):
@@ -47,7 +47,7 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
             f"graph = {graph!r}: should be a networkx graph, a topology as in a study file, or pairs of robot numbers, "
             "such as [(0, 1), (1, 2)]"
         )
-    if hasattr(graph, "nodes") and hasattr(graph, "is_directed"):  # by their places: nodes may have any names
+    if hasattr(graph, "nodes") and hasattr(graph, "is_directed"):  # nodes may have any names
         nodes = graph.number_of_nodes()
         if robots not in (None, nodes):
             raise ValueError(f"robots = {robots}: the graph has {nodes} nodes: should be {nodes}, or left out")
@@ -58,8 +58,8 @@ def network(graph: Any, robots: int | None, directed: bool, most: int, why: str)
         graph = {"name": "graph", "edges": graph, "directed": directed}
     if isinstance(graph, str) and graph not in PLUGINS:
         raise ValueError(
-            f"graph = {graph!r}: {did_you_mean(graph, PLUGINS.names)}"
-            f"topologies with a name are {', '.join(PLUGINS.names)}"
+            f"graph = {graph!r}: {did_you_mean(graph, PLUGINS.names)}topologies with a name are "
+            f"{', '.join(PLUGINS.names)}"
         )
     topology = parse_topology(graph, None, {})
     if robots is None and topology.edges is not None:

@@ -1,6 +1,6 @@
-"""The floor of a trial: its tiles' colours, and how much of what robots can reach is black.
+"""The floor of a trial: its tiles' colours, and the share of black tiles among those that robots can reach.
 
-Tiles are painted where a sensor stands, and nothing is stored of them.
+A tile's colour is computed whenever a sensor is over it; no tiles are stored.
 """
 
 import functools
@@ -16,14 +16,14 @@ from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.patterns import Floor
 
-BLOCK = 1 << 16  # tiles that are painted at a time: as many as a core holds near
+BLOCK = 1 << 16  # tiles that are painted at a time: few enough for a core's cache
 
 
 class Ground:
-    """One trial's floor. It paints tiles, and knows `true_fill_ratio`, the share of black ones among those in reach."""
+    """One trial's floor: tiles' colours, and `true_fill_ratio`, the share of black tiles among those in reach."""
 
     def __init__(self, floor: Floor, body: Body, side: float, fill_ratio: float, key: np.ndarray, trial: int) -> None:
-        """Take a kind of floor in an arena of such a side (metres); see where the floor's cut lies, and count."""
+        """`side` is the arena's, in metres. The cut of scores is found, and black tiles are counted, at once."""
         arena, chance = Arena(side, body.tile), Chance(key, trial)
         self.across = arena.across
         reached = reachable(side / 2.0, body.radius, math.hypot(*body.sensor), body.tile, floor.most_counted(arena))
@@ -40,25 +40,25 @@ class Ground:
         self.true_fill_ratio = black / reached.shape[1]
 
     def truth(self, ticks: Any) -> NDArray[np.float64]:
-        """The true fill ratio after these ticks: always the same."""
+        """The true fill ratio after each of these ticks: always the same."""
         return np.full(np.shape(ticks), self.true_fill_ratio)
 
     def turns(self) -> NDArray[np.int32]:
-        """The tick from which each tile of the arena has the other colour: no rows, as none ever has."""
+        """The tick at which each tile of the arena changes colour: no rows, as none does."""
         return np.zeros((0, 0), np.int32)
 
     def colours(self, tiles: Tiles, tick: int = 1) -> NDArray[np.bool_]:
-        """Whether tiles (tick, robot, 2) are black (tick, robot), from whatever tick on."""
+        """Whether tiles (tick, robot, 2) are black (tick, robot), at any tick."""
         if self._paint is not None:
             return self._paint(tiles)
         assert self.score is not None
         return self.score(tiles) < self.cut
 
     def all_tiles(self) -> NDArray[np.uint8]:
-        """Return the tiles of the arena, (row, column), 1 black; the first row is the lowest in y. A byte a tile.
+        """Return the tiles of the arena, (row, column), 1 black; the first row has the lowest y. One byte a tile.
 
-        The tile of a point (x, y), in metres from the arena's centre, is the one of row floor(y / tile) + rows / 2
-        and column floor(x / tile) + columns / 2. Walls cut through the outermost tiles.
+        The tile at a point (x, y), in metres from the arena's centre, is in row floor(y / tile) + rows / 2 and column
+        floor(x / tile) + columns / 2. Walls cut through the outermost tiles.
         """
         tiles = np.empty((self.across, self.across), np.bool_)
         for k, row in enumerate(rows_of(self.across)):
@@ -68,10 +68,10 @@ class Ground:
 
 @functools.lru_cache(maxsize=2)
 def reachable(half: float, radius: float, arm: float, tile: float, most: int = MOST_COUNTED) -> Tiles:
-    """Return the tiles (1, tile, 2) whose centre a ground sensor can stand over; lengths in metres.
+    """Return the tiles (1, tile, 2) whose centre a ground sensor can reach; lengths in metres.
 
-    A robot's centre keeps `radius` from the walls at +-`half`, and its sensor is `arm` from the centre. Where the
-    arena has more than `most` tiles, every k-th of every k-th row, with the least k that will do.
+    A robot's centre keeps `radius` from the walls at +-`half`, and its sensor is `arm` from the centre. If the arena
+    has more than `most` tiles, only every k-th tile of every k-th row is taken, with the smallest k that suffices.
     """
     inner = half - radius
     last = math.ceil(half / tile)
@@ -86,9 +86,9 @@ def reachable(half: float, radius: float, arm: float, tile: float, most: int = M
 
 
 def rows_of(across: int) -> Iterator[Tiles]:
-    """The tiles of an arena of so many from wall to wall, (1, tile, 2), row by row, the lowest in y first.
+    """The tiles (1, tile, 2) of an arena that is `across` tiles wide, row by row, the lowest y first.
 
-    A row at a time, for the list of them takes eight bytes a tile.
+    One row at a time, because a list of all takes eight bytes a tile.
     """
     place = np.arange(-(across // 2), across // 2, dtype=np.int32)
     for y in place:
@@ -96,7 +96,7 @@ def rows_of(across: int) -> Iterator[Tiles]:
 
 
 def quantile(scores: Scores, share: float) -> float:
-    """Return what a `share` of the scores lies below, to the nearest one."""
+    """Return the cut below which a `share` of the scores lies, to the nearest score."""
     below = round(share * scores.size)
     if below in (0, scores.size):
         return math.inf if below else -math.inf

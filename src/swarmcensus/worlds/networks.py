@@ -6,13 +6,15 @@ A topology has a name (see `worlds.topologies`), or is any edge list, or any net
 import functools
 import hashlib
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import ConfigDict, Field
 
+from swarmcensus.basics.forms import Form, Schema, Text, ValueTable, any_of, name_in, read, says
 from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.basics.plugins import Keys
 from swarmcensus.engine.addresses import address
@@ -24,50 +26,52 @@ from swarmcensus.worlds.edge_lists import edges_of, read_edges
 from swarmcensus.worlds.wiring import PLUGINS, Heard, heard
 
 TABLE_KEYS = ("name", "edges", "directed", "file", "networkx")
-MOVING = "moving"  # robots that move hear whom they meet: datasets know them by this name
+DIFFERENT = Field(json_schema_extra={"uniqueItems": True})
+ARGUMENT = says("should be a number, a text, true or false, or a list")
+MOVING = "moving"  # the topology of robots that move, as datasets name it
 
 
 @dataclass(frozen=True)
 class Topology:
-    """A communication topology: one of a name, a list of edges, or a networkx generator.
+    """A communication topology: a named one, a list of edges, or a networkx generator.
 
-    Of a directed edge (u, v), v hears u. A generator's graphs say themselves whether they are directed.
+    In a directed edge (u, v), v hears u. A generator's graphs tell themselves whether they are directed.
     """
 
     name: str  # as in the dataset
     edges: tuple[tuple[int, int], ...] | None = None
     generator: tuple[str, str] | None = None  # the function's name, its arguments as JSON
     source: str = ""  # the edge list's file, for messages
-    directed: bool = False  # the edges
-    keys: Keys = ()  # of a named one
-    kind: str = ""  # a named one's name, where keys are told beside it
+    directed: bool = False  # whether the edges are
+    keys: Keys = ()  # of a named topology
+    kind: str = ""  # the plain name of a named topology, if `name` shows its keys too
 
     def __str__(self) -> str:
         """The name, as in the dataset."""
         return self.name
 
     def __hash__(self) -> int:
-        """Quick for lists of millions of edges."""
+        """A hash that is quick for millions of edges."""
         return hash((self.name, self._digest, self.generator))
 
     @functools.cached_property
     def named(self) -> str:
-        """The name of its file; empty for edges and generators."""
+        """The plain name of a named topology; empty for edges and generators."""
         return (self.kind or self.name) if self.edges is None and self.generator is None else ""
 
     @functools.cached_property
     def moves(self) -> bool:
-        """Whether robots move instead."""
+        """Whether robots move, so that there is no fixed network."""
         return bool(self.named) and getattr(PLUGINS.module(self.named), "MOVES", False)
 
     @functools.cached_property
     def is_full(self) -> bool:
-        """Whether all hear all."""
+        """Whether every robot hears every other."""
         return bool(self.named) and getattr(PLUGINS.module(self.named), "EVERYONE", False)
 
     @functools.cached_property
     def varies(self) -> bool:
-        """Whether each trial has another graph."""
+        """Whether graphs differ from trial to trial."""
         if self.generator is not None:
             return generators.draws(self.generator[0])
         return bool(self.named) and wiring.varies(self.named)
@@ -83,22 +87,22 @@ class Topology:
 
     @property
     def content(self) -> object:
-        """What the random numbers of this topology depend on."""
+        """All that the random numbers of this topology depend on."""
         others = [*(["directed"] if self.directed else []), *([dict(self.keys)] if self.keys else [])]
         return [self.name, self._digest, self.generator, *others]
 
     @functools.cached_property
     def edition(self) -> str:
-        """What else its results depend on: a hash of another package's file."""
+        """A hash of its file, if another package provides it: results depend on that too."""
         return PLUGINS.digest(self.named) if self.named else ""
 
     @functools.cached_property
     def _digest(self) -> str | None:
-        """The edges in a few letters: lists of millions are addressed for each trial."""
+        """A short hash of the edges, which may be millions and are part of each trial's address."""
         return None if self.edges is None else hashlib.sha256(repr(self.edges).encode()).hexdigest()
 
     def check(self, robots: int) -> None:
-        """Raise ValueError where the topology does not fit a swarm of this size."""
+        """Raise ValueError if the topology does not fit a swarm of this size."""
         for i, j in self.edges or ():
             if max(i, j) >= robots:
                 where = f"{self.source}: " if self.source else ""
@@ -110,11 +114,11 @@ class Topology:
             generators.check(*self.generator, robots)
         if self.named:
             wiring.check(self.named, self.keys, robots)
-            if self.edition:  # tried, so that what is wrong is told before anything runs
+            if self.edition:  # tried now, so that errors are found before anything runs
                 wiring.check_repeats(self.named, self.keys, robots)
 
     def links(self, robots: int, seed: int, first_trial: int, trials: int, lossless: bool, sums: bool) -> Links:
-        """The links for a batch of trials. `lossless`: no message is lost; `sums`: messages add up."""
+        """The links of a batch of trials. `lossless`: no message is lost; `sums`: robots only add up messages."""
         if self.is_full:
             empty = np.zeros(0, np.uint32)
             return Links(FULL if lossless and sums else PAIRS, np.zeros(2, np.int64), empty, empty)
@@ -142,10 +146,52 @@ class Topology:
         return [heard(*generators.edges_of(*self.generator, robots, int(word[0]))) for word in words]
 
 
-def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
-    """Read any form of topology that a study may hold. Raises ValueError with what would be right.
+Edges = list[Annotated[list[Annotated[int, Field(ge=0)]], Field(min_length=2, max_length=2), DIFFERENT]]
+Directed = Annotated[bool, Field(strict=True)]
 
-    Edge-list files are looked for in `known` (path to edges) first, then below `base`; without it none is opened.
+
+class EdgesTable(ValueTable):
+    """A list of edges."""
+
+    name: Annotated[Text, Form(lambda text: text() | {"not": {"enum": [*PLUGINS.shipped]}})]
+    edges: Annotated[Any, any_of(Edges)]  # read by `edges_of`, for there may be millions
+    directed: Directed = False
+
+
+class EdgeFileTable(ValueTable):
+    """A CSV file of edges."""
+
+    file: Text
+    directed: Directed = False
+
+
+class GeneratorTable(ValueTable):
+    """A function of networkx that makes graphs, and its arguments."""
+
+    model_config = ConfigDict(extra="allow", json_schema_extra={"not": {"required": ["seed"]}})
+    __pydantic_extra__: dict[str, Annotated[bool | int | float | str | list[Any], ARGUMENT]]
+
+    networkx: Annotated[Text, Form(lambda text: text() | {"pattern": "_graph$"})]
+
+
+def _named_tables(_: Callable[[], Schema]) -> Schema:
+    """{name = "ring"}; other packages' topologies may have keys, and are not imported for a schema."""
+
+    def named(names: Iterable[str]) -> Schema:
+        return {"type": "object", "properties": {"name": {"enum": [*names]}}, "required": ["name"]}
+
+    alone = named(PLUGINS.shipped) | {"additionalProperties": False}
+    return {"anyOf": [alone, named(PLUGINS.outside)] if PLUGINS.outside else [alone]}
+
+
+NAMED = Annotated[Any, Form(_named_tables)]
+TOPOLOGY = any_of(Annotated[str, name_in(PLUGINS)], EdgesTable, EdgeFileTable, GeneratorTable, NAMED)
+
+
+def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -> Topology:
+    """Read any form of topology that a study may contain. Raises ValueError with what would be right.
+
+    Edge-list files are looked for in `known` (path to edges) first, then in the folder `base`; None: no file is opened.
     """
     if isinstance(value, Topology):
         return value
@@ -157,50 +203,47 @@ def parse_topology(value: object, base: Path | None, known: Mapping[str, Any]) -
         return _named(value, {})
     if isinstance(value, Mapping):
         if "networkx" in value:
-            arguments = {k: v for k, v in sorted(value.items()) if k != "networkx"}
-            if "seed" in arguments:
-                raise ValueError("seed is the study's: each trial's graph has an address of its own")
-            if any(not isinstance(v, str | int | float | list) for v in arguments.values()):
-                raise ValueError("a generator's arguments are numbers, texts and lists")
-            text, name = ",".join(f"{k}={v}" for k, v in arguments.items()), _text("networkx", value)
-            return Topology(f"{name}({text})", generator=(name, json.dumps(arguments)))
-        directed = value.get("directed", False)
-        if not isinstance(directed, bool):
-            raise ValueError("directed is true or false")
-        if set(value) - {"directed"} == {"name", "edges"}:
-            name = _text("name", value)
-            if name in PLUGINS.shipped:
-                raise ValueError(f"the name {name!r} is taken: call an edge list otherwise")
-            return Topology(name, edges_of(value["edges"], directed), directed=directed)
-        if set(value) - {"directed"} == {"file"} and isinstance(value["file"], str):
-            return _of_file(value["file"], directed, base, known)
-        if isinstance(value.get("name"), str) and "edges" not in value:
+            return _generated(read(GeneratorTable, value, _right))
+        if "edges" in value:
+            return _listed(read(EdgesTable, value, _right, TABLE_KEYS))
+        if "file" in value:
+            table = read(EdgeFileTable, value, _right, TABLE_KEYS)
+            return _of_file(table.file, table.directed, base, known)
+        if isinstance(value.get("name"), str):
             return _named(value["name"], {k: v for k, v in value.items() if k != "name"})
     if hasattr(value, "nodes") and hasattr(value, "is_directed"):
         name, directed = str(getattr(value, "name", "") or "graph"), value.is_directed()
         name = f"{name} graph" if name in PLUGINS.shipped else name
         return Topology(name, edges_of(generators.numbered(value, own=True), directed), directed=directed)
     keys = value if isinstance(value, Mapping) else ()
-    raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}a topology is {_forms()}")
+    raise ValueError(f"{did_you_mean_any(keys, TABLE_KEYS)}{_right()}")
 
 
-def _text(key: str, table: Mapping[Any, Any]) -> str:
-    if not isinstance(table[key], str) or not table[key]:
-        raise ValueError(f"{key} should be a text")
-    return str(table[key])
+def _generated(table: GeneratorTable) -> Topology:
+    arguments = dict(sorted(table.__pydantic_extra__.items()))
+    if "seed" in arguments:
+        raise ValueError("the study's seed gives each trial its graph: leave out seed")
+    text = ",".join(f"{key}={value}" for key, value in arguments.items())
+    return Topology(f"{table.networkx}({text})", generator=(table.networkx, json.dumps(arguments)))
+
+
+def _listed(table: EdgesTable) -> Topology:
+    if table.name in PLUGINS.shipped:
+        raise ValueError(f"the name {table.name!r} is taken: call an edge list otherwise")
+    return Topology(table.name, edges_of(table.edges, table.directed), directed=table.directed)
 
 
 def _named(name: str, given: dict[str, Any]) -> Topology:
     if name not in PLUGINS:
         hint = did_you_mean(name, PLUGINS.names) or did_you_mean_any(given, TABLE_KEYS)
-        raise ValueError(f"{hint}a topology is {_forms()}")
+        raise ValueError(f"{hint}{_right()}")
     text, keys = wiring.read(name, given)
     return Topology(text, keys=keys, kind="" if text == name else name)
 
 
-def _forms() -> str:
+def _right() -> str:
     return (
-        f"one of {', '.join(PLUGINS.names)}, the path of an edge-list CSV file, "
+        f"a topology is one of {', '.join(PLUGINS.names)}, the path of an edge-list CSV file, "
         '{name = "...", edges = [[0, 1], ...]} or {networkx = "watts_strogatz_graph", k = 4, p = 0.1}'
     )
 
@@ -210,14 +253,14 @@ def _of_file(path: str, directed: bool, base: Path | None, known: Mapping[str, A
         pairs = known[path]
     elif base is None:
         raise ValueError(
-            "these edges are not here, and no file is opened that is only named here; nor is a topology of this name"
+            "these edges are not stored here, and no file is opened here; nor is there a topology of this name"
         )
     elif not (base / path).is_file():
-        raise ValueError(f"{did_you_mean(path, PLUGINS.names)}a topology is {_forms()}; there is no file {base / path}")
+        raise ValueError(f"{did_you_mean(path, PLUGINS.names)}{_right()}; there is no file {base / path}")
     else:
         pairs = read_edges(base / path, weights=False)
         if not pairs:
-            raise ValueError(f"{base / path} holds no edge: write edges = [] for robots without links")
+            raise ValueError(f"{base / path} has no edges: write edges = [] for robots without links")
     return Topology(_file_name(path), edges_of(pairs, directed), source=path, directed=directed)
 
 

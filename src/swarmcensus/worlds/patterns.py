@@ -1,4 +1,4 @@
-"""What a floor looks like, as a study says it: a kind of floor with its keys (see `worlds.floors`)."""
+"""Floors: a kind of floor with its keys, as a study gives it (see `worlds.floors`)."""
 
 import functools
 from collections.abc import Callable, Mapping
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.forms import Form, Schema
 from swarmcensus.basics.hints import did_you_mean_any
 from swarmcensus.basics.plugins import Keys, Plugins, defaults_of, error_message, keys_of, read_keys, text_of
 from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Paint, Score, Tiles
@@ -16,7 +17,6 @@ from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import Picture
 
 if TYPE_CHECKING:
-    from pydantic import BaseModel
     from pydantic.fields import FieldInfo
 
 PLUGINS = Plugins("floor", "swarmcensus.floors", "swarmcensus.worlds.floors")
@@ -38,19 +38,19 @@ class Floor:
         return f"{self.kind}({','.join(text_of(value) for _, value in shown)})" if shown else self.kind
 
     def __str__(self) -> str:
-        """As in the dataset: "tiles", "clusters(0.2)", "image(leaves)"; without the last keys that are as usual."""
+        """As in the dataset: "tiles", "clusters(0.2)", "image(leaves)"; last keys with default values are left out."""
         return self._text
 
     @functools.cached_property
     def content(self) -> object:
-        """What the random numbers of this floor depend on: its kind, and keys in the order in which they came to be."""
+        """What the random numbers of this floor depend on: its kind and keys. Their order is fixed by older results."""
         keys = {key: value.digest if isinstance(value, Picture) else value for key, value in self.keys}
         first = [self.kind, keys.pop("length", 0.0), keys.pop("image", None), keys.pop("mode", "")]
         return [*first, keys] if keys else first
 
     @functools.cached_property
     def edition(self) -> str:
-        """What else its results depend on: a hash of another package's file."""
+        """A hash of its file, if another package provides it: results depend on that too."""
         return PLUGINS.digest(self.kind)
 
     @property
@@ -61,77 +61,77 @@ class Floor:
 
     @property
     def pictures(self) -> list[Picture]:
-        """The images that it is made from."""
+        """Its images."""
         return [value for _, value in self.keys if isinstance(value, Picture)]
 
     def check(self, arena: Arena) -> None:
-        """Raise ValueError where the arena cannot show the floor."""
+        """Raise ValueError if the floor does not fit the arena."""
         refuse = self._given("check")
         if refuse is not None:
-            self._asked(lambda: refuse(arena))
-        if self.edition:  # tried once, so that what is wrong is told before anything runs
+            self._called(lambda: refuse(arena))
+        if self.edition:  # tried once, so that errors are found before anything runs
             chance = Chance(np.zeros(2, np.uint64), 0)
             colours: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
             half = arena.across // 2
-            some = np.array([[[-half, -half], [0, 0], [half - 1, 1 - half]]], np.int32)
+            tiles = np.array([[[-half, -half], [0, 0], [half - 1, 1 - half]]], np.int32)
             again: Any = self.paint(arena, chance, 0.5) or self.score(arena, chance)
-            if (colours(some) != again(some[:, ::-1])[:, ::-1]).any():
-                raise self._wrong("what it says of a tile should not depend on when it is asked")
+            if (colours(tiles) != again(tiles[:, ::-1])[:, ::-1]).any():
+                raise self._error("a tile should have the same value at each call, in any order")
 
     def most_counted(self, arena: Arena) -> int:
-        """Of how many tiles at the most the black ones are counted."""
+        """The largest number of tiles among which black ones are counted."""
         most = self._given("most_counted")
-        return MOST_COUNTED if most is None else int(self._asked(lambda: most(arena)))
+        return MOST_COUNTED if most is None else int(self._called(lambda: most(arena)))
 
     def paint(self, arena: Arena, chance: Chance, share: float) -> Paint | None:
-        """What tells the tiles that are black, where the kind says it itself. Raises InputError."""
+        """A function that tells which tiles are black, if the kind has one. Raises InputError."""
         make = self._given("paint")
-        return None if make is None else self._sure(self._asked(lambda: make(arena, chance, share)), "b")
+        return None if make is None else self._checked(self._called(lambda: make(arena, chance, share)), "b")
 
     def level(self, arena: Arena, chance: Chance) -> Score | None:
-        """What gives tiles the shares above which they are black, where the kind does. Raises InputError."""
+        """A function that gives each tile the share above which it is black, if the kind has one. Raises InputError."""
         make = self._given("level")
-        return None if make is None else self._sure(self._asked(lambda: make(arena, chance)), "iuf")
+        return None if make is None else self._checked(self._called(lambda: make(arena, chance)), "iuf")
 
     @property
     def can_change(self) -> bool:
-        """Whether its fill ratio may change: a kind that paints its tiles itself must give their levels too."""
+        """Whether its fill ratio may change: a kind with `paint` needs `level` too."""
         return self._given("level") is not None or self._given("paint") is None
 
     def score(self, arena: Arena, chance: Chance) -> Score:
-        """What gives tiles their scores. Raises InputError."""
+        """A function that gives tiles their scores. Raises InputError."""
         make = self._given("score")
         assert make is not None
-        return self._sure(self._asked(lambda: make(arena, chance)), "iuf")
+        return self._checked(self._called(lambda: make(arena, chance)), "iuf")
 
     def _given(self, name: str) -> Callable[..., Any] | None:
         found = getattr(PLUGINS.module(self.kind), name, None)
         return found and functools.partial(found, **dict(self.keys))
 
-    def _asked(self, ask: Callable[[], Any]) -> Any:
+    def _called(self, call: Callable[[], Any]) -> Any:
         if not self.edition:
-            return ask()
+            return call()
         try:
-            return ask()
+            return call()
         except Exception as error:
-            raise self._wrong(error_message(error, PLUGINS.path(self.kind))) from error
+            raise self._error(error_message(error, PLUGINS.path(self.kind))) from error
 
-    def _wrong(self, said: object) -> InputError:
-        return InputError(f"floor {self}: {said}")
+    def _error(self, message: object) -> InputError:
+        return InputError(f"floor {self}: {message}")
 
-    def _sure(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
-        """The same, held to what it should give, where it is another package's."""
+    def _checked(self, function: Callable[[Tiles], Any], kinds: str) -> Callable[[Tiles], Any]:
+        """`function` itself, or if it is another package's, one that checks what it returns."""
         if not self.edition:
             return function
 
-        def sure(tiles: Tiles) -> np.ndarray:
-            found = np.asarray(self._asked(lambda: function(tiles)))
-            if found.shape != tiles.shape[:2] or found.dtype.kind not in kinds or not np.isfinite(found).all():
+        def checked(tiles: Tiles) -> np.ndarray:
+            values = np.asarray(self._called(lambda: function(tiles)))
+            if values.shape != tiles.shape[:2] or values.dtype.kind not in kinds or not np.isfinite(values).all():
                 what = "a truth value" if kinds == "b" else "a finite number"
-                raise self._wrong(f"of each of the tiles {tiles.shape} it should give {what}, {tiles.shape[:2]}")
-            return found
+                raise self._error(f"for tiles {tiles.shape} it should give {what} each, {tiles.shape[:2]}")
+            return values
 
-        return sure
+        return checked
 
 
 def _function(kind: str) -> Callable[..., Any]:
@@ -143,9 +143,10 @@ def _function(kind: str) -> Callable[..., Any]:
 
 
 def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray]) -> Floor:
-    """Read any form of floor that a study may hold. Raises ValueError or InputError with what would be right.
+    """Read any form of floor that a study may contain. Raises ValueError or InputError with what would be right.
 
-    Image files are looked for in `known` (path to grey levels) first, then below `base`; without it none is opened.
+    Image files are looked for in `known` (path to grey levels) first, then in the folder `base`; None: no file is
+    opened.
     """
     if isinstance(value, Floor):
         return value
@@ -166,13 +167,28 @@ def parse_floor(value: object, base: Path | None, known: Mapping[str, np.ndarray
         raise error if table else ValueError(f"{error}: write {_form(kind)}") from None
 
 
-def keys(kind: str) -> "type[BaseModel]":
-    """What the keys of a kind may be; the first goes by the kind's name."""
-    return keys_of(_function(kind))
+def _schema(_: Callable[[], Schema]) -> Schema:
+    """Kinds as names, and as tables with their keys. Other packages' kinds are not imported for a schema."""
+    models = {kind: keys_of(_function(kind)) for kind in PLUGINS.shipped}
+    bare = [kind for kind, model in models.items() if not any(f.is_required() for f in model.model_fields.values())]
+    tables = [_table(kind, model.model_json_schema()) for kind, model in models.items() if model.model_fields]
+    others = [{"type": "object", "properties": {kind: {}}, "required": [kind]} for kind in PLUGINS.outside]
+    return {"anyOf": [{"enum": [*bare, *PLUGINS.outside]}, *tables, *others]}
+
+
+def _table(kind: str, keys: Schema) -> Schema:
+    """The schema of a kind as a table: its first key has the kind's name, and is always given."""
+    first = next(iter(keys["properties"]))
+    properties = {kind if key == first else key: schema for key, schema in keys["properties"].items()}
+    required = [kind, *(key for key in keys.get("required", ()) if key != first)]
+    return keys | {"properties": properties, "required": required}
+
+
+FLOOR = Form(_schema)
 
 
 def _form(kind: str) -> str:
-    """How a kind is written, with values such as its keys may have."""
+    """How a kind is written, with example values of its keys."""
     fields = keys_of(_function(kind)).model_fields
     first = next(iter(fields), None)
     shown = (f"{kind if key == first else key} = {_example(field)}" for key, field in fields.items())

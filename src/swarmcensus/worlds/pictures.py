@@ -1,4 +1,4 @@
-"""Pictures: the grey levels of PNG files, as keys of floors."""
+"""Pictures: the grey levels of PNG files, for floors."""
 
 import hashlib
 import math
@@ -11,7 +11,7 @@ import numpy as np
 from pydantic import BeforeValidator, ValidationInfo
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.basics.forms import TEXT, Form
+from swarmcensus.basics.forms import Text, any_of
 
 MOST_PIXELS = 1 << 24
 
@@ -21,7 +21,7 @@ class Picture:
     """The grey levels of an image file: (row, column), the top row first, 0 black to 65535 white."""
 
     name: str
-    digest: str  # of the grey levels: what random numbers depend on, wherever the file lies
+    digest: str  # of the grey levels: random numbers depend on it, and not on the file's path
     source: str = field(compare=False)  # the path, as in the study file
     grey: np.ndarray = field(compare=False, repr=False)
 
@@ -40,7 +40,7 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
     if value in (known := context.get("images", {})):
         pixels = known[value]
     elif base is None:
-        raise ValueError("this image is not here, and no file is opened that is only named here")
+        raise ValueError("this image is not stored here, and no file is opened here")
     else:
         pixels = read_image(base / value)
     grey = np.ascontiguousarray(pixels, "<u2")
@@ -48,20 +48,20 @@ def _picture(value: object, info: ValidationInfo) -> Picture:
     return Picture(Path(value).stem, digest, value, grey)
 
 
-# a key that names a PNG file, looked for among those that the study's results hold, then below the study's folder
-PictureFile = Annotated[Picture, BeforeValidator(_picture), Form(lambda _: TEXT)]
+# a key that names a PNG file, looked for in the study's results, then in the study's folder
+PictureFile = Annotated[Picture, BeforeValidator(_picture), any_of(Text)]
 
 
 def read_image(path: Path) -> np.ndarray:
     """The grey levels (row, column) of a PNG file, 0 black to 65535 white. Raises InputError.
 
-    Colours become luma (ITU-R BT.601), what is transparent is seen over white.
+    Colours become luma (ITU-R BT.601); transparent pixels are laid over white.
     """
-    from PIL import Image, UnidentifiedImageError  # only where there is a picture
+    from PIL import Image, UnidentifiedImageError  # imported only for pictures
 
     try:
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is looked at below
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)  # the size is checked below
             with Image.open(path, formats=["PNG"]) as image:
                 if math.prod(image.size) > MOST_PIXELS:
                     size = f"{image.width:,} x {image.height:,} pixels"
@@ -73,7 +73,7 @@ def read_image(path: Path) -> np.ndarray:
         raise InputError(f"image {path}: not a PNG file") from None
     except Image.DecompressionBombError:
         raise InputError(f"image {path}: too many pixels: should be {MOST_PIXELS:,} at the most") from None
-    except (OSError, SyntaxError, ValueError, EOFError) as error:  # what Pillow makes of damaged files
+    except (OSError, SyntaxError, ValueError, EOFError) as error:  # Pillow's errors for damaged files
         if isinstance(error, InputError):
             raise
         raise InputError(f"image {path}: cannot be read as PNG: {error}") from error

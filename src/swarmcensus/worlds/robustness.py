@@ -1,8 +1,8 @@
-"""How many liars a network bears: r-robustness and (r, s)-robustness, by looking at all pairs of sets of robots.
+"""How many liars a network tolerates: r-robustness and (r, s)-robustness, over all pairs of sets of robots.
 
 LeBlanc, Zhang, Koutsoukos, Sundaram, "Resilient asymptotic consensus in robust networks", 2013. A set of robots is a
-number whose bits say who is in it, so that what holds within each set is found from sets with one robot less: 2^n n
-steps instead of the 3^n pairs.
+number with one bit for each robot. The lowest value within each set follows from sets with one robot less, so 2^n n
+steps suffice instead of 3^n pairs.
 """
 
 from typing import Any
@@ -15,63 +15,63 @@ MOST = 12  # robots
 def r_robustness(graph: Any, robots: int | None = None, *, directed: bool = False) -> int:
     """The largest r for which a network is r-robust.
 
-    It is where of every two disjoint sets of robots, neither empty, one holds a robot that hears r robots or more
-    outside its set. No network of n robots has more than (n + 1) // 2; a robot alone counts as 1.
+    It is r-robust if, for every two disjoint non-empty sets of robots, at least one set has a robot that hears r or
+    more robots outside its set. No network of n robots has more than (n + 1) // 2; a single robot counts as 1.
 
-    `graph` is a networkx graph, anything that a study takes for a topology, or pairs of robot numbers from 0; of a
-    directed pair (u, v), v hears u. `robots` is their number where the graph does not tell. Raises ValueError where
-    there are more than 12 robots, the network differs from trial to trial, or it is none.
+    `graph` is a networkx graph, any topology of a study file, or pairs of robot numbers from 0; in a directed pair
+    (u, v), v hears u. `robots` is their number, if the graph does not give it. Raises ValueError for more than 12
+    robots, for a network that differs from trial to trial, and for what is no network.
     """
     heard = _heard(graph, robots, directed)
     if len(heard) < 2:
         return 1
     everyone = (1 << len(heard)) - 1
-    reach = [_counts(heard, some, 1)[1] for some in range(everyone + 1)]
+    reach = [_counts(heard, members, 1)[1] for members in range(everyone + 1)]
     lowest = _lowest_within(reach)
-    return min(max(reach[some], lowest[everyone ^ some]) for some in range(1, everyone))
+    return min(max(reach[members], lowest[everyone ^ members]) for members in range(1, everyone))
 
 
 def is_rs_robust(graph: Any, r: int, s: int, robots: int | None = None, *, directed: bool = False) -> bool:
     """Whether a network is (r, s)-robust; (r, 1) is r-robust.
 
-    It is where of every two disjoint sets of robots, neither empty, all robots of the one, or all of the other, or s of
-    both together or more hear r robots or more outside their own set. The other arguments are those of `r_robustness`.
-    Raises ValueError, also where r is below 0 or s not from 1 to the number of robots.
+    It is (r, s)-robust if, for every two disjoint non-empty sets of robots, all robots of one set, or s or more robots
+    of both together, hear r or more robots outside their own set. The other arguments are those of `r_robustness`.
+    Raises ValueError, also for r below 0 and for s not from 1 to the number of robots.
     """
     r, s = whole("r", r), whole("s", s)
     heard = _heard(graph, robots, directed)
     if r < 0 or not 1 <= s <= len(heard):
         raise ValueError(f"(r, s) = ({r}, {s}): r is from 0 on, and s from 1 to the number of robots, {len(heard)}")
     everyone = (1 << len(heard)) - 1
-    enough = 2 * len(heard)  # no two sets of which one has so many fall short
-    reached = [_counts(heard, some, r)[0] for some in range(everyone + 1)]
-    short = [count if count < some.bit_count() else enough for some, count in enumerate(reached)]
+    enough = 2 * len(heard)  # a value so large that a pair with it never falls short
+    reached = [_counts(heard, members, r)[0] for members in range(everyone + 1)]
+    short = [count if count < members.bit_count() else enough for members, count in enumerate(reached)]
     lowest = _lowest_within(short)
-    return all(short[some] + lowest[everyone ^ some] >= s for some in range(1, everyone))
+    return all(short[members] + lowest[everyone ^ members] >= s for members in range(1, everyone))
 
 
-def _counts(heard: list[int], some: int, r: int) -> tuple[int, int]:
-    """How many of a set hear r robots or more outside it, and the most that one of them hears there."""
-    outside = [(heard[robot] & ~some).bit_count() for robot in range(len(heard)) if some >> robot & 1]
+def _counts(heard: list[int], members: int, r: int) -> tuple[int, int]:
+    """How many robots of a set hear r or more outside it, and the most that one of them hears outside."""
+    outside = [(heard[robot] & ~members).bit_count() for robot in range(len(heard)) if members >> robot & 1]
     return sum(count >= r for count in outside), max(outside, default=0)
 
 
 def _lowest_within(values: list[int]) -> list[int]:
-    """For each set, the lowest value of any set in it that is not empty; of the empty one, what bounds no pair."""
+    """For each set, the lowest value of its non-empty subsets; for the empty set a value above all."""
     lowest = [max(values) + 1, *values[1:]]
-    for some in range(1, len(values)):
-        rest = some
+    for members in range(1, len(values)):
+        rest = members
         while rest:
-            one = rest & -rest
-            if some != one:
-                lowest[some] = min(lowest[some], lowest[some ^ one])
-            rest ^= one
+            robot = rest & -rest  # the lowest bit
+            if members != robot:
+                lowest[members] = min(lowest[members], lowest[members ^ robot])
+            rest ^= robot
     return lowest
 
 
 def _heard(graph: Any, robots: int | None, directed: bool) -> list[int]:
-    """Whom each robot hears, as bits; nobody hears oneself."""
-    why = "for the sets of robots that are looked at double with each robot"
+    """Whom each robot hears, as bits."""
+    why = "as the number of sets doubles with each robot"
     found = network(graph, robots, directed, MOST, why)
     heard = [0] * found.robots
     for receiver, sender in zip(found.receivers.tolist(), found.senders.tolist(), strict=True):

@@ -1,52 +1,51 @@
-"""The imperfect sensor: how likely a reading is right, and what robots believe of it.
+"""Sensor accuracies: how likely a reading is right, and what robots believe about it.
 
-A robot's sensor says black on black with probability b and white on white with probability w (paper,
-Eq. 1). A homogeneous swarm has one accuracy, b = w; a heterogeneous one draws an accuracy for each robot.
+A robot's sensor reads black as black with probability b and white as white with probability w (paper, Eq. 1). In a
+homogeneous swarm all robots have one accuracy, b = w; in a heterogeneous one each robot's accuracy is drawn.
 """
 
 import functools
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import Annotated, Any, Self
 
 import numpy as np
+from pydantic import Field
 
-from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
+from swarmcensus.basics.forms import Number, Share, ValueTable, any_of, read, says
 from swarmcensus.engine.addresses import address
-from swarmcensus.worlds.spreading import Spread, parse_spread
+from swarmcensus.worlds.spreading import AccuracySpread, ErrorSpread, Spread, SpreadText, parse_spread
 
 KEYS = ("start", "drift", "least", "most")
-
-
 FORM = "{start = 0.9, drift = -1e-5, least = 0.6}"
 
 
 @dataclass(frozen=True)
 class Drift:
-    """What an accuracy gains from each round (or tick) to the next, below 0 where it is lost, and where it stays."""
+    """A drift: an accuracy changes by `slope` from each round (or tick) to the next, until it reaches `bound`."""
 
     slope: float
     bound: float
 
     def __str__(self) -> str:
-        """As in the dataset, after what it starts from: "drift=-1e-05 least=0.6"."""
+        """As in the dataset, after the start: "drift=-1e-05 least=0.6"."""
         return " ".join(f"{key}={value}" for key, value in self.form.items())
 
     @property
     def form(self) -> dict[str, float]:
-        """As in a study file, beside its start."""
+        """As in a study file, beside `start`."""
         return {"drift": self.slope, "least" if self.slope < 0.0 else "most": self.bound}
 
     @property
     def numbers(self) -> tuple[float, float, float]:
-        """What is gained a round, the least and the greatest."""
+        """The slope, the least and the greatest accuracy."""
         return (self.slope, self.bound, 1.0) if self.slope < 0.0 else (self.slope, 0.0, self.bound)
 
 
 @dataclass(frozen=True)
 class Accuracy:
-    """A swarm's sensor accuracies: b, and w where it differs (else w = b, robot by robot), and how both drift."""
+    """A swarm's sensor accuracies: b, w (None: w = b for each robot), and how both drift."""
 
     black: Spread
     white: Spread | None = None
@@ -54,8 +53,8 @@ class Accuracy:
 
     def __str__(self) -> str:
         """The canonical text, as in the dataset."""
-        told = str(self.black) if self.white is None else f"black={self.black} white={self.white}"
-        return told if self.drift is None else f"{told} {self.drift}"
+        text = str(self.black) if self.white is None else f"black={self.black} white={self.white}"
+        return text if self.drift is None else f"{text} {self.drift}"
 
     @property
     def form(self) -> object:
@@ -66,7 +65,7 @@ class Accuracy:
 
     @property
     def start(self) -> Self:
-        """Those of the first round: what chance draws, and what robots believe in that know their sensors."""
+        """The accuracies of round 1, which are drawn, and which robots believe in by default."""
         return self if self.drift is None else replace(self, drift=None)
 
     def draw(
@@ -86,25 +85,25 @@ class Accuracy:
 
     @property
     def is_blind(self) -> bool:
-        """Whether every robot's readings carry no information: b + w = 1."""
+        """Whether all readings carry no information: b + w = 1 for every robot."""
         white = self.white or self.black
         fixed = self.black.is_number and white.is_number
         return fixed and math.isclose(self.black.numbers[0] + white.numbers[0], 1.0)
 
     @property
     def spreads(self) -> tuple[Spread, ...]:
-        """What it is drawn from."""
+        """The distributions that it is drawn from."""
         return (self.black, self.white) if self.white else (self.black,)
 
     @functools.cached_property
     def edition(self) -> str:
-        """What its results depend on beside its text: hashes of other packages' files."""
+        """Hashes of other packages' files that it uses: results depend on them too."""
         return "".join(spread.edition for spread in self.spreads)
 
 
 @dataclass(frozen=True)
 class Misjudgement:
-    """What a swarm assumes of its sensors: the truth plus an error, one a robot for both b and w, within [0, 1]."""
+    """Assumed accuracies: the true b and w plus an error, one for each robot, cut to [0, 1]."""
 
     error: Spread
 
@@ -119,12 +118,12 @@ class Misjudgement:
 
     @property
     def spreads(self) -> tuple[Spread, ...]:
-        """What it is drawn from."""
+        """The distributions that it is drawn from."""
         return (self.error,)
 
     @property
     def edition(self) -> str:
-        """As of an accuracy."""
+        """A hash of another package's file that it uses."""
         return self.error.edition
 
     def draw(
@@ -139,73 +138,87 @@ class Misjudgement:
         return tuple(np.ascontiguousarray(np.clip(side + error, 0.0, 1.0)) for side in true)
 
 
-TABLE_KEYS = ("black", "white", "start", "drift")
-BELIEF_KEYS = ("black", "white", "error")
+BLIND, PERFECT = 0.5, 1.0  # where a drift ends by default
+SLOPE = says("should be a number in [-1, 1]")
+
+
+class SidesTable(ValueTable):
+    """b and w, where they differ."""
+
+    black: AccuracySpread
+    white: AccuracySpread
+
+
+class FallingTable(ValueTable):
+    """An accuracy that falls by `drift` a round, from `start` to `least`."""
+
+    start: Annotated[AccuracySpread, any_of(Annotated[Share, Field(gt=0.0)], SpreadText)]
+    drift: Annotated[Number, Field(ge=-1.0, lt=0.0), SLOPE]
+    least: Annotated[Number, Field(ge=0.0, lt=1.0), says("should be a number in [0, 1)")] = BLIND
+
+
+class RisingTable(ValueTable):
+    """An accuracy that rises by `drift` a round, from `start` to `most`."""
+
+    start: Annotated[AccuracySpread, any_of(Annotated[Share, Field(lt=1.0)], SpreadText)]
+    drift: Annotated[Number, Field(gt=0.0, le=1.0), SLOPE]
+    most: Annotated[Number, Field(gt=0.0, le=1.0), says("should be a number in (0, 1]")] = PERFECT
+
+
+class ErrorTable(ValueTable):
+    """Assumed accuracies, as the true ones plus an error."""
+
+    error: ErrorSpread
+
+
+ACCURACY = any_of(AccuracySpread, SidesTable, FallingTable, RisingTable)
+BELIEF = any_of(AccuracySpread, SidesTable, ErrorTable)
 
 
 def parse_accuracy(value: object) -> Accuracy:
-    """Read any form of accuracy that a study file may hold. Raises ValueError with what would be right."""
+    """Read any form of accuracy that a study file may contain. Raises ValueError with what would be right."""
     if isinstance(value, Accuracy):
         return value
-    if isinstance(value, Mapping) and ("start" in value or "drift" in value):
-        start, drift = parse_drift(value)
-        return Accuracy(start, None, drift)
-    if isinstance(value, Mapping):
-        if set(value) != {"black", "white"}:
-            raise ValueError(
-                f"{did_you_mean_any(value, TABLE_KEYS)}"
-                "an accuracy table has the keys black and white, or start and drift"
-            )
-        if any(isinstance(side, Mapping) for side in value.values()):
-            raise ValueError(
-                "an accuracy that drifts is b = w: {start = ..., drift = ...} alone, not of black or white"
-            )
-        return Accuracy(parse_spread(value["black"]), parse_spread(value["white"]))
-    return Accuracy(parse_spread(value))
+    if not isinstance(value, Mapping):
+        return Accuracy(parse_spread(value))
+    if "start" in value or "drift" in value:
+        return _drifting(value)
+    if any(isinstance(side, Mapping) for side in value.values()):
+        raise ValueError("black and white cannot drift: a drift {start = ..., drift = ...} is of b = w")
+    right, keys = "an accuracy table has the keys black and white, or start and drift", ("black", "white", *KEYS)
+    sides = read(SidesTable, value, lambda: right, keys)
+    return Accuracy(sides.black, sides.white)
 
 
 def parse_assumed(value: object) -> Accuracy | Misjudgement:
-    """Read any form of assumed accuracy: those of an accuracy, or {error = ...}. Raises ValueError."""
+    """Read any form of assumed accuracy: an accuracy without drift, or {error = ...}. Raises ValueError."""
     if isinstance(value, Misjudgement):
         return value
-    if isinstance(value, Mapping) and set(value) == {"error"}:
-        return Misjudgement(parse_spread(value["error"], accuracy=False))
-    if isinstance(value, Mapping) and ("start" in value or "drift" in value):
-        raise ValueError("a belief does not drift: robots believe in one accuracy, or in the first of their own")
-    if isinstance(value, Mapping) and set(value) != {"black", "white"}:
-        raise ValueError(
-            f"{did_you_mean_any(value, BELIEF_KEYS)}a table of beliefs has the keys black and white, or error"
-        )
-    return parse_accuracy(value)
+    if not isinstance(value, Mapping):
+        return parse_accuracy(value)
+    if "start" in value or "drift" in value:
+        raise ValueError("an assumed accuracy does not drift: give one accuracy, or leave it out: that of round 1")
+    right, keys = "an assumed accuracy has the keys black and white, or error", ("black", "white", "error")
+    if "error" in value:
+        return Misjudgement(read(ErrorTable, value, lambda: right, keys).error)
+    sides = read(SidesTable, value, lambda: right, keys)
+    return Accuracy(sides.black, sides.white)
 
 
-BLIND, PERFECT = 0.5, 1.0  # where a drift ends that says nothing else
-
-
-def parse_drift(value: Mapping[str, object]) -> tuple[Spread, Drift]:
-    """Read the accuracies that robots start from, and how they drift. Raises ValueError with what would be right."""
-    for key in value:
-        if key not in KEYS:
-            raise ValueError(f"unknown key {key}: {did_you_mean(str(key), KEYS)}an accuracy that drifts is {FORM}")
-    for key in KEYS[:2]:
-        if key not in value:
-            raise ValueError(f"{key} is missing: an accuracy that drifts is {FORM}")
-    start, slope = parse_spread(value["start"]), _number("drift", value["drift"], -1.0)
-    if slope == 0.0:
-        raise ValueError("drift = 0 is none: give the accuracy as a plain number or spread")
-    falls = slope < 0.0
-    key, other = ("least", "most") if falls else ("most", "least")
-    if other in value:
-        raise ValueError(f"{other} means nothing where the drift is {'below' if falls else 'above'} 0: give {key}")
-    bound = _number(key, value.get(key, BLIND if falls else PERFECT), 0.0)
-    low, high = start.ends()
-    if (low <= bound) if falls else (high >= bound):
-        way = "above" if falls else "below"
-        raise ValueError(f"start = {start} should lie {way} {key} = {bound}, where the drift ends")
-    return start, Drift(slope, bound)
-
-
-def _number(key: str, value: object, least: float) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not least <= value <= 1.0:
-        raise ValueError(f"{key} should be a number in [{least:g}, 1]")
-    return float(value)
+def _drifting(value: Mapping[str, Any]) -> Accuracy:
+    slope: Any = value.get("drift")
+    is_number = isinstance(slope, int | float) and not isinstance(slope, bool)
+    if is_number and slope == 0:
+        raise ValueError("drift = 0 is no drift: give the accuracy as a plain number or spread")
+    rises = slope > 0 if is_number else "most" in value
+    key, other = ("most", "least") if rises else ("least", "most")
+    if is_number and other in value:
+        raise ValueError(f"{other} means nothing if the drift is {'above' if rises else 'below'} 0: give {key}")
+    model: type[FallingTable | RisingTable] = RisingTable if rises else FallingTable
+    table = read(model, value, lambda: f"an accuracy that drifts is {FORM}", KEYS)
+    bound = table.most if isinstance(table, RisingTable) else table.least
+    low, high = table.start.ends()
+    if (high >= bound) if rises else (low <= bound):
+        way = "below" if rises else "above"
+        raise ValueError(f"start = {table.start} should lie {way} {key} = {bound}, where the drift ends")
+    return Accuracy(table.start, None, Drift(table.drift, bound))

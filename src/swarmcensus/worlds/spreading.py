@@ -1,4 +1,4 @@
-"""One accuracy's distribution over a swarm: a number for all, or a spread of a name and its numbers."""
+"""The distribution of an accuracy over a swarm: one number for all robots, or a named spread with its numbers."""
 
 import functools
 import inspect
@@ -6,23 +6,25 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from pydantic import BeforeValidator, Field
 
 from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.forms import Form, Number, Share, any_of
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.plugins import Plugins, error_message
 from swarmcensus.engine.compiler import compile_world
 
 PLUGINS = Plugins("spread", "swarmcensus.spreads", "swarmcensus.worlds.spreads")
 FORM = re.compile(r"\s*([A-Za-z][\w.-]*)\s*\(([^()]*)\)\s*")
-ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # the least number that a quantile gets, the middle, the largest
+ENDS = np.array([2.0**-54, 0.5, 1.0 - 2.0**-53])  # where quantiles are tried: the least, a middle and the largest u
 
 
 @dataclass(frozen=True)
 class Spread:
-    """A distribution of accuracies, or of errors: its kind, empty for one number, and its numbers."""
+    """A distribution of accuracies or errors: its kind, empty for a single number, and its numbers."""
 
     kind: str
     numbers: tuple[float, ...]
@@ -43,16 +45,16 @@ class Spread:
 
     @property
     def is_number(self) -> bool:
-        """Whether all robots have the same."""
+        """Whether all robots have the same value."""
         return not self.kind
 
     @functools.cached_property
     def edition(self) -> str:
-        """What its results depend on beside its text: a hash of another package's file."""
+        """A hash of its file, if another package provides it: results depend on that too."""
         return PLUGINS.digest(self.kind) if self.kind else ""
 
     def draw(self, key: np.ndarray, first_trial: int, trials: int, robots: int) -> np.ndarray:
-        """Accuracies (trial, robot), or (trial, 1) where all robots are alike; afresh for each trial."""
+        """Draw accuracies (trial, robot), or (trial, 1) if all robots have the same."""
         if self.is_number:
             return np.full((trials, 1), self.numbers[0])
         out = np.empty((trials, robots))
@@ -64,7 +66,7 @@ class Spread:
         return self._quantile(out, 0.0)
 
     def errors(self, key: Callable[[int], np.ndarray], first_trial: int, trials: int, robots: int) -> np.ndarray:
-        """The same of errors, which have two addresses: `key(0)` and `key(1)`."""
+        """Draw errors (trial, robot) or (trial, 1), at two addresses: `key(0)` and `key(1)`."""
         if self.is_number:
             return np.full((trials, 1), self.numbers[0])
         uniform = np.empty((2, trials, robots))
@@ -74,17 +76,17 @@ class Spread:
         return self._quantile(uniform[0], -1.0) if error is None else error(uniform, *self.numbers)
 
     def check(self, least: float) -> None:
-        """Raise ValueError where its numbers mean nothing, or where values are below `least` or above 1."""
+        """Raise ValueError if its numbers make no distribution, or if values are below `least` or above 1."""
         module = PLUGINS.module(self.kind)
         if hasattr(module, "check"):
-            self._asked(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
+            self._called(f"{_head(self.kind)}: ", lambda: module.check(*self.numbers))
         if hasattr(module, "centre") and not self.edition:
             self._bounded(np.array([module.centre(*self.numbers)]), least)
         else:
             self._bounded(self._quantile(ENDS if self.edition else np.array([0.0, 0.5, 1.0]), least), least)
 
     def ends(self) -> tuple[float, float]:
-        """The least and the greatest that it gives; of a normal one, which has none but 0 and 1, its mean twice."""
+        """The least and the greatest value; of a normal distribution, which is only cut to [0, 1], twice the mean."""
         module = PLUGINS.module(self.kind) if self.kind else None
         if module is None or (hasattr(module, "centre") and not self.edition):
             middle = float(module.centre(*self.numbers) if module else self.numbers[0])
@@ -97,12 +99,12 @@ class Spread:
         if not self.edition:
             return quantile(uniform, *self.numbers)  # type: ignore[no-any-return]
         above = np.maximum(uniform, ENDS[0])
-        values: np.ndarray = self._asked(f"{self}: ", lambda: np.array(quantile(above, *self.numbers), np.float64))
+        values: np.ndarray = self._called(f"{self}: ", lambda: np.array(quantile(above, *self.numbers), np.float64))
         if values.shape != uniform.shape:
-            raise InputError(f"{self}: of {uniform.shape} numbers it gives {values.shape}")
+            raise InputError(f"{self}: for numbers {uniform.shape} it should give as many, not {values.shape}")
         self._bounded(values, least)
         if uniform is ENDS and (values != np.array(quantile(above, *self.numbers))).any():
-            raise InputError(f"{self}: it gives others when it is asked again: what is random is in u")
+            raise InputError(f"{self}: its quantiles should be the same at each call: randomness comes from u alone")
         return values
 
     def _bounded(self, values: np.ndarray, least: float) -> None:
@@ -110,37 +112,41 @@ class Spread:
         if outside.size:
             raise InputError(f"{bounds(least)}, and {self} gives {outside[0]:g}")
 
-    def _asked(self, head: str, ask: Callable[[], Any]) -> Any:
+    def _called(self, head: str, call: Callable[[], Any]) -> Any:
         try:
-            return ask()
+            return call()
         except Exception as error:
             raise InputError(f"{head}{error_message(error, PLUGINS.path(self.kind))}") from error
 
 
 def bounds(least: float) -> str:
-    """What is said of a value out of bounds."""
+    """The message for a value out of bounds."""
     return "an error lies in [-1, 1]" if least else "a sensor accuracy lies in [0, 1]"
 
 
 def forms() -> str:
-    """What an accuracy may be, for messages."""
-    heads = [*map(_head, PLUGINS.shipped), *(f"{name}(...)" for name in PLUGINS.outside)]  # not imported for a message
+    """The forms that an accuracy may have, for messages."""
+    # other packages' spreads are not imported for a message
+    heads = [*map(_head, PLUGINS.shipped), *(f"{name}(...)" for name in PLUGINS.outside)]
     spreads = ", ".join(f'"{head}"' for head in heads)
     return f"a sensor accuracy is a number in [0, 1], {spreads} or {{black = ..., white = ...}}"
 
 
-def pattern() -> str:
-    """What the text of a spread matches, for schemas: a name, and as many numbers as it takes."""
+def pattern(sign: str) -> str:
+    """The pattern of a spread as text, for schemas: a name with its numbers, or one number up to 1."""
     number = r"\s*[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?\s*"
     shipped = (
         rf"({_letter(kind)}|{kind})\s*\({','.join([number] * len(_parameters(kind)))}\)" for kind in PLUGINS.shipped
     )
     outside = (rf"{re.escape(kind)}\s*\([^()]*\)" for kind in PLUGINS.outside)  # not imported for a schema
-    return rf"\s*({'|'.join([*shipped, *outside])})\s*"
+    up_to_one = rf"{sign}(1(\.0*)?|(0(\.\d*)?|\.\d+)([eE]-\d+)?)"
+    return rf"^\s*({'|'.join([*shipped, *outside, up_to_one])})\s*$"
 
 
 def parse_spread(value: object, accuracy: bool = True) -> Spread:
     """Read a number or such as "U(lo, hi)", within [0, 1] where it is an accuracy. Raises ValueError."""
+    if isinstance(value, Spread):
+        return value
     least = 0.0 if accuracy else -1.0
     match = FORM.fullmatch(value) if isinstance(value, str) else None
     if match is not None:
@@ -150,12 +156,24 @@ def parse_spread(value: object, accuracy: bool = True) -> Spread:
     try:
         if isinstance(value, bool) or not isinstance(value, str | int | float):
             raise ValueError
-        number = float(value if isinstance(value, str) else min(max(value, -2), 2))  # some would not fit a float
+        number = float(value if isinstance(value, str) else min(max(value, -2), 2))  # a large int would not fit a float
     except ValueError:
         raise ValueError(forms()) from None
     if not least <= number <= 1.0:
         raise ValueError(bounds(least))
     return Spread("", (number,))
+
+
+SpreadText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern(r"\+?")})]
+ErrorText = Annotated[str, Form(lambda _: {"type": "string", "pattern": pattern("[+-]?")})]
+ABOUT = Field(description='a number for every robot, or a spread such as "U(0.525, 0.975)" or "N(0.75, 0.1)"')
+AccuracySpread = Annotated[Spread, BeforeValidator(parse_spread), any_of(Share, SpreadText), ABOUT]
+ErrorSpread = Annotated[
+    Spread,
+    BeforeValidator(functools.partial(parse_spread, accuracy=False)),
+    any_of(Annotated[Number, Field(ge=-1.0, le=1.0)], ErrorText),
+    ABOUT,
+]
 
 
 def _named(name: str, inside: str) -> Spread:

@@ -1,4 +1,4 @@
-"""The links of a topology that has a name: its file is asked for edges, and what it gives is made sure of."""
+"""The links of named topologies: their files give edges, which are checked here."""
 
 import functools
 import inspect
@@ -18,7 +18,7 @@ Heard = tuple[np.ndarray, np.ndarray]  # receivers and senders, sorted by them
 
 
 def _no_edges() -> None:
-    """What full networks and robots that move have instead: no keys."""
+    """In place of the function of full networks and of robots that move, which have no edges and no keys."""
 
 
 def _function(name: str) -> Callable[..., Any]:
@@ -31,43 +31,43 @@ def _function(name: str) -> Callable[..., Any]:
 
 
 def read(name: str, given: dict[str, Any]) -> tuple[str, Keys]:
-    """A named topology's text, such as torus(columns=5), and its keys. Raises ValueError."""
+    """The text of a named topology, such as torus(columns=5), and its keys. Raises ValueError."""
     function = _function(name)
     for key in keys_of(function).model_fields.keys() & TAKEN:
         raise InputError(f"topology {name!r}: it has a key {key}, which means something else in study files")
     keys = read_keys(f"topology {name}", function, given)
-    usual = defaults_of(function)
-    shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in usual or usual[key] != value)
+    defaults = defaults_of(function)
+    shown = ",".join(f"{key}={text_of(value)}" for key, value in keys if key not in defaults or defaults[key] != value)
     return f"{name}({shown})" if shown else name, keys
 
 
 @functools.cache
 def varies(name: str) -> bool:
-    """Whether each trial has another graph."""
-    taken = inspect.signature(_function(name)).parameters.values()
-    return sum(one.kind is not one.KEYWORD_ONLY and one.default is one.empty for one in taken) > 1
+    """Whether graphs differ from trial to trial: the function then takes `chance` too."""
+    parameters = inspect.signature(_function(name)).parameters.values()
+    return sum(p.kind is not p.KEYWORD_ONLY and p.default is p.empty for p in parameters) > 1
 
 
 def check(name: str, keys: Keys, robots: int) -> None:
-    """Raise ValueError where the topology's own file refuses a swarm of this size."""
+    """Raise ValueError if the topology's own `check` refuses a swarm of this size."""
     refuse = getattr(PLUGINS.module(name), "check", None)
     if refuse is not None:
-        _asked(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
+        _called(name, keys, robots, functools.partial(refuse, **dict(keys)), robots)
 
 
 def check_repeats(name: str, keys: Keys, robots: int) -> None:
-    """Raise InputError where a graph fails, or is another when it is asked for again."""
+    """Raise InputError if a graph fails, or differs when it is made again."""
     chances = [Chance(np.zeros(2, np.uint64), 0) if varies(name) else None]
     one, other = (graphs(name, keys, robots, chances)[0] for _ in range(2))
     if not all(map(np.array_equal, one, other)):
         raise InputError(
-            f"topology {name!r}: its edges are others when they are asked for again: what differs from trial to trial "
-            "is drawn from chance.generator(), with edges(robots, chance)"
+            f"topology {name!r}: its edges should be the same at each call: those that differ from trial to trial are "
+            "drawn from chance.generator(), by a function edges(robots, chance)"
         )
 
 
 def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None]) -> list[Heard]:
-    """Who hears whom, trial by trial; chance is None where all have one graph. Raises InputError where one fails."""
+    """Who hears whom in each trial; a chance is None if all trials share a graph. Raises InputError if one fails."""
     module, function, own = PLUGINS.module(name), _function(name), dict(keys)
     if name in PLUGINS.shipped and hasattr(module, "links"):
         return [function(robots, chance, **own) for chance in chances]
@@ -77,12 +77,12 @@ def graphs(name: str, keys: Keys, robots: int, chances: Iterable[Chance | None])
         given = (robots,) if chance is None else (robots, chance)
         return pairs_of(function(*given, **own), robots)
 
-    return [heard(_asked(name, keys, robots, edges, chance), directed) for chance in chances]
+    return [heard(_called(name, keys, robots, edges, chance), directed) for chance in chances]
 
 
-def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: object) -> Any:
+def _called(name: str, keys: Keys, robots: int, call: Callable[..., Any], argument: object) -> Any:
     try:
-        return ask(given)
+        return call(argument)
     except Exception as error:
         own = "".join(f", {key} = {text_of(value)}" for key, value in keys)
         raise InputError(
@@ -91,7 +91,7 @@ def _asked(name: str, keys: Keys, robots: int, ask: Callable[..., Any], given: o
 
 
 def pairs_of(given: Any, robots: int) -> np.ndarray:
-    """Edges as an array (edge, 2). Raises ValueError where they are no pairs of robots that there are."""
+    """Edges as an array (edge, 2). Raises ValueError if they are not pairs of the swarm's robots."""
     pairs = given if isinstance(given, np.ndarray) else list(given)
     try:
         edges = np.asarray(pairs) if len(pairs) else np.zeros((0, 2), np.int64)
@@ -99,18 +99,18 @@ def pairs_of(given: Any, robots: int) -> np.ndarray:
         edges = np.zeros(0)
     if edges.ndim != 2 or edges.shape[1] != 2 or edges.dtype.kind not in "iu":
         raise ValueError("its edges should be pairs of robot numbers, from 0")
-    for wrong, said in (
+    for wrong, problem in (
         ((edges < 0) | (edges >= robots), f"leads to a robot that is not there: they are numbered 0 to {robots - 1}"),
         (edges[:, :1] == edges[:, 1:], "joins a robot to itself"),
     ):
         if wrong.any():
             u, v = edges[wrong.any(axis=1)][0].tolist()
-            raise ValueError(f"its edge ({u}, {v}) {said}")
+            raise ValueError(f"its edge ({u}, {v}) {problem}")
     return edges.astype(np.int64)
 
 
 def heard(edges: np.ndarray, directed: bool) -> Heard:
-    """Edges (edge, 2) as links, each once; of a directed one, the second hears the first."""
+    """Edges (edge, 2) as links, each once; in a directed edge, the second robot hears the first."""
     if not edges.size:
         return np.zeros(0, np.uint32), np.zeros(0, np.uint32)
     n = np.int64(edges.max()) + 1

@@ -1,4 +1,4 @@
-"""Blobs: a smooth Gaussian field with one correlation length, black where it is lowest."""
+"""Clusters: a smooth Gaussian field with one correlation length; its lowest values are black."""
 
 import math
 from typing import Annotated
@@ -12,20 +12,20 @@ from swarmcensus.worlds.arena import MOST_COUNTED, Arena, Length, Score, Scores,
 from swarmcensus.worlds.chance import Chance
 
 Correlation = Annotated[Length, Field(examples=[0.2])]
-SOME_COUNTED = 1_000_000  # tiles, where the lattice is too large to be kept: each tile is costly
-MOST_NODES = 1 << 24  # of a lattice that are kept: 128 MB
+FEW_COUNTED = 1_000_000  # tiles, if the lattice is too large to be kept: each tile then takes long
+MOST_NODES = 1 << 24  # of a lattice that is kept in memory: 128 MB
 KERNEL = 3.5  # standard deviations, where the smoothing kernel is cut off
 
 
 def check(arena: Arena, *, length: Correlation) -> None:
-    """Refuse lengths that tiles cannot show."""
+    """Refuse lengths that are too short for the tiles."""
     if length < 2.0 * arena.tile:
         least = 2.0 * arena.tile
         raise ValueError(f'should be at least two tiles, {least:g} m; without clusters the floor is "tiles"')
 
 
 def score(arena: Arena, chance: Chance, *, length: Correlation) -> Score:
-    """Independent N(0, 1) on a lattice, smoothed."""
+    """Independent N(0, 1) numbers on a lattice, smoothed."""
     module, weights = compile_world("scores"), kernel(length, arena.tile)
     first, size = lattice(length, arena)
     nodes = np.empty((size, size))
@@ -40,17 +40,17 @@ def score(arena: Arena, chance: Chance, *, length: Correlation) -> Score:
 
 
 def most_counted(arena: Arena, *, length: Correlation) -> int:
-    """Fewer where each tile is costly."""
-    return MOST_COUNTED if lattice(length, arena)[1] else SOME_COUNTED
+    """Fewer if each tile takes long."""
+    return MOST_COUNTED if lattice(length, arena)[1] else FEW_COUNTED
 
 
 def kernel(length: float, tile: float) -> NDArray[np.float64]:
-    """Return the weights (offset, tap) of one axis that smooth a lattice to a field of this correlation length.
+    """Return the weights (offset, tap) along one axis that smooth a lattice to a field of this correlation length.
 
-    Independent N(0, 1) smoothed by a Gaussian of standard deviation s are correlated by exp(-d^2 / (4 s^2)) at a
-    distance d, so s is half the correlation length, where that is 1/e. Nodes are at most s apart, a whole number of
-    tiles: then the correlation is this, from every tile, to 0.001. A tile lies `offset` tiles after the node of the
-    last tap but half of them.
+    Independent N(0, 1) numbers that a Gaussian of standard deviation s smooths have the correlation
+    exp(-d^2 / (4 s^2)) at a distance d. It is 1/e at the correlation length, so s is half of that. Nodes are a whole
+    number of tiles and at most s apart, which gives this correlation to within 0.001 from every tile. A tile lies
+    `offset` tiles after the middle tap's node.
     """
     sd = length / 2.0 / tile
     apart = max(1, math.floor(sd + 1e-9))
@@ -62,7 +62,7 @@ def kernel(length: float, tile: float) -> NDArray[np.float64]:
 
 
 def lattice(length: float, arena: Arena) -> tuple[int, int]:
-    """Return the first node, in both directions, that tiles of the arena need, and how many in a row; 0: too many."""
+    """Return the first node, in both directions, that the arena's tiles need, and the nodes in a row; 0: too many."""
     apart, taps = kernel(length, arena.tile).shape
     first = -arena.across // 2 // apart - taps
     return first, -2 * first if 4 * first**2 <= MOST_NODES else 0

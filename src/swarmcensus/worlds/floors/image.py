@@ -1,4 +1,4 @@
-"""A picture over the whole arena: black where it is darkest, or the likelier the darker it is."""
+"""A picture over the whole arena: its darkest parts are black, or dithered, darker parts more likely are."""
 
 from typing import Annotated, Literal
 
@@ -9,7 +9,7 @@ from swarmcensus.worlds.arena import Arena, Score, Scores, Tiles
 from swarmcensus.worlds.chance import Chance
 from swarmcensus.worlds.pictures import PictureFile
 
-SHADES = 512  # a dithered tile is black, and white, with odds of no less than one to so many at its mean
+SHADES = 512  # limits a dithered tile's odds of being black or white to 1 : SHADES
 
 
 def score(
@@ -19,7 +19,7 @@ def score(
     image: Annotated[PictureFile, Field(examples=["leaves.png"])],
     mode: Literal["threshold", "dither"] = "threshold",
 ) -> Score:
-    """Tiles by their grey level, ties broken at random; dithered, by odds that go with their darkness."""
+    """Grey levels, with ties broken at random; dithered, random scores with odds that grow with darkness."""
     grey = image.grey
     rows, columns = grey.shape
     darkness = np.clip(1.0 - np.arange(65536) / 65535.0, 1.0 / (SHADES + 1), SHADES / (SHADES + 1))

@@ -1,4 +1,4 @@
-"""Stripes of one period, a share of each black, along an axis and with a phase of each trial."""
+"""Stripes: a share of each period is black. Axis and phase are drawn for each trial."""
 
 from typing import Annotated
 
@@ -12,12 +12,12 @@ Period = Annotated[Length, Field(examples=[0.5])]
 
 
 def level(arena: Arena, chance: Chance, *, length: Period) -> Score:
-    """The place within the period, `length` metres, from 0 to 1."""
+    """The position within a period of `length` metres, from 0 to 1."""
     which, phase = chance.uniform(2)
     axis = int(which < 0.5)
 
     def within(tiles: Tiles) -> Scores:
-        # somewhere in the tile: where a stripe ends within it, it is black with the share that is covered
+        # a random point of the tile: a tile that a stripe covers in part is black with that probability
         place = (tiles[..., axis] + chance.noise(tiles)) * (arena.tile / length) + phase
         inside: Scores = np.minimum(place - np.floor(place), 1.0 - 2.0**-53)
         return inside
@@ -26,7 +26,7 @@ def level(arena: Arena, chance: Chance, *, length: Period) -> Score:
 
 
 def paint(arena: Arena, chance: Chance, share: float, *, length: Period) -> Paint:
-    """Black where that place is below the share."""
+    """Black if that position is below the share."""
     within = level(arena, chance, length=length)
 
     def colours(tiles: Tiles) -> np.ndarray:

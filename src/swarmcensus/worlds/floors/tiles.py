@@ -8,7 +8,7 @@ from swarmcensus.worlds.chance import Chance
 
 
 def paint(arena: Arena, chance: Chance, share: float) -> Paint:
-    """Black where a tile's own uniform number is below the share."""
+    """Black if the tile's own uniform number is below the share."""
 
     def colours(tiles: Tiles) -> np.ndarray:
         black = np.empty(tiles.shape[:2], np.bool_)
@@ -19,5 +19,5 @@ def paint(arena: Arena, chance: Chance, share: float) -> Paint:
 
 
 def level(arena: Arena, chance: Chance) -> Score:
-    """That number."""
+    """The tile's own uniform number."""
     return chance.noise

@@ -1,4 +1,4 @@
-"""Normal, "N(mean, sd)": accuracies truncated to [0, 1], errors as they come."""
+"""Normal, "N(mean, sd)": accuracies are truncated to [0, 1], errors are not."""
 
 import numpy as np
 
@@ -8,13 +8,13 @@ LETTER = "N"
 
 
 def check(mean: float, sd: float) -> None:
-    """Refuse deviations that are none."""
+    """Refuse standard deviations of 0 or below."""
     if sd <= 0.0:
         raise ValueError("it needs sd > 0")
 
 
 def centre(mean: float, sd: float) -> float:
-    """What lies in bounds."""
+    """The mean, which must be in bounds."""
     return mean
 
 

@@ -1,17 +1,17 @@
-"""Topologies by name: who hears whom, one file each, and each found because it lies here.
+"""Topologies with a name: who hears whom. Each file in this folder is a topology.
 
-`edges(robots, *, columns: int = 10)` gives the undirected pairs of robots, numbered from 0: any iterable of pairs, or
-an array (edge, 2). Keyword-only arguments are the topology's own keys in a study file, and their annotations, those of
-pydantic, say what they may be. Further, where a file needs it:
+`edges(robots, *, columns: int = 10)` returns the undirected pairs of robots, numbered from 0: any iterable of pairs, or
+an array (edge, 2). Keyword-only arguments are the topology's own keys in a study file, and their pydantic annotations
+say what they may be. Further, if needed:
 
-- `edges(robots, chance, *, ...)`: the graph is another in each trial, drawn from a `swarmcensus.worlds.chance.Chance`;
-- `DIRECTED = True`: of a pair (u, v), v hears u, and u does not hear v for that;
-- `check(robots, *, ...)` raises ValueError for swarms of a size that it does not fit.
+- `edges(robots, chance, *, ...)` draws another graph for each trial from a `swarmcensus.worlds.chance.Chance`;
+- `DIRECTED = True`: in a pair (u, v) only v hears u;
+- `check(robots, *, ...)` raises ValueError for swarms of a size that the topology does not fit.
 
-Another package adds a topology by an entry point of the group `swarmcensus.topologies`. Files here may say in place of
-edges, and nobody makes sure of it:
+Another package adds a topology by an entry point of the group `swarmcensus.topologies`. Files in this folder
+may have one of these in place of edges, which is not checked:
 
-- `links(robots, chance)`: arrays of receivers and senders, both ways, sorted by receiver and sender;
-- `EVERYONE = True`: everybody hears everybody, and nothing has to be listed;
-- `MOVES = True`: whom robots hear is for their walk to say.
+- `links(robots, chance)` returns arrays of receivers and senders, in both directions, sorted by receiver and sender;
+- `EVERYONE = True`: every robot hears every other, and no links are listed;
+- `MOVES = True`: robots move, and their trajectories decide whom they hear.
 """

@@ -1,3 +1,3 @@
-"""Everyone hears everyone (paper, Sec. IV-B)."""
+"""A full network: every robot hears every other (paper, Sec. IV-B)."""
 
 EVERYONE = True

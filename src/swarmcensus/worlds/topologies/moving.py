@@ -1,3 +1,3 @@
-"""No fixed network: robots walk in an arena and hear whom they meet (paper, Sec. IV-C; see arena.py, bodies.py)."""
+"""No fixed network: robots walk in an arena and hear those nearby (paper, Sec. IV-C; see arena.py, bodies.py)."""
 
 MOVES = True

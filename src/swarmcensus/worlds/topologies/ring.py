@@ -4,6 +4,6 @@ import numpy as np
 
 
 def edges(robots: int) -> np.ndarray:
-    """Neighbours, (edge, 2); of fewer than three robots a line."""
+    """Neighbours, (edge, 2); fewer than three robots form a line."""
     first = np.arange(robots if robots > 2 else robots - 1)
     return np.stack([first, (first + 1) % robots], axis=1)

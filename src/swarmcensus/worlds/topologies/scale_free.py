@@ -1,4 +1,4 @@
-"""A tree in which whom many hear is joined by more: Barabasi and Albert's, m = 1 (paper, Sec. IV-B)."""
+"""A scale-free tree by preferential attachment: Barabasi and Albert, m = 1 (paper, Sec. IV-B)."""
 
 import numpy as np
 
@@ -7,5 +7,5 @@ from swarmcensus.worlds.chance import Chance
 
 
 def links(robots: int, chance: Chance) -> tuple[np.ndarray, np.ndarray]:
-    """Receivers and senders of one trial's tree, both ways, in their order."""
+    """Receivers and senders of one trial's tree, in both directions, sorted."""
     return compile_world().random_tree(chance.key, chance.trial, robots)  # type: ignore[no-any-return]
