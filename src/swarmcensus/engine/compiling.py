@@ -6,9 +6,10 @@ from typing import Any
 
 from swarmcensus.engine.code_cache import sealed
 
-# Of what machine code alone calls: no way in for CPython or C is made, which takes a fifth of the time of compiling.
-# CPython that calls such a function all the same ends without a word.
-INSIDE: Any = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+# Numba makes two more functions around each, for calls from C and from CPython, which takes a fifth of the time of
+# compiling. Nothing calls from C. CPython crashes if it calls a function that has no wrapper for it.
+NOT_FROM_C: Any = {"no_cfunc_wrapper": True}
+INSIDE: Any = NOT_FROM_C | {"no_cpython_wrapper": True}
 
 
 def compiled(function: types.FunctionType, checked: bool = False) -> Any:
@@ -27,7 +28,7 @@ def entry(function: types.FunctionType) -> Any:
     """The same, kept on disk: what CPython calls."""
     import numba
 
-    return sealed(numba.njit(nogil=True, error_model="python", cache=True)(function), function)
+    return sealed(numba.njit(nogil=True, error_model="python", cache=True, **NOT_FROM_C)(function), function)
 
 
 def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.FunctionType], Any]:
@@ -37,4 +38,5 @@ def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.Function
     """
     import numba
 
-    return numba.njit(nogil=True, _nrt=False, **options, **({} if from_cpython else INSIDE))  # type: ignore[call-overload, no-any-return]
+    calls = NOT_FROM_C if from_cpython else INSIDE
+    return numba.njit(nogil=True, _nrt=False, **options, **calls)  # type: ignore[call-overload, no-any-return]

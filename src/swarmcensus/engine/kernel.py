@@ -8,14 +8,13 @@ import numpy as np
 
 from swarmcensus.engine.calling import call, place
 from swarmcensus.engine.changes import renew, source_of
-from swarmcensus.engine.compiling import compiled, entry, loop
+from swarmcensus.engine.compiling import entry, loop
 from swarmcensus.engine.constants import (
     BLOCK,
     BOUND,
     DECISION,
     END_ROUND,
     HEAR,
-    HEARD,
     IS_DONE,
     LUCK_FUSE,
     LUCK_OBSERVE,
@@ -39,9 +38,9 @@ from .minds import (
     next_checkpoint,
     settle,
 )
-from .rounds import Work, advance, advance_alone, degree, graph_of, heard_is_known, most_arrivals
+from .rounds import Work, advance, advance_alone, count_heard, graph_of, most_arrivals
 
-sensors_of, tally_of, intervals_of = compiled(Sensors.of_trial), compiled(Tally.of_trial), compiled(Intervals.of_trial)
+sensors_of, tally_of, intervals_of = map(loop(inline="always"), (Sensors.of_trial, Tally.of_trial, Intervals.of_trial))
 
 
 @entry
@@ -61,7 +60,7 @@ def simulate(
     segment, all get one. To see all estimates of a trial, run it alone and step by step with the same groups:
     minds.rows then hold the estimates of the step.
     """
-    memory, outbox, rows = minds.memory, minds.outbox, minds.rows
+    memory, outbox, rows, checkpoints = minds.memory, minds.outbox, minds.rows, intervals.checkpoints
     robots = memory.shape[0]
     segment = rows.shape[0]
     count = (rounds + segment - 1) // segment
@@ -98,9 +97,7 @@ def simulate(
             if counted.verdicts.shape[0] > 0:
                 judge_blank(swarm, memory, start, counted.verdicts)
             count_known(swarm, counted.counts, failures, rounds)
-            if heard_is_known(swarm, graph, radio, failures):
-                for i in range(counted.counts.shape[1]):
-                    counted.counts[HEARD, i] = max(rounds - radio.delay, 0) * degree(graph, i, robots)
+            count_heard(swarm, graph, radio, failures, max(rounds - radio.delay, 0), counted.counts)
             for i in range(robots):
                 low[i] = np.inf
                 high[i] = -np.inf
@@ -127,11 +124,10 @@ def simulate(
                 else:
                     begun = first
                     while begun < last:  # up to a checkpoint at which robots are asked for intervals, and on
-                        c, end = next_checkpoint(intervals.checkpoints, begun), last
-                        asks = forward and asked.bounds.shape[1] > 0 and c < asked.checkpoints.size
-                        asks = asks and asked.checkpoints[c] < last
+                        c, end = next_checkpoint(checkpoints, begun), last
+                        asks = forward and asked.bounds.shape[1] > 0 and c < checkpoints.size and checkpoints[c] < last
                         if asks:
-                            end = asked.checkpoints[c] + 1
+                            end = checkpoints[c] + 1
                         advance(
                             swarm, Minds(memory, outbox, rows[begun - first :]), work, source, graph, radio,
                             counted if forward else again, failures, number, begun, end, stop,
@@ -144,7 +140,17 @@ def simulate(
                 if stop[0] != 0:
                     return False
                 if forward:
-                    measure_checkpoints(swarm, rows, first, last, trial, asked.checkpoints, measures)
+                    for c in range(checkpoints.size):
+                        if first <= checkpoints[c] < last:
+                            right = honest = 0
+                            for i in range(robots):
+                                x = rows[checkpoints[c] - first, i]
+                                if swarm.honest.size == 0 or swarm.honest[i]:
+                                    right += measures.bins[c, 0] <= x < measures.bins[c, 1]
+                                    honest += 1
+                                if measures.kept.shape[0] > 0:
+                                    measures.kept[c, trial, i] = x
+                            measures.correct[c, trial] = right / honest
                 if s == count - 1:
                     for i in range(robots):
                         measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
@@ -154,22 +160,6 @@ def simulate(
         if undecided and last_step == 2 * count - 1:
             settle(start, np.int64(0), measures.delta, low, high, where, value)
     return True
-
-
-@loop()
-def measure_checkpoints(swarm, rows, first, last, trial, checkpoints, measures):
-    """Measure and keep estimates at the checkpoints among rounds first ... last - 1, whose estimates are `rows`."""
-    for c in range(checkpoints.size):
-        if first <= checkpoints[c] < last:
-            right = counted = 0
-            for i in range(rows.shape[1]):
-                x = rows[checkpoints[c] - first, i]
-                if swarm.honest.size == 0 or swarm.honest[i]:
-                    right += measures.bins[c, 0] <= x < measures.bins[c, 1]
-                    counted += 1
-                if measures.kept.shape[0] > 0:
-                    measures.kept[c, trial, i] = x
-            measures.correct[c, trial] = right / counted
 
 
 @entry

@@ -9,7 +9,7 @@ from swarmcensus.engine.layout import Minds
 
 from .failures import works
 from .minds import ZERO, believe_all, blank_minds, copy_rows, forget_verdicts, heard_by, judge_blank
-from .rounds import Work, advance, degree, graph_of, heard_is_known, most_arrivals
+from .rounds import Work, advance, count_heard, graph_of, most_arrivals
 
 
 @entry
@@ -42,7 +42,6 @@ def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, histor
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     work = Work(blacks, bits, np.zeros(0), luck, beside, arrivals)
     source = source_of(sensors)
-    known = heard_is_known(swarm, graph, radio, stops)
     for r in range(rows.shape[0]):
         k = first + r
         renew(source, k)
@@ -57,9 +56,8 @@ def live(swarm, minds, sensors, radio, links, stops, tally, trial, first, histor
         if swarm.flag < 0:
             for i in range(robots):
                 counts[SENT, i] += works(stops, TALKING, i, k)
-        if known and k > delay:
-            for i in range(robots):
-                counts[HEARD, i] += degree(graph, i, robots)
+        if k > delay:
+            count_heard(swarm, graph, radio, stops, 1, counts)
         messages[r, 0] = counts[SENT].sum()
         messages[r, 1] = counts[HEARD].sum()
 

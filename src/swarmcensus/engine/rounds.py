@@ -95,16 +95,14 @@ def most_arrivals(graph, robots):
 
 
 @loop()
-def heard_is_known(swarm, graph, radio, stops):
-    """Whether each robot hears the same number of messages in all rounds, so that they need no counting."""
+def count_heard(swarm, graph, radio, stops, rounds, counts):
+    """Count what robots hear in so many rounds if it is the same in each round; else `advance` counts it."""
     sound = radio.threshold == 0 and stops.shape[1] == 0 and graph.mode != PAIRS
-    return swarm.flag < 0 and (graph.mode == FULL or sound)
-
-
-@loop()
-def degree(graph, i, robots):
-    """How many others robot i hears."""
-    return robots - 1 if graph.mode == FULL else graph.bounds[i + 1] - graph.bounds[i]
+    if swarm.flag < 0 and (graph.mode == FULL or sound):
+        robots = graph.bounds.size - 1
+        for i in range(counts.shape[1]):
+            degree = robots - 1 if graph.mode == FULL else graph.bounds[i + 1] - graph.bounds[i]
+            counts[HEARD, i] += rounds * degree
 
 
 @loop()
