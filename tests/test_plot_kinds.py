@@ -454,20 +454,29 @@ def test_lines_of_checkpoints_are_of_the_last_or_along_them(small_results):
 def test_any_variable_that_has_trials_is_drawn_with_its_unit():
     results = robots()
     rng = np.random.default_rng(0)
-    results["bytes_sent"] = (("setting", "trial"), rng.gamma(2, 10, (3, 12)), {"units": "bytes", "long_name": "sent"})
-    figure = sc.plot.lines(results, y="bytes_sent")
+    results["battery_used"] = (("setting", "trial"), rng.gamma(2, 10, (3, 12)), {"units": "J", "long_name": "used"})
+    figure = sc.plot.lines(results, y="battery_used")
     (ax,) = figure.axes
-    assert ax.get_ylabel() == "bytes sent, median (bytes)"
+    assert ax.get_ylabel() == "battery used, median (J)"
     assert ax.get_xlabel() == "robots $N$"
     assert ax.get_xscale() == "log"
     (line,) = (line for line in ax.lines if line.get_label() == "line ")
-    np.testing.assert_allclose(line.get_ydata(), results["bytes_sent"].median("trial"))
-    expected = [estimate(row[:, None], "median")[1:] for row in results["bytes_sent"].values]
+    np.testing.assert_allclose(line.get_ydata(), results["battery_used"].median("trial"))
+    expected = [estimate(row[:, None], "median")[1:] for row in results["battery_used"].values]
     np.testing.assert_allclose(intervals(ax, ""), expected)
-    (ax,) = sc.plot.lines(results, y="bytes_sent", statistic="mean").axes
-    np.testing.assert_allclose(ax.lines[0].get_ydata(), results["bytes_sent"].mean("trial"))
-    with pytest.raises(InputError, match=r"what is measured here is convergence_round, .*bytes_sent"):
+    (ax,) = sc.plot.lines(results, y="battery_used", statistic="mean").axes
+    np.testing.assert_allclose(ax.lines[0].get_ydata(), results["battery_used"].mean("trial"))
+    with pytest.raises(InputError, match=r"what is measured here is convergence_round, .*battery_used"):
         sc.plot.lines(results, y="weather")
+
+
+def test_a_quantity_is_drawn_with_the_statistic_and_the_label_that_it_is_declared_with():
+    results = robots()
+    results["messages_sent"] = results["convergence_round"].astype(float)
+    (ax,) = sc.plot.lines(results, y="messages_sent").axes
+    assert ax.get_ylabel() == "messages sent by a robot, mean"
+    (ax,) = sc.plot.lines(results, y="messages_sent", statistic="median").axes
+    assert ax.get_ylabel() == "messages sent by a robot, median"
 
 
 def test_what_is_left_open_is_chosen_from_what_varies():
