@@ -1,17 +1,26 @@
 """Tables of pages that are made from the code: coordinates, quantities, and the shipped metrics.
 
-    python docs_hooks/tables.py        # writes the tables of docs/data-format.md and docs/metrics.md
+    python docs_hooks/tables.py        # writes the tables of docs/data-format.md
 
-A table stands between two comments, which name it.
+A table of that page stands between two comments, which name it. The table of metrics is put into docs/metrics.md when
+the site is built, so that a new metric is a new file and nothing else.
 """
 
+from __future__ import annotations
+
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from swarmcensus import metrics
 from swarmcensus.vocabulary import coordinates, quantities
 
-DOCS = Path(__file__).parent.parent / "docs"
-PAGES = [DOCS / "data-format.md", DOCS / "metrics.md"]
+if TYPE_CHECKING:  # the script needs no mkdocs
+    from mkdocs.config.defaults import MkDocsConfig
+    from mkdocs.structure.files import Files
+    from mkdocs.structure.pages import Page
+
+PAGE = Path(__file__).parent.parent / "docs" / "data-format.md"
+METRICS = "<!-- the shipped metrics -->"
 
 
 def of_coordinates() -> str:
@@ -34,17 +43,21 @@ def of_metrics() -> str:
     return "\n".join(["| name | unit | better | meaning |", "|---|---|---|---|", *rows])
 
 
-TABLES = {"coordinates": of_coordinates, "quantities": of_quantities, "metrics": of_metrics}
+TABLES = {"coordinates": of_coordinates, "quantities": of_quantities}
 
 
 def filled(markdown: str) -> str:
-    """The text of a page with its tables as the code has them."""
+    """The text of docs/data-format.md with its tables as the code has them."""
     for name, table in TABLES.items():
         begin, end = f"<!-- {name}: python docs_hooks/tables.py -->", f"<!-- end of {name} -->"
-        if begin in markdown:
-            before, _, rest = markdown.partition(begin)
-            markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
+        before, _, rest = markdown.partition(begin)
+        markdown = f"{before}{begin}\n\n{table()}\n\n{end}{rest.partition(end)[2]}"
     return markdown
+
+
+def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
+    """Put the table of metrics into its page."""
+    return markdown.replace(METRICS, of_metrics())
 
 
 def _cell(text: str) -> str:
@@ -52,5 +65,4 @@ def _cell(text: str) -> str:
 
 
 if __name__ == "__main__":
-    for page in PAGES:
-        page.write_text(filled(page.read_text(encoding="utf-8")), encoding="utf-8")
+    PAGE.write_text(filled(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

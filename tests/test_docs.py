@@ -316,9 +316,13 @@ def test_benchmarks_find_what_they_measure(script, monkeypatch):
 
 def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
     page = ROOT / "docs" / "metrics.md"
-    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \|", page.read_text(encoding="utf-8"), re.M)
-    assert rows == [(name, metrics.load(name).unit) for name, _ in rows]
-    assert {name for name, _ in rows} == set(metrics.PLUGINS.shipped)
+    hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["on_page_markdown"]
+    built = hook(page.read_text(encoding="utf-8"), page=None, config=None, files=None)
+    rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| (\w+) \|", built, re.M)
+    assert [name for name, *_ in rows] == [*metrics.PLUGINS.shipped]
+    assert rows == [
+        (one.name, one.unit, "low" if one.low else "high") for one in map(metrics.load, metrics.PLUGINS.shipped)
+    ]
     example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
     assert example in list(blocks(page, "python"))
 
