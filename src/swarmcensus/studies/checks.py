@@ -27,7 +27,7 @@ def check(tables: Tables, grids: Sequence[Grid], all_used: bool) -> None:
     """Raise ValueError, naming the key, if values contradict each other, or with `all_used` if a key has no effect."""
     for grid in grids:
         for key, values in (("brain", grid.swarm.brain), ("topology", grid.world.topology)):
-            names = [getattr(v, "label", v.name) for v in values]
+            names = [v.label if isinstance(v, Brain) else v.name for v in values]
             if len(set(names)) < len(names):
                 raise ValueError(f"two entries of {grid.key(key)} have one name: {', '.join(names)}{NAMES[key]}")
     lists = [*(grid.swarm.brain for grid in grids), *(table.brain or [] for table in tables.members)]
