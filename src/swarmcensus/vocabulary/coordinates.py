@@ -1,6 +1,6 @@
 """Everything that settings differ in, each declared once: the coordinates of the dataset along `setting`.
 
-A new coordinate is one entry of `ALL`, and a value in `coordinates` of studies/settings.py. Parameters of brains are
+A new coordinate is one entry of `ALL`, and a value in `_coordinates` of studies/settings.py. Parameters of brains are
 coordinates too, by their own names; they have no entry.
 """
 
