@@ -319,10 +319,8 @@ def test_the_page_shows_every_shipped_metric_and_the_example_is_its_file():
     hook = runpy.run_path(str(ROOT / "docs_hooks" / "tables.py"))["on_page_markdown"]
     built = hook(page.read_text(encoding="utf-8"), page=None, config=None, files=None)
     rows = re.findall(r"^\| `([a-z-]+)` \| (\w+) \| (\w+) \|", built, re.M)
-    assert [name for name, *_ in rows] == [*metrics.PLUGINS.shipped]
-    assert rows == [
-        (one.name, one.unit, "low" if one.low else "high") for one in map(metrics.load, metrics.PLUGINS.shipped)
-    ]
+    shipped = [metrics.load(name) for name in metrics.PLUGINS.shipped]
+    assert rows == [(metric.name, metric.unit, "low" if metric.low else "high") for metric in shipped]
     example = (ROOT / "studies" / "example" / "overshoot.py").read_text(encoding="utf-8")
     assert example in list(blocks(page, "python"))
 
