@@ -84,6 +84,7 @@ def by_hand(curves, truth, bins=10):
         "first_right": np.array(good),
         "time_right": right.mean(axis=0),
         "mean_error": np.abs(curves - truth).mean(axis=0),
+        "rms_error": np.sqrt(((curves - truth) ** 2).mean(axis=0)),
         "largest_jump": np.abs(np.diff(curves, axis=0)).max(axis=0, initial=0.0),
         "swarm_right": nearly[0] + 1.0 if nearly.size else math.inf,
         "recovery_time": np.array([next((k for k in range(rounds) if c[k:].all()), math.inf) for c in near.T]),
