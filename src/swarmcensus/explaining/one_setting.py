@@ -141,12 +141,12 @@ def _limit_text(expectation: Expectation, terms: dict[str, float]) -> str:
         f", and the network relaxes in {expectation.relaxation:,.0f} rounds" if expectation.relaxation > 0.0 else ""
     )
     return {
-        "sensors": "the sensors: even all readings of the swarm together leave as much. Better sensors, more readings "
-        "or more robots would help.",
-        "floor": "the floor: its own share of black is as far from f. A larger floor would help, or holding estimates "
-        'against the floor itself (truth = "floor").',
-        "time": f"time: news is still under way{relaxed}. More rounds, more links or a brain that mixes faster would "
-        "help.",
-        "mixing": "mixing: estimates hold less than what the swarm has seen. A brain that passes on more, or a network "
-        "in which all count alike, would help.",
+        "sensors": "the sensors: the largest part of the error would remain if all readings of the swarm were pooled. "
+        "Better sensors, more readings or more robots would help.",
+        "floor": "the floor: its own share of black differs from f. A larger floor would help, or comparing estimates "
+        'with the floor itself (truth = "floor").',
+        "time": f"time: readings have not reached all robots yet{relaxed}. More rounds, more links or a brain that "
+        "mixes faster would help.",
+        "mixing": "mixing: estimates use less than all readings of the swarm. A brain that passes on more, or a "
+        "network in which all robots count equally, would help.",
     }[largest]

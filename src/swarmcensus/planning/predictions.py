@@ -41,94 +41,6 @@ class Prediction(NamedTuple):
         return Prediction(*(rounds * mission.round_minutes for rounds in self))
 
 
-@functools.lru_cache(maxsize=64)
-def _reading(accuracy: object, fill_ratio: float) -> float:
-    """The variance of a corrected reading; for unequal sensors, of a sensor with their mean information."""
-    b, w = accuracy.draw(0, "planning", 0, 1, SAMPLED_SENSORS)  # type: ignore[attr-defined]
-    information = float(theory.information(fill_ratio, b, w).mean())
-    return 1.0 / information if information > 0.0 else math.inf
-
-
-def tiles_of(mission: Mission) -> float:
-    """How many tiles sensors can reach: those in the square of robots' centres, widened by the sensor's distance."""
-    side = mission.side
-    if side is None:
-        return math.inf
-    arm, inner = math.hypot(*mission.body.sensor), max(side - 2.0 * mission.body.radius, 0.0)
-    within = inner**2 + 4.0 * inner * arm + math.pi * arm**2
-    return max(1.0, min(within, side**2) / mission.body.tile**2)
-
-
-def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
-    """The variance about the truth of an estimate from so many readings anywhere on the floor."""
-    f, tiles = fill_ratio, tiles_of(mission)
-    of_reading = _reading(mission.accuracy, f)
-    floor = mission.area.floor[0] if mission.area.floor else Floor()
-    if math.isinf(tiles):
-        return of_reading / readings
-    ordered = floor != Floor()  # such floors have exactly so many black tiles
-    of_floor = theory.tiles_variance(
-        theory.even_concentration(readings, round(tiles)),
-        f,
-        round(tiles),
-        drawn="exactly" if ordered else "one by one",
-        truth="floor" if mission.on_floor else "nominal",
-    )
-    return max(of_reading - f * (1.0 - f), 0.0) / readings + float(of_floor)
-
-
-def readings_needed(mission: Mission, fill_ratio: float) -> float:
-    """The least number of readings that is enough; infinite if none is."""
-    goal = mission.goal
-
-    def enough(readings: float) -> bool:
-        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= goal.confidence
-
-    if not enough(MOST_READINGS):
-        return math.inf
-    low, high = 1.0, MOST_READINGS
-    if enough(low):
-        return low
-    while high / low > 1.0 + 1e-6:
-        middle = math.sqrt(low * high)
-        low, high = (low, middle) if enough(middle) else (middle, high)
-    return high
-
-
-def least_deviation(mission: Mission, fill_ratio: float) -> float:
-    """The least standard deviation for any number of readings, that of the floor's own share of black."""
-    return math.sqrt(variance(mission, fill_ratio, MOST_READINGS))
-
-
-def worst_fill_ratios(mission: Mission) -> list[float]:
-    """The fill ratio that needs most readings, and both ends of the range, each once."""
-    candidates = mission.goal.candidates(*mission.known.fill_ratio)
-    hardest = float(
-        max(candidates, key=lambda f: (readings_needed(mission, float(f)), least_deviation(mission, float(f))))
-    )
-    return list(dict.fromkeys([hardest, float(candidates[0]), float(candidates[-1])]))
-
-
-def inner_fill_ratios(mission: Mission) -> list[float]:
-    """Other fill ratios of the range, examined if robots lie: theory cannot tell where liars do most harm."""
-    if not mission.known.lying:
-        return []
-    candidates = mission.goal.candidates(*mission.known.fill_ratio)[::INNER_STEP].tolist()
-    return [f for f in candidates if f not in worst_fill_ratios(mission)]
-
-
-def with_worst_accuracy(mission: Mission) -> Mission:
-    """The mission with only that of its accuracies which needs most readings in the first world."""
-
-    def readings(accuracy: Accuracy) -> float:
-        known = mission.known.model_copy(update={"accuracy": [accuracy]})
-        world = mission.model_copy(update={"known": known}).worlds[0].sized(REFERENCE)
-        return readings_needed(world, worst_fill_ratios(world)[0])
-
-    accuracy = max(mission.known.accuracy, key=readings)
-    return mission.model_copy(update={"known": mission.known.model_copy(update={"accuracy": [accuracy]})})
-
-
 def predict(mission: Mission, robots: int, readings: float) -> Prediction:
     """How many rounds robots need for estimates as good as from so many readings, without those that lie or fail."""
     working = robots - mission.lying(robots) - mission.failing(robots)
@@ -178,3 +90,91 @@ def meeting_factors(robots: int, rate: float, ticks: ArrayLike) -> NDArray[np.fl
         return 1.0 / t
     a = rate * robots / (2.0 * (robots - 1))
     return np.asarray(1.0 / (robots * t) + (1.0 - 1.0 / robots) * -np.expm1(-a * t) / (a * t**2))
+
+
+def readings_needed(mission: Mission, fill_ratio: float) -> float:
+    """The least number of readings that is enough; infinite if none is."""
+    goal = mission.goal
+
+    def enough(readings: float) -> bool:
+        return goal.normal_share(math.sqrt(variance(mission, fill_ratio, readings)), fill_ratio) >= goal.confidence
+
+    if not enough(MOST_READINGS):
+        return math.inf
+    low, high = 1.0, MOST_READINGS
+    if enough(low):
+        return low
+    while high / low > 1.0 + 1e-6:
+        middle = math.sqrt(low * high)
+        low, high = (low, middle) if enough(middle) else (middle, high)
+    return high
+
+
+def least_deviation(mission: Mission, fill_ratio: float) -> float:
+    """The least standard deviation for any number of readings, that of the floor's own share of black."""
+    return math.sqrt(variance(mission, fill_ratio, MOST_READINGS))
+
+
+def variance(mission: Mission, fill_ratio: float, readings: float) -> float:
+    """The variance about the truth of an estimate from so many readings anywhere on the floor."""
+    f, tiles = fill_ratio, tiles_of(mission)
+    of_reading = _reading(mission.accuracy, f)
+    floor = mission.area.floor[0] if mission.area.floor else Floor()
+    if math.isinf(tiles):
+        return of_reading / readings
+    ordered = floor != Floor()  # such floors have exactly so many black tiles
+    of_floor = theory.tiles_variance(
+        theory.even_concentration(readings, round(tiles)),
+        f,
+        round(tiles),
+        drawn="exactly" if ordered else "one by one",
+        truth="floor" if mission.on_floor else "nominal",
+    )
+    return max(of_reading - f * (1.0 - f), 0.0) / readings + float(of_floor)
+
+
+def tiles_of(mission: Mission) -> float:
+    """How many tiles sensors can reach: those in the square of robots' centres, widened by the sensor's distance."""
+    side = mission.side
+    if side is None:
+        return math.inf
+    arm, inner = math.hypot(*mission.body.sensor), max(side - 2.0 * mission.body.radius, 0.0)
+    within = inner**2 + 4.0 * inner * arm + math.pi * arm**2
+    return max(1.0, min(within, side**2) / mission.body.tile**2)
+
+
+@functools.lru_cache(maxsize=64)
+def _reading(accuracy: object, fill_ratio: float) -> float:
+    """The variance of a corrected reading; for unequal sensors, of a sensor with their mean information."""
+    b, w = accuracy.draw(0, "planning", 0, 1, SAMPLED_SENSORS)  # type: ignore[attr-defined]
+    information = float(theory.information(fill_ratio, b, w).mean())
+    return 1.0 / information if information > 0.0 else math.inf
+
+
+def worst_fill_ratios(mission: Mission) -> list[float]:
+    """The fill ratio that needs most readings, and both ends of the range, each once."""
+    candidates = mission.goal.candidates(*mission.known.fill_ratio)
+    hardest = float(
+        max(candidates, key=lambda f: (readings_needed(mission, float(f)), least_deviation(mission, float(f))))
+    )
+    return list(dict.fromkeys([hardest, float(candidates[0]), float(candidates[-1])]))
+
+
+def inner_fill_ratios(mission: Mission) -> list[float]:
+    """Other fill ratios of the range, examined if robots lie: theory cannot tell where liars do most harm."""
+    if not mission.known.lying:
+        return []
+    candidates = mission.goal.candidates(*mission.known.fill_ratio)[::INNER_STEP].tolist()
+    return [f for f in candidates if f not in worst_fill_ratios(mission)]
+
+
+def with_worst_accuracy(mission: Mission) -> Mission:
+    """The mission with only that of its accuracies which needs most readings in the first world."""
+
+    def readings(accuracy: Accuracy) -> float:
+        known = mission.known.model_copy(update={"accuracy": [accuracy]})
+        world = mission.model_copy(update={"known": known}).worlds[0].sized(REFERENCE)
+        return readings_needed(world, worst_fill_ratios(world)[0])
+
+    accuracy = max(mission.known.accuracy, key=readings)
+    return mission.model_copy(update={"known": mission.known.model_copy(update={"accuracy": [accuracy]})})

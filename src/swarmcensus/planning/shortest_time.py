@@ -35,30 +35,6 @@ class Reached(NamedTuple):
     share: Share
 
 
-def reached(curve: Curve, confidence: float) -> Reached | None:
-    """When the confidence is reached and kept; None if it is not.
-
-    More evidence makes more robots right, so shares and both ends of their intervals are sorted by size. By chance a
-    curve crosses the confidence several times; its first crossing would be too early, its last one too late
-    (Chernozhukov, Fernandez-Val and Galichon, 2009, "Improving point and interval estimators of monotone functions by
-    rearrangement"). Between two times the curve is interpolated linearly.
-    """
-    measured = [curve.at(k) for k in range(len(curve.rounds))]
-    expected = [curve.expected(k) for k in range(len(curve.rounds))]
-    begin = _first_place(
-        [share.low >= confidence for share in measured], [share.high < confidence for share in measured]
-    )
-    rounds, shares = curve.rounds[begin:], np.sort(expected[begin:])
-    lows = np.sort([share.low for share in measured[begin:]])
-    highs = np.sort([share.high for share in measured[begin:]])
-    at, first, last = (_crossing(rounds, each, confidence) for each in (shares, highs, lows))
-    if at is None or first is None:
-        return None
-    rounds_reached = math.ceil(at)
-    share_then = Share(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
-    return Reached(rounds_reached, math.floor(first), None if last is None else math.ceil(last), share_then)
-
-
 class FirstLook(NamedTuple):
     """What few trials say about a brain: its possible worst cases, the worst first, and when it reaches the goal.
 
@@ -181,6 +157,30 @@ def _row(mission: Mission, curve: Curve, reached_at: Reached | None, robots: int
         minutes_high=None if reached_at.high is None else reached_at.high * minute,
         share=reached_at.share,
     )
+
+
+def reached(curve: Curve, confidence: float) -> Reached | None:
+    """When the confidence is reached and kept; None if it is not.
+
+    More evidence makes more robots right, so shares and both ends of their intervals are sorted by size. By chance a
+    curve crosses the confidence several times; its first crossing would be too early, its last one too late
+    (Chernozhukov, Fernandez-Val and Galichon, 2009, "Improving point and interval estimators of monotone functions by
+    rearrangement"). Between two times the curve is interpolated linearly.
+    """
+    measured = [curve.at(k) for k in range(len(curve.rounds))]
+    expected = [curve.expected(k) for k in range(len(curve.rounds))]
+    begin = _first_place(
+        [share.low >= confidence for share in measured], [share.high < confidence for share in measured]
+    )
+    rounds, shares = curve.rounds[begin:], np.sort(expected[begin:])
+    lows = np.sort([share.low for share in measured[begin:]])
+    highs = np.sort([share.high for share in measured[begin:]])
+    at, first, last = (_crossing(rounds, each, confidence) for each in (shares, highs, lows))
+    if at is None or first is None:
+        return None
+    rounds_reached = math.ceil(at)
+    share_then = Share(*(float(np.interp(rounds_reached, rounds, each)) for each in (shares, lows, highs)))
+    return Reached(rounds_reached, math.floor(first), None if last is None else math.ceil(last), share_then)
 
 
 def _crossing(rounds: list[int], shares: Floats, confidence: float) -> float | None:
