@@ -136,5 +136,5 @@ def _one_or_several(inner: Callable[[], Schema]) -> Schema:
     return {"anyOf": [several["items"], several]}
 
 
-LISTED, ONE_OR_SEVERAL = BeforeValidator(_listed), Form(_one_or_several)  # of a list that may be its one value
+LISTED, ONE_OR_SEVERAL = BeforeValidator(_listed), Form(_one_or_several)  # a list, or its only value
 Several = Annotated[list[T], LISTED, Field(min_length=1), ONE_OR_SEVERAL]
