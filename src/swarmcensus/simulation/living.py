@@ -172,7 +172,7 @@ class _Moving:
         self.rider.tally.counts[...] = 0  # messages that are known beforehand are counted tick by tick here
         self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
         self.walk = Walk(
-            setting.robots, setting.arena_side, setting.fastest, given.walk, given.first, self.stop, True,
+            setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, self.stop, True,
             given.stops[0], self.wishes, given.paces[0],
         )  # fmt: skip
         memory, outbox, _ = self.rider.minds

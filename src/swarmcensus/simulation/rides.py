@@ -151,7 +151,7 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     given, ground = inputs_of(setting, seed, trial), setting.ground(seed, trial)
     rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
     bodies, neighbours = set_out(
-        setting.robots, setting.arena_side, setting.fastest, given.walk, trial, wishes_of(setting), given.paces[0]
+        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.paces[0]
     )
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
@@ -175,7 +175,7 @@ def walk_of(
     return walk(
         setting.robots,
         setting.arena_side,
-        setting.fastest,
+        setting.fastest_body,
         given.walk,
         given.first,
         setting.rounds,

@@ -89,31 +89,33 @@ class Members(Table):
 
 def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], moves: bool) -> None:
     """Raise ValueError if members do not fit a study's swarms."""
-    for n, one in enumerate(members):
-        if one.honest and all(v is None for v in (one.brain, one.accuracy, one.assumed_accuracy, one.speed)):
+    for n, table in enumerate(members):
+        if table.honest and all(v is None for v in (table.brain, table.accuracy, table.assumed_accuracy, table.speed)):
             raise ValueError(
                 f"members[{n}] differs in nothing from the others: give it a brain, an accuracy, an assumed_accuracy, "
                 "a speed, or honest = false"
             )
-        if not any(one.robots):
-            raise ValueError(f"members[{n}].robots = {one.robots[0]}: that is nobody, and the table would mean nothing")
-        for size in one.robots:
+        if not any(table.robots):
+            raise ValueError(
+                f"members[{n}].robots = {table.robots[0]}: that is nobody, and the table would mean nothing"
+            )
+        for size in table.robots:
             if size and not Member(size, share=isinstance(size, float)).count(max(sizes)):
                 raise ValueError(
                     f"members[{n}].robots = {size}: that is less than one of {counted(max(sizes), 'robot')}"
                 )
-        if one.speed is not None and not moves:
+        if table.speed is not None and not moves:
             raise ValueError(f'members[{n}].speed is of robots that move: it goes with topology = "moving"')
         hearing = [brain for brain in brains if not brain.is_oracle]  # an oracle hears no member
-        for adversary in (a for a in one.brain or [] if isinstance(a, Adversary)):
-            _check_adversary(n, one, adversary, hearing)
-        for brain in dict.fromkeys(b for b in one.brain or [] if isinstance(b, Brain)):
+        for adversary in (a for a in table.brain or [] if isinstance(a, Adversary)):
+            _check_adversary(n, table, adversary, hearing)
+        for brain in dict.fromkeys(b for b in table.brain or [] if isinstance(b, Brain)):
             theirs = (b for before in members[:n] for b in before.brain or [] if isinstance(b, Brain))
             for other in (*hearing, *theirs):
                 if brain.message != other.message:
                     raise ValueError(
-                        f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_said(brain)}), and that of "
-                        f"{other.name!r} ({_said(other)}): brains of one swarm have the same MESSAGE"
+                        f"members[{n}].brain = {brain.name!r}: its MESSAGE is ({_message_text(brain)}), and that of "
+                        f"{other.name!r} ({_message_text(other)}): brains of one swarm have the same MESSAGE"
                     )
                 if brain.decides and other.decides and brain.options != other.options:
                     raise ValueError(
@@ -121,21 +123,21 @@ def check(members: tuple[Members, ...], brains: list[Brain], sizes: list[int], m
                         f"{other.name!r} {other.options}: brains of one swarm have the same OPTIONS"
                     )
     for robots in sizes:
-        for chosen in itertools.product(*(one.robots for one in members)):
-            counts = [Member(one, share=isinstance(one, float)).count(robots) for one in chosen]
+        for chosen in itertools.product(*(table.robots for table in members)):
+            counts = [Member(size, share=isinstance(size, float)).count(robots) for size in chosen]
             if sum(counts) > robots:
-                told = " and ".join(f"members[{n}].robots = {one:g}" for n, one in enumerate(chosen))
-                raise ValueError(f"{told}: that is {sum(counts)} of {counted(robots, 'robot')}")
-            honest = robots - sum(c for c, one in zip(counts, members, strict=True) if not one.honest)
+                sizes_given = " and ".join(f"members[{n}].robots = {size:g}" for n, size in enumerate(chosen))
+                raise ValueError(f"{sizes_given}: that is {sum(counts)} of {counted(robots, 'robot')}")
+            honest = robots - sum(c for c, table in zip(counts, members, strict=True) if not table.honest)
             if honest < 1:
                 raise ValueError(
                     f"members: of {counted(robots, 'robot')} none is honest, and metrics count the honest ones"
                 )
 
 
-def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Brain]) -> None:
+def _check_adversary(n: int, table: Members, adversary: Adversary, brains: list[Brain]) -> None:
     where = f"members[{n}].brain = {adversary.label!r}"
-    if one.honest:
+    if table.honest:
         raise ValueError(f"{where}: that is an adversary, which is not honest: add honest = false")
     for brain in brains:
         try:
@@ -144,11 +146,11 @@ def _check_adversary(n: int, one: Members, adversary: Adversary, brains: list[Br
             raise ValueError(f"{where}: {error}") from None
 
 
-def _said(brain: Brain) -> str:
+def _message_text(brain: Brain) -> str:
     return ", ".join(name if not long else f"{name} of {long}" for name, long in brain.message.items())
 
 
-def groups(members: tuple[Member, ...], seed: int, first: int, trials: int, robots: int) -> np.ndarray:
+def member_numbers(members: tuple[Member, ...], seed: int, first: int, trials: int, robots: int) -> np.ndarray:
     """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none.
 
     Robots are drawn for each trial, by random numbers that depend only on the size of the swarm. So a larger share

@@ -17,7 +17,7 @@ from swarmcensus.brains import Brain, Value
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.engine.layout import Links
-from swarmcensus.studies.members import Member, groups
+from swarmcensus.studies.members import Member, member_numbers
 from swarmcensus.worlds import arena
 from swarmcensus.worlds.bodies import Body
 from swarmcensus.worlds.changes import Change, along, steady
@@ -72,7 +72,7 @@ class Setting:
 
     def who(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
         """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none."""
-        return groups(self.members, seed, first_trial, trials, self.robots)
+        return member_numbers(self.members, seed, first_trial, trials, self.robots)
 
     @property
     def honest(self) -> int:
@@ -135,7 +135,7 @@ class Setting:
         return Ground(floor, self.body, self.arena_side, self.fill_ratio, self.floor_key(seed), trial)
 
     @property
-    def fastest(self) -> Body:
+    def fastest_body(self) -> Body:
         """The body with the speed of the fastest robots, which decides how far away neighbours are looked for."""
         assert self.body is not None
         speed = max([self.body.speed, *(m.speed for m in self.members if m.speed is not None)])
