@@ -221,7 +221,7 @@ def test_what_travels_to_a_worker_is_enough(here, tmp_path, monkeypatch):
         ("honest = false", "", "members[0].brain = 'always-black': that is an adversary, which is not honest"),
         ('["minimalistic", "legacy"]', '"always-black"', "that is an adversary, which wears the brain of its swarm"),
         ('["minimalistic", "legacy"]', '"grey.py"', "that is an adversary, which wears the brain of its swarm"),
-        ('["minimalistic", "legacy"]', '"mute.py"', "say what its MESSAGE means with ROLES"),
+        ('["minimalistic", "legacy"]', '"mute.py"', "name a role in ROLES"),
         ('"always-black"', '"allways-black"', "did you mean 'always-black'? neither a brain nor an adversary"),
         ("pace = [0.01, 0.02]", "speed = 3", "the adversary 'slow-liar' has no parameter 'speed': it has pace, goal"),
         ("pace = [0.01, 0.02]", "pace = 'a'", "not a number"),
