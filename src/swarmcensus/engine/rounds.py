@@ -195,8 +195,10 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
     Nothing is counted or judged where the `Tally` has no robots.
     """
     memory, outbox, rows = minds.memory, minds.outbox, minds.rows
-    luck, counts, verdicts = work.luck, tally.counts, tally.verdicts
-    links, bounds, senders = graph.mode, graph.bounds, graph.senders
+    blacks, bits, luck, beside = work.blacks, work.bits, work.luck, work.beside
+    counts, verdicts, agreed = tally.counts, tally.verdicts, tally.agreed
+    tables, key = source.tables, source.sensors.key
+    links, bounds, receivers, senders = graph.mode, graph.bounds, graph.receivers, graph.senders
     looks, delay = source.sensors.looks, radio.delay
     n = np.uint64(memory.shape[0])
     ring = np.uint64(delay + 2) * n
@@ -218,16 +220,16 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
             renew(source, k + 1)
         hears = r >= 0 and k > delay
         if hears and links == FULL:
-            call(shared[ADD_UP], outbox, said, work.beside, n if at_once else np.uint64(BLOCK), n)
+            call(shared[ADD_UP], outbox, said, beside, n if at_once else np.uint64(BLOCK), n)
             if at_once:
                 if lucky:
                     words(swarm.luck, trial, k, LUCK_FUSE, ZERO, n, luck[1])
-                call(shared[HEAR_ALL], memory, outbox, said, work.beside, ZERO, rows, here, ZERO, n, place(luck, fused))
+                call(shared[HEAR_ALL], memory, outbox, said, beside, ZERO, rows, here, ZERO, n, place(luck, fused))
         elif hears and links != LISTED:
             hear_pairs(swarm, minds, work, radio, counts, stops, trial, k, said, stop)
         if hears and flag >= 0 and (in_sums or links == FULL):
             count_said(swarm, outbox, said, bounds, senders, links, counts)
-        for block in range(ZERO, np.uint64(work.beside.shape[0] - 1)):
+        for block in range(ZERO, np.uint64(beside.shape[0] - 1)):
             start = block * np.uint64(BLOCK)
             end = min(start + np.uint64(BLOCK), n)
             if r >= 0 and lucky and not (hears and links == FULL and at_once):
@@ -239,7 +241,7 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                 )  # fmt: skip
             elif hears and links == FULL and not at_once:
                 call(
-                    shared[HEAR_ALL], memory, outbox, said, work.beside, block, rows, here, start, end,
+                    shared[HEAR_ALL], memory, outbox, said, beside, block, rows, here, start, end,
                     place(luck, fused),
                 )  # fmt: skip
             elif r >= 0 and not (hears and links == FULL):
@@ -253,10 +255,10 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                     elif hears and links == LISTED:
                         if lucky:
                             draw_message_luck(
-                                swarm, trial, k, graph.receivers, senders, bounds[a], bounds[z], luck[2]
+                                swarm, trial, k, receivers, senders, bounds[a], bounds[z], luck[2]
                             )  # fmt: skip
                         call(
-                            addresses[group, HEAR], place(memory, base), outbox, said, graph.receivers, senders,
+                            addresses[group, HEAR], place(memory, base), outbox, said, receivers, senders,
                             bounds[a], bounds[z], n, place(luck, heard),
                         )  # fmt: skip
                     call(
@@ -267,9 +269,9 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                 judge(swarm, block, memory, rows, here, verdicts, k)
             if k + 1 < last:
                 count_blacks(
-                    work.blacks, work.bits, source.tables, looks, source.sensors.key, trial, k + 1, start, end
+                    blacks, bits, tables, looks, key, trial, k + 1, start, end
                 )  # fmt: skip
-                silence_failed(work.blacks, stops, k + 1, start, end)
+                silence_failed(blacks, stops, k + 1, start, end)
                 if lucky:
                     words(swarm.luck, trial, k + 1, LUCK_OBSERVE, start, end - start, luck[0])
                 for run in range(of_block[block], of_block[block + np.uint64(1)]):
@@ -277,12 +279,12 @@ def advance(swarm, minds, work, source, graph, radio, tally, stops, trial, first
                     offset = np.int64(a - start)
                     call(
                         addresses[group, SENSE], place(memory, bases[group]), outbox, next_said,
-                        place(work.blacks, offset), float(looks), a, z, place(luck, offset), ONE,
+                        place(blacks, offset), float(looks), a, z, place(luck, offset), ONE,
                     )  # fmt: skip
         if k + 1 < last and flag >= 0:
             count_sent(swarm, outbox, next_said, stops, k + 1, counts)
         if r >= 0 and verdicts.shape[0] > 0:
-            agree(verdicts, swarm.honest, tally.agreed, k)
+            agree(verdicts, swarm.honest, agreed, k)
         said = said + n if said + n < ring else ZERO
         next_said = next_said + n if next_said + n < ring else ZERO
 
