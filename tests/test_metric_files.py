@@ -519,7 +519,7 @@ def test_captures_and_names_of_one_function_are_told_apart(tmp_path):
 def test_numbas_colours_are_left_out_of_what_is_told():
     """As where colorama is installed."""
     text = "\x1b[1m\x1b[1mFailed in nopython mode pipeline\x1b[0m\n\x1b[1mCannot cast Literal to float64\x1b[0m\n"
-    assert watches._told(without_colours(text)) == "Cannot cast Literal to float64"
+    assert watches._gist(without_colours(text)) == "Cannot cast Literal to float64"
 
 
 def test_a_file_says_which_way_is_better_and_what_it_is_called(tmp_path, monkeypatch):

@@ -1,4 +1,4 @@
-"""Compiled loops and addressed random numbers: what robots see, say and believe, round by round or tick by tick.
+"""Compiled loops and counter-based random numbers: what robots see, say and estimate, round by round or tick by tick.
 
 In: a brain's source, arrays, keys.
 Out: arrays of minds, estimates and metrics.

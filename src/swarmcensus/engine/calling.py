@@ -1,8 +1,8 @@
-"""How the engine's loops, which are compiled once on a machine, call what is compiled anew for every brain.
+"""How the engine's loops, compiled once on a machine, call functions that are compiled for each brain.
 
-A brain's functions are called by their addresses. Arrays go as the addresses of their first items, so that a call
-costs a few nanoseconds and the loops need not know a mind's type. Where Numba is switched off the same lines pass
-functions and arrays of CPython.
+A brain's functions are called by address. Arrays are passed as the addresses of their first items: so a call costs a
+few nanoseconds, and the loops need not know the type of a mind. With Numba switched off, the same code passes CPython's
+functions and arrays.
 """
 
 import contextlib
@@ -20,14 +20,14 @@ from swarmcensus.engine.code_cache import not_compiled, sealed
 from swarmcensus.engine.compiling import INSIDE
 
 ARRAY, REAL, WHOLE = types.voidptr, types.float64, types.uint64
-NOT_THERE = "a function is called that was not compiled for this use"
+NOT_COMPILED = "a function is called that was not compiled for this use"
 
 
-def passed(kind):
-    """As what an argument of this Numba type goes: an address, a whole number or a real one."""
+def passed_as(kind):
+    """The type that an argument of this Numba type is passed as: an address, a whole number or a real one."""
     if isinstance(kind, types.Array):
         if kind.layout != "C":
-            raise TypeError(f"{kind} does not lie in one piece: an address says too little of it")
+            raise TypeError(f"{kind} is not contiguous, so that its address alone does not describe it")
         return ARRAY
     if kind == ARRAY:
         return ARRAY
@@ -36,21 +36,21 @@ def passed(kind):
 
 @intrinsic
 def _machine_call(typing, function, *arguments):
-    goes_as = [passed(kind) for kind in arguments]
+    targets = [passed_as(kind) for kind in arguments]
 
     def generate(context, builder, signature, values):
         given = []
-        for kind, target, value in zip(arguments, goes_as, cgutils.unpack_tuple(builder, values[1]), strict=True):
+        for kind, target, value in zip(arguments, targets, cgutils.unpack_tuple(builder, values[1]), strict=True):
             if isinstance(kind, types.Array):
                 data = context.make_array(kind)(context, builder, value).data
                 given.append(builder.bitcast(data, cgutils.voidptr_t))
             else:
                 given.append(context.cast(builder, value, kind, target))
         with cgutils.if_unlikely(builder, cgutils.is_null(builder, values[0])):
-            context.call_conv.return_user_exc(builder, SystemError, (NOT_THERE,))
-        shape = context.call_conv.get_function_type(types.void, goes_as)
+            context.call_conv.return_user_exc(builder, SystemError, (NOT_COMPILED,))
+        shape = context.call_conv.get_function_type(types.void, targets)
         callee = builder.inttoptr(values[0], shape.as_pointer())
-        status, _ = context.call_conv.call_function(builder, callee, types.void, goes_as, given)
+        status, _ = context.call_conv.call_function(builder, callee, types.void, targets, given)
         with cgutils.if_unlikely(builder, status.is_error):
             context.call_conv.return_status_propagate(builder, status)
         return context.get_dummy_value()
@@ -73,7 +73,7 @@ def _machine_blank(typing, dtype):
 
 @intrinsic
 def _machine_place(typing, items, first):
-    passed(items)
+    passed_as(items)
 
     def generate(context, builder, signature, values):
         data = context.make_array(items)(context, builder, values[0]).data
@@ -109,27 +109,27 @@ def _plain_call(function, *arguments):
 
 
 def _plain_view(items, shape, dtype):
-    size = np.prod(shape, dtype=int) * np.dtype(dtype).itemsize // items.itemsize  # what comes after it is another's
-    seen = items.reshape(-1)[:size].view(dtype)
-    return seen.reshape(shape) if isinstance(shape, tuple) else seen
+    size = np.prod(shape, dtype=int) * np.dtype(dtype).itemsize // items.itemsize  # the rest belongs to other robots
+    view = items.reshape(-1)[:size].view(dtype)
+    return view.reshape(shape) if isinstance(shape, tuple) else view
 
 
-# call(function, *arguments) calls by an address; place(items, first) passes an array from an item on, and counts no
-# view of it; seen_as(items, shape, dtype) is what was passed, as an array again; word_at(words, k) is one uint64 of
-# it, and makes no array; nobody(record) is a mind of zeros on the stack, which the compiler dissolves into registers
+# call(function, *arguments) calls by address; place(items, first) passes an array from an item on, without making a
+# view; seen_as(items, shape, dtype) makes what was passed an array again; word_at(words, k) reads one uint64 of it,
+# without making an array; blank_mind(record) is a mind of zeros on the stack, which the compiler keeps in registers
 PLAIN = not_compiled()
 call = _plain_call if PLAIN else _machine_call
 seen_as = _plain_view if PLAIN else numba.carray
-nobody = _plain_blank if PLAIN else _machine_blank
+blank_mind = _plain_blank if PLAIN else _machine_blank
 place = _plain_place if PLAIN else _machine_place
 word_at = _plain_word if PLAIN else _machine_word
 
 
 @contextlib.contextmanager
 def _one_at_a_time() -> Iterator[None]:
-    """Code is made for one robot after the other, not for several at once.
+    """Switch off the vectorisation of loops: code handles one robot after the other.
 
-    Minds lie in rows: to gather one field of four of them takes longer than all that a brain then does with it.
+    Minds lie in rows, and gathering a field of four of them takes longer than all that a brain then does with it.
     """
     usual = numba.config.LOOP_VECTORIZE
     numba.config.LOOP_VECTORIZE = 0
@@ -140,13 +140,13 @@ def _one_at_a_time() -> Iterator[None]:
 
 
 class Phase(NamedTuple):
-    """A function that is compiled anew for every brain, and as what it takes its arguments."""
+    """A function that is compiled for each brain, and the types of its arguments."""
 
     function: Any
     takes: tuple[Any, ...]
 
     def address(self) -> Any:
-        """Where its machine code lies, made or loaded now; the function itself where Numba is switched off."""
+        """The address of its machine code, compiled or loaded now; the function itself if Numba is switched off."""
         if not hasattr(self.function, "compile"):
             return self.function
         with _one_at_a_time():
@@ -156,7 +156,7 @@ class Phase(NamedTuple):
 
 
 def phase(*takes: Any) -> Callable[[Any], Phase]:
-    """Make a Phase of a function, kept on disk; it divides as CPython does: by zero is an error, not infinity."""
+    """Make a function a Phase, cached on disk. As in CPython, division by zero is an error."""
 
     def made(function: Any) -> Phase:
         machine = numba.njit(nogil=True, error_model="python", cache=True, **INSIDE)(function)

@@ -1,8 +1,9 @@
-"""What changes while robots look: the fill ratio and the sensors of a round, and the tables that readings come from.
+"""What changes during a trial: fill ratio and accuracies by round, and the tables that readings are drawn from.
 
-A fill ratio's `course` is four numbers: what it is before a round, what it is from another round on, and the two rounds
-(or ticks), between which it drifts evenly. One that stays is the course of the first round.
-A `drift` (what, robot or 1) is what accuracies gain a round, and their least and greatest; without robots none drifts.
+The `course` of a fill ratio is four numbers: the ratio at first, the ratio in the end, and the two rounds (or ticks)
+between which it changes linearly. A constant ratio has round 1 for both.
+A `drift` (3, robot or 1) is what accuracies gain per round, their minimum and their maximum; no robots where accuracies
+stay.
 """
 
 from typing import Any, NamedTuple

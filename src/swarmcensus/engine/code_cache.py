@@ -1,8 +1,8 @@
-"""Sources that machine code is made of, in a folder of their own where it is kept.
+"""The cache of machine code.
 
-Numba caches machine code beside a source file and does not see what that file imports. So each brain gets
-a folder of its own, named by the hash of all that the code depends on, with a copy of the brain, of the
-phases of a round, and of a few lines that fit the brain's fields to the engine's rows; and so do the loops.
+Numba caches machine code beside its source file and does not notice changes in what that file imports. So each brain
+gets a folder, named by the hash of all that its code depends on, with a copy of the brain, of `phases.py`, and of the
+lines of `codegen.py`. The engine's loops have such a folder, too.
 """
 
 import atexit
@@ -79,7 +79,7 @@ def is_kept(files: dict[str, str], code: str) -> bool:
 
 @functools.cache
 def _scratch() -> Path:
-    """A cache for this process alone, on a machine without a usable one; says so once."""
+    """A cache for this process alone, on a machine without a usable one; warns once."""
     folder = Path(tempfile.mkdtemp(prefix="swarmcensus-"))
     atexit.register(shutil.rmtree, folder, ignore_errors=True)
     try:
@@ -91,7 +91,7 @@ def _scratch() -> Path:
 
 
 def _write_once(folder: Path, files: dict[str, str]) -> None:
-    """Make the folder whole or not at all; a race is won by whoever renames first."""
+    """Make the folder whole or not at all; of processes that race, the first to rename wins."""
     folder.parent.mkdir(parents=True, exist_ok=True)
     beside = Path(tempfile.mkdtemp(prefix="making-", dir=folder.parent))
     try:
@@ -162,7 +162,7 @@ def _folder(digest: str, files: dict[str, str]) -> Path:
     try:
         folder = cache_root() / digest
         if folder.is_dir() and not all(_holds(folder / name, text) for name, text in files.items()):
-            shutil.rmtree(folder)  # damaged, or what cleaners of old files leave
+            shutil.rmtree(folder)  # damaged, or partly removed by a cleaner of old files
         if not folder.is_dir():
             _write_once(folder, files)
         if os.access(folder, os.R_OK | os.W_OK | os.X_OK):
@@ -186,7 +186,7 @@ _LOCKS: dict[tuple[Path, int], FileLock] = {}
 
 
 def sealed(made: Any, function: types.FunctionType) -> Any:
-    """The same compiled function, with a cache on disk of which a damaged file is removed and never loaded.
+    """Make a compiled function check its files in the cache: damaged ones are removed and never loaded.
 
     Processes that need the same function at the same time compile it once: the others wait, and load it.
     """
@@ -236,7 +236,7 @@ def sealed(made: Any, function: types.FunctionType) -> Any:
 
 
 def _take(held: contextlib.ExitStack, path: Path) -> None:
-    """Keep other processes from compiling what is in a file; where nothing can be locked, compile all the same."""
+    """Keep other processes from compiling the same file; where locks do not work, go on without."""
     if path in _WAITED_FOR:
         return
     lock = _LOCKS.setdefault((path, os.getpid()), FileLock(path, timeout=WAIT))

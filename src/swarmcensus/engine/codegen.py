@@ -1,4 +1,4 @@
-"""The few lines that fit one brain, or one metric, to the compiled loops: a module that is written for it."""
+"""Writes the few lines of source that fit one brain, or one metric, to the compiled loops."""
 
 import ast
 import functools
@@ -14,7 +14,7 @@ DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
-from swarmcensus.engine.calling import nobody, word_at
+from swarmcensus.engine.calling import blank_mind, word_at
 from swarmcensus.engine.compiling import compiled
 from swarmcensus.engine.random import chance
 from swarmcensus.engine.records import record_type
@@ -101,14 +101,14 @@ after = {after}
 
 
 def essence(source: str) -> str:
-    """What of a brain's file machine code depends on: no comment, no docstring, no number of MEMORY or PARAMETERS."""
+    """The parts of a brain's file that machine code depends on: no comments, docstrings, or numbers of declarations."""
     tree = ast.parse(source)
     read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
     tree.body = [node for node in tree.body if not _is_declaration(node, read)]
     for node in ast.walk(tree):
         if isinstance(node, ast.Module | ast.FunctionDef):
-            said = [one for one in node.body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
-            node.body = said or [ast.Pass()]
+            body = [one for one in node.body if not (isinstance(one, ast.Expr) and isinstance(one.value, ast.Constant))]
+            node.body = body or [ast.Pass()]
     try:
         return ast.unparse(tree)
     except RecursionError:  # an expression of hundreds of terms
@@ -116,32 +116,32 @@ def essence(source: str) -> str:
 
 
 def _is_declaration(node: ast.stmt, read: set[str]) -> bool:
-    """Whether this is MEMORY or the like, which the engine knows from elsewhere, and nobody in the file reads."""
+    """Whether this declares MEMORY or the like, and the file does not read it: then only the engine does."""
     if not isinstance(node, ast.Assign) or len(node.targets) != 1 or not isinstance(node.targets[0], ast.Name):
         return False
     return node.targets[0].id in DECLARED and node.targets[0].id not in read
 
 
 def fields_of(brain: Brain) -> dict[str, int]:
-    """What a mind holds in the engine, in order, and how long each vector is: the sensor's beliefs come last."""
+    """The fields of a mind in the engine, in order, with lengths, 0 for a number; the sensor's beliefs come last."""
     parameters = {name: length(value) for name, value in brain.parameters.items()}
     extras = [name for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)) if asked]
     return brain.lengths | parameters | dict.fromkeys((*extras, *BELIEFS), 0)
 
 
 def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
-    """The same as NumPy takes it."""
+    """The fields of a mind, as NumPy takes them."""
     return [(name, "f8", (long,)) if long else (name, "f8") for name, long in fields_of(brain).items()]
 
 
 def is_flagged(brain: Brain, mixed: bool) -> bool:
-    """Whether the last number of what the engine keeps of a message is whether it was said at all."""
+    """Whether the last number that the engine keeps of a message says whether it was said."""
     return mixed or brain.uses.silence or brain.jams
 
 
 @functools.lru_cache(maxsize=256)
 def outbox_width(brain: Brain, mixed: bool = False) -> int:
-    """How many numbers the engine keeps of a message: what it adds, where `receive` only adds."""
+    """How many numbers the engine keeps of a message. Where `receive` only adds, they are what it adds."""
     return len(_kept(brain, mixed)) + is_flagged(brain, mixed)
 
 
@@ -152,10 +152,10 @@ def _kept(brain: Brain, mixed: bool) -> list[str]:
 
 
 def of_brain(brain: Brain, mixed: bool = False) -> str:
-    """The module `mind.py` of a brain, for swarms of robots that are all alike or not.
+    """The module `mind.py` of a brain.
 
-    Where `receive` only adds, what a message adds is found once, when it is said, and not by everyone who hears it; but
-    in a mixed swarm other brains hear it too.
+    Where `receive` only adds, what a message adds is computed once by its sender, and not by each receiver; but not in
+    a `mixed` swarm, where other brains hear it, too.
     """
     kept = _kept(brain, mixed)
     columns = [f"outbox[i, {k}]" for k, _ in enumerate(kept)]
@@ -209,7 +209,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
         given = "".join(
             f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
         )
-        lines += ["hearer = nobody(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
+        lines += ["hearer = blank_mind(record)", *_equipped(brain), f"receive(hearer, ({given}))"]
         lines += [f"{column} = hearer.{name}" for column, name in zip(columns, sums, strict=True)]
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
@@ -221,7 +221,7 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
 
 
 def _equipped(brain: Brain) -> list[str]:
-    """The lines that give the parameters of `me` to another mind; what `receive` does not read costs nothing."""
+    """Lines that copy the parameters of `me` to another mind; the compiler drops what `receive` does not read."""
     lines = []
     for name, value in brain.parameters.items():
         if length(value):

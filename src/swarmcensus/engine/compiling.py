@@ -13,9 +13,9 @@ INSIDE: Any = NOT_FROM_C | {"no_cpython_wrapper": True}
 
 
 def compiled(function: types.FunctionType, checked: bool = False) -> Any:
-    """Machine code for machine code, without the GIL, that divides as CPython does: by zero is an error, not infinity.
+    """Compile a function that machine code calls, without the GIL. As in CPython, division by zero is an error.
 
-    Where it is `checked`, so is an index beyond a vector's ends, which would be somebody else's memory.
+    With `checked`, so is an index beyond a vector's ends, which would read or write other memory.
     """
     import numba
 
@@ -25,16 +25,16 @@ def compiled(function: types.FunctionType, checked: bool = False) -> Any:
 
 
 def entry(function: types.FunctionType) -> Any:
-    """The same, kept on disk: what CPython calls."""
+    """Compile a function that CPython calls, without the GIL, and cache it on disk."""
     import numba
 
     return sealed(numba.njit(nogil=True, error_model="python", cache=True, **NOT_FROM_C)(function), function)
 
 
 def loop(from_cpython: bool = False, **options: Any) -> Callable[[types.FunctionType], Any]:
-    """Make machine code without the GIL of a loop that makes no array: it counts no references, which takes time.
+    """Compile a function that makes no array, without the GIL: it counts no references, which saves time.
 
-    Machine code calls it, and so does CPython where it may: `from_cpython`.
+    Machine code calls it, and CPython too if `from_cpython`.
     """
     import numba
 

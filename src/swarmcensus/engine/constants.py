@@ -1,18 +1,18 @@
 """Numbers that the engine's files share."""
 
-# how messages travel in a round: along listed links, all in two sums, or between all pairs one by one
+# how messages travel in a round: along listed links, from all to all as sums, or between all pairs one by one
 LISTED, FULL, PAIRS = 0, 1, 2
 
-# robots that are finished together: even, for robots share random words in pairs
+# robots that end a round together: an even number, because pairs of robots share random words
 BLOCK = 256
 
 # what is counted of a robot's messages
 SENT, HEARD = 0, 1
 
-# what stands where a message is flagged, if not the 0 of silence: noise drowns all that reach a robot with it
+# flags of a message; silence is 0. Noise drowns all other messages that reach the same robot
 SAID, NOISE = 1.0, 2.0
 
-# what of a robot may fail
+# the parts of a robot that may fail
 MOVING, SENSING, TALKING = 0, 1, 2
 PARTS = 3
 NEVER = 1 << 62
@@ -31,18 +31,18 @@ ALL_PAIRS = 48  # robots up to which looking at every pair is quicker than a gri
 X, Y, COS, SIN, SPEED, TURN, COS_LATE, SIN_LATE, COS_THEN, SIN_THEN, MOVE, LEFT_TICKS, AVOIDING, PACE = range(14)
 STATE = 14
 
-# what is compiled for every brain (`phases.py`), and where in `minds` each function's address stands
+# what is compiled for each brain (`phases.py`), and the index of each function's address in `Swarm.functions`
 PHASES = ("sense", "hear", "hear_sums", "add_up", "hear_all", "end_round", "go_alone", "believe", "judge", "ask",
           "bound")  # fmt: skip
 SENSE, HEAR, HEAR_SUMS, ADD_UP, HEAR_ALL, END_ROUND, GO_ALONE, BELIEVE, JUDGE, ASK, BOUND = range(11)
 
-# what is known of each robot's decision: the option, -1 for none; when it first decided and last changed its mind,
-# infinity for never; when it was done, with which estimate, and whether it is; a decision that there is not
+# what is known of each robot's decision: the option, -1 for none; when it first decided and last changed it, infinity
+# for never; when it was done, with which estimate, and whether it is; an invalid decision, -1 for none
 DECISION, DECIDED_IN, CHANGED, DONE_IN, DONE_ESTIMATE, IS_DONE, WRONG = range(7)
 VERDICTS = 7
 
-# what robots' intervals come to at a checkpoint: the share that holds the truth, and their mean width
+# measures of robots' intervals at a checkpoint: the share that holds the truth, and the mean width
 COVERAGE, WIDTH = range(2)
 
-# what luck is for; of a message also who said it
+# what a word of luck is for
 LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER, LUCK_ALONE, LUCK_ALONE_FUSE = range(5)

@@ -1,4 +1,4 @@
-"""What the engine draws from addressed words: how many of a round's observations said black.
+"""How many observations of a round are black, drawn from random words.
 
 The R coin flips of a round are exchangeable, so one binomial draw stands for them. It is made with
 Walker's alias method (Walker 1977; Vose 1991): one 64-bit word, one table look-up, one comparison. More
@@ -76,7 +76,7 @@ def pick(row, word):
 
 @loop(forceinline=True)
 def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
-    """How many of this round's observations said black, for robots first (even) ... last - 1."""
+    """Draw how many of a round's observations are black, for robots first (even) ... last - 1."""
     parts = (looks + PART - 1) // PART
     stride = np.uint64(1 if tables.shape[1] > 1 else 0)
     for part in range(parts):
@@ -89,7 +89,7 @@ def count_blacks(blacks, bits, tables, looks, key, trial, tick, first, last):
 
 @loop()
 def arrange(reading, blacks, bits, left, key, trial, step):
-    """The next single reading of a round with `left` to go, `blacks` of them black: any order is as likely."""
+    """Draw the next single reading of a round with `left` readings to go, `blacks` of them black, in random order."""
     words(key, trial, step, np.int64(0), np.uint64(0), np.uint64(bits.size), bits)
     for i in range(reading.size):
         black = unit(bits[i]) * left < blacks[i]

@@ -1,8 +1,8 @@
-"""When parts of robots do not work.
+"""Whether a part of a robot works in a round, or tick.
 
-`stops` (row, robot) holds in its first rows the first round, or tick, at which each part does not work. Only where some
-work again there are more: for each fault the rounds from which on each part does not work, and those from which on it
-does again. It is without robots where nothing ever fails.
+The first three rows of `stops` (row, robot) hold the round from which on each part does not work for the first time.
+If parts recover, there are six more rows per fault: the rounds in which each part fails, and those in which it
+recovers. There are no robots where nothing ever fails.
 """
 
 from swarmcensus.engine.compiling import loop

@@ -1,11 +1,10 @@
-"""What robots do in a round, some or all at a time: all of the engine that is compiled anew for every brain.
+"""What robots do in a round: all of the engine that is compiled for each brain.
 
-`.mind` is that brain (see `compiler.py`). The loops of the other files call these functions by their addresses
-(`calling.py`), which costs little because each call is for many robots. Minds lie in rows of float64, one a robot, as
-`record` says; messages likewise, a round's from row `place` of the outbox on (see `codegen.py`); estimates go to `rows`
-from place `start` on: offsets, for a view of an array is counted, and that costs more than such a call. Robots are
-counted in uint64: Numba then need not ask whether an index counts from the end. `luck` is a random word for each call
-of the brain, of which one that does not ask for it reads nothing.
+`.mind` is that brain (see `codegen.py`). The engine's loops call these functions by address (`calling.py`), which costs
+little because each call handles many robots. Minds are rows of float64, one per robot, with the fields of `record`. A
+round's messages are rows of the outbox, from row `place` on, and estimates go to `rows` from index `start` on: offsets,
+because making a view of an array costs more than such a call. Robots are counted in uint64: Numba then does not check
+for negative indices. `luck` is a random word for each call of the brain, which only brains that use luck read.
 """
 
 import numpy as np
@@ -44,11 +43,10 @@ ONE = np.uint64(1)
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE, ARRAY, WHOLE)
 def sense(memory, outbox, place, readings, looks, first, last, luck, begins):
-    """Robots first ... last - 1 see so many black of `looks` readings, below 0 for none made, and say what they hold.
+    """Robots first ... last - 1 observe `readings` black ones of `looks`, below 0 for no reading, and then talk.
 
-    Who is done makes no reading: that is asked where a round `begins`.
-
-    Both branches say it, so that what was just computed need not be read back from memory: that halves the time.
+    Robots that are done make no reading; they are asked for it only where a round `begins`. Both branches call `say`,
+    so that what was just computed is not read back from memory: that halves the time.
     """
     minds = seen_as(memory, last, record)
     said = seen_as(outbox, (place + last, width), np.float64)
@@ -78,7 +76,7 @@ def hear(memory, outbox, place, receivers, senders, first, last, robots, luck):
 def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, first, last, robots, luck):
     """Robots first ... last - 1 hear what senders[heard[i]: heard[i + 1]] said and end the round.
 
-    For a brain whose `receive` only adds: sums stay in the processor's registers.
+    For brains whose `receive` only adds: sums stay in the processor's registers.
     """
     minds = seen_as(memory, last, record)
     said = seen_as(outbox, (place + robots, width), np.float64)
@@ -97,9 +95,9 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
 
 @phase(ARRAY, WHOLE, ARRAY, WHOLE, WHOLE)
 def add_up(outbox, place, sums_beside, size, robots):
-    """What `hear_all` takes, for blocks of so many robots: in row 1 + block the sum over all that come after it.
+    """Fill `sums_beside` for `hear_all`: row 1 + block is the sum of messages of all robots after that block.
 
-    Row 0 is of those before the first robot: zeros.
+    Blocks have `size` robots. Row 0 is the sum over the robots before the first: zeros.
     """
     blocks = (robots + size - ONE) // size
     said = seen_as(outbox, (place + robots, width), np.float64)
@@ -118,11 +116,11 @@ def add_up(outbox, place, sums_beside, size, robots):
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, WHOLE, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
 def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last, luck):
-    """Robots first ... last - 1 hear everyone and end the round, in O(N), for a brain whose `receive` only adds.
+    """Robots first ... last - 1 hear all others and end the round, in O(N), for brains whose `receive` only adds.
 
-    What all but one robot say is a sum over those before it and a sum over those after it: no cancellation,
-    unlike "all minus own". Row 0 of `sums_beside` is the sum over those before `first`, and becomes that before `last`;
-    row 1 + block is that over those from `last` on.
+    What a robot hears is a sum over the robots before it and a sum over the robots after it: unlike "all minus own",
+    that has no cancellation. Row 0 of `sums_beside` is the sum over the robots before `first`, and becomes that before
+    `last`; row 1 + block is the sum over the robots from `last` on.
     """
     minds = seen_as(memory, last, record)
     said = seen_as(outbox, (place + last, width), np.float64)
@@ -145,7 +143,7 @@ def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
 def end_round(memory, rows, start, first, last, luck):
-    """Robots first ... last - 1 fuse, and tell their estimates."""
+    """Robots first ... last - 1 fuse, and their estimates are written."""
     minds = seen_as(memory, last, record)
     estimates = seen_as(rows, start + last, np.float64)
     for i in range(first, last):
@@ -156,7 +154,7 @@ def end_round(memory, rows, start, first, last, luck):
 
 @phase(ARRAY, ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY, ARRAY)
 def go_alone(memory, readings, rows, start, first, last, luck, more_luck):
-    """Robots first ... last - 1, that hear nobody, make one reading each, below 0 for none, and fuse."""
+    """Robots first ... last - 1, which hear nobody, make one reading each, below 0 for none, and fuse."""
     minds = seen_as(memory, last, record)
     seen = seen_as(readings, last - first, np.float64)
     estimates = seen_as(rows, start + last, np.float64)
@@ -171,7 +169,7 @@ def go_alone(memory, readings, rows, start, first, last, luck, more_luck):
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
 def believe(memory, rows, start, first, last):
-    """The estimates of minds as they are."""
+    """Write the current estimates of robots first ... last - 1."""
     minds = seen_as(memory, last, record)
     estimates = seen_as(rows, start + last, np.float64)
     for i in range(first, last):
@@ -180,29 +178,29 @@ def believe(memory, rows, start, first, last):
 
 @phase(ARRAY, ARRAY, WHOLE, ARRAY, REAL, WHOLE, WHOLE)
 def judge(memory, rows, start, verdicts, now, first, last):
-    """What robots first ... last - 1 have decided after round `now`, and who is done; before any nobody decides."""
+    """Update what robots first ... last - 1 have decided after round `now`, if not 0, and who is done."""
     minds = seen_as(memory, last, record)
     estimates = seen_as(rows, start + last, np.float64)
-    told = seen_as(verdicts, (last, VERDICTS), np.float64)
+    known = seen_as(verdicts, (last, VERDICTS), np.float64)
     for i in range(first, last):
         choice = 1.0 * decide(minds[i]) if now > 0.0 else -1.0
         if not (-1.0 <= choice < options and choice == np.floor(choice)):
-            told[i, WRONG] = choice
-        elif choice != told[i, DECISION]:
-            if told[i, DECIDED_IN] == np.inf:
-                told[i, DECIDED_IN] = now
-            told[i, DECISION] = choice
-            told[i, CHANGED] = now
+            known[i, WRONG] = choice
+        elif choice != known[i, DECISION]:
+            if known[i, DECIDED_IN] == np.inf:
+                known[i, DECIDED_IN] = now
+            known[i, DECISION] = choice
+            known[i, CHANGED] = now
         ends = done(minds[i])
-        told[i, IS_DONE] = 1.0 if ends else 0.0
-        if ends and told[i, DONE_IN] == np.inf:
-            told[i, DONE_IN] = now
-            told[i, DONE_ESTIMATE] = estimates[start + i]
+        known[i, IS_DONE] = 1.0 if ends else 0.0
+        if ends and known[i, DONE_IN] == np.inf:
+            known[i, DONE_IN] = now
+            known[i, DONE_ESTIMATE] = estimates[start + i]
 
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
 def ask(memory, wishes, robots, first, last, luck):
-    """Where robots want to go; `wishes` (what, robot): whether anywhere, metres and radians a second."""
+    """Ask where robots want to go; `wishes` (3, robot) get whether anywhere, metres and radians a second."""
     minds = seen_as(memory, last, record)
     wanted = seen_as(wishes, (3, robots), np.float64)
     for i in range(first, last):
@@ -213,8 +211,8 @@ def ask(memory, wishes, robots, first, last, luck):
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE)
 def bound(memory, bounds, robots, first, last):
-    """Between which numbers robots first ... last - 1 believe the fill ratio to lie; `bounds` (end, robot)."""
+    """Write the intervals of robots first ... last - 1 to `bounds` (end, robot)."""
     minds = seen_as(memory, last, record)
-    told = seen_as(bounds, (2, robots), np.float64)
+    ends = seen_as(bounds, (2, robots), np.float64)
     for i in range(first, last):
-        told[0, i], told[1, i] = ends_of(interval(minds[i]))
+        ends[0, i], ends[1, i] = ends_of(interval(minds[i]))

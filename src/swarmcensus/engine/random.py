@@ -1,8 +1,8 @@
-"""Addressed random numbers: the Threefry-2x64-13 block cipher of a key and a counter.
+"""Counter-based random numbers: the Threefry-2x64-13 block cipher of a key and a counter.
 
 Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC 2011. A key (`addresses.py`) is the hash of a seed, a
-purpose and the content that the draw depends on; the counter holds trial, tick and robot. Nothing is
-ever drawn in turn, so no result depends on order, threads or batches.
+purpose and the content that the draw depends on. The counter holds trial, tick and robot. There is no generator with a
+state, so no result depends on order, threads or batches.
 """
 
 import numpy as np
@@ -57,7 +57,7 @@ def counter(high, low):
 
 @loop(from_cpython=True)
 def word_of(k0, k1, trial, tick, receiver, sender):
-    """The first of those two for four 32-bit numbers."""
+    """The first word of the block whose counters are made of these four 32-bit numbers."""
     return block(k0, k1, counter(trial, tick), counter(receiver, sender))[0]
 
 

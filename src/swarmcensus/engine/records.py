@@ -23,9 +23,9 @@ def _made(fields: tuple[tuple[Any, ...], ...]) -> np.dtype:
 
 
 def _field(name: str, vector: bool) -> property:
-    def put(me: Any, value: Any) -> None:
+    def assign(me: Any, value: Any) -> None:
         me[name] = value
 
     if vector:
-        return property(lambda me: me[name], put)
-    return property(lambda me: float(me[name]), put)
+        return property(lambda me: me[name], assign)
+    return property(lambda me: float(me[name]), assign)

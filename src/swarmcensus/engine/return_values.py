@@ -1,23 +1,23 @@
-"""What a brain's `steer`, `interval` or `broadcast` returned, for Numba, which can neither index nor unpack "a pair or
-None", and says in many words what is no pair."""
+"""Return values of a brain's `steer`, `interval` and `broadcast`, for Numba: it can neither index nor unpack "a pair or
+None", and its messages about other types are long."""
 
 import numba
 from numba.extending import intrinsic, overload
 
 
 @intrinsic
-def unwrapped(context, wish):
-    """An optional pair as whether it is there, and the pair."""
+def unwrapped(context, value):
+    """An optional value as whether it is there, and the value."""
 
     def generate(target, builder, signature, arguments):
-        optional = target.make_helper(builder, wish, value=arguments[0])
+        optional = target.make_helper(builder, value, value=arguments[0])
         return target.make_tuple(builder, signature.return_type, (optional.valid, optional.data))
 
-    return numba.types.Tuple((numba.types.boolean, wish.type))(wish), generate
+    return numba.types.Tuple((numba.types.boolean, value.type))(value), generate
 
 
 def chosen(wish):
-    """Whether it wants anything, the speed, and the turn."""
+    """Whether a robot wants to go anywhere, its speed and its turn."""
     return (False, 0.0, 0.0) if wish is None else (True, float(wish[0]), float(wish[1]))
 
 
@@ -33,7 +33,7 @@ def is_pair(kind):
 
 @overload(chosen)
 def compiled_chosen(wish):
-    """The same, compiled: for None, for a pair, and for either."""
+    """`chosen` in machine code: for None, for a pair, and for either."""
     if isinstance(wish, numba.types.NoneType):
         return lambda wish: (False, 0.0, 0.0)
     pair = wish.type if isinstance(wish, numba.types.Optional) else wish
@@ -60,7 +60,7 @@ def ends_of(interval):
 
 @overload(ends_of)
 def compiled_ends_of(interval):
-    """The same, compiled."""
+    """`ends_of` in machine code."""
     if not is_pair(interval):
         raise TypeError(f"interval gives {interval}, not two numbers, low and high")
     return lambda interval: (float(interval[0]), float(interval[1]))
@@ -73,7 +73,7 @@ def spoken(message, blank):
 
 @overload(spoken)
 def compiled_spoken(message, blank):
-    """The same, compiled."""
+    """`spoken` in machine code."""
     if isinstance(message, numba.types.NoneType):
         return lambda message, blank: (False, blank)
     if not isinstance(message, numba.types.Optional):
@@ -89,7 +89,7 @@ def whole_vector(part, long):
 
 @overload(whole_vector)
 def compiled_whole_vector(part, long):
-    """The same, compiled."""
+    """`whole_vector` in machine code."""
     if isinstance(part, numba.types.Number):
         raise TypeError("broadcast gives a number where MESSAGE says a vector")
 

@@ -1,7 +1,7 @@
 """A metric on curves of estimates, round by round.
 
-This file is compiled anew for every metric (see `compiler.py`): `.gauge` is that metric. It knows no brain, so that
-another metric costs no brain's compilation.
+This file is compiled for each metric file (see `compiler.py`): `.gauge` is that metric. It knows no brain, so a new
+metric does not make brains compile again.
 """
 
 from .gauge import after, begin, entry, result, watch
@@ -9,11 +9,11 @@ from .gauge import after, begin, entry, result, watch
 
 @entry
 def follow(blank, records, rows, first, truths, out):
-    """Show a metric the estimates `rows` (round, robot), from round `first` on; `out` holds what it then says.
+    """Show a metric the estimates `rows` (round, robot), from round `first` on; `out` gets its results so far.
 
-    `records` has one a robot, or one for all where the metric is of a swarm; `blank` is what each begins from. Without
-    room in `out` nothing is asked for. `truths` (round, 3), or (1, 3) where they stay, are the fill ratios that
-    estimates are held against, and the ends of their bins.
+    `records` has one record per robot, or a single one for a metric of the whole swarm; each starts as `blank`. An
+    empty `out` asks for no result. `truths` (round, 3), or (1, 3) if constant, are the true fill ratio and the ends of
+    its bin.
     """
     last = records.size - 1
     if first == 1:

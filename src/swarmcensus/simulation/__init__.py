@@ -1,6 +1,6 @@
-"""A setting and a trial become numbers: batches, rides, single trials in full, the reference in CPython, blame.
+"""Runs trials of a setting: batches, moving robots, single trials in full, and the reference in CPython.
 
 In: a Setting, a seed, trials, what to measure.
-Out: a Batch of metrics, or a life in full.
+Out: a Batch of metrics, or a trial in full.
 Must not know: datasets, files, threads, other settings' results.
 """

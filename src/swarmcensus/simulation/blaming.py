@@ -1,4 +1,4 @@
-"""Which line of a brain fails: its trial again in CPython, for machine code does not say."""
+"""Finds the line at which a brain fails, by running its trial again in CPython: machine code does not tell."""
 
 from collections.abc import Container, Iterator
 from dataclasses import replace
@@ -20,10 +20,10 @@ MOST_STEPS = 3_000_000  # of robots and rounds: some ten seconds of CPython
 
 
 def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> str:
-    """Where the brain fails in this trial, as ", at my_brain.py, line 12: x = 1 / me.n"; empty where it cannot be told.
+    """Where the brain fails in this trial, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if that is not found.
 
-    What robots see and whom they hear is taken from the same trial with a shipped brain: it is the same, but for
-    brains that steer. At `checkpoints` intervals are asked for.
+    Readings and links are those of the same trial with a shipped brain: they do not depend on the brain, unless it
+    steers. At `checkpoints` robots are asked for intervals.
     """
     if setting.robots * setting.rounds > MOST_STEPS:
         return ""
@@ -36,7 +36,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
 
 
 def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) -> None:
-    """The trial's minds, step by step, as the engine runs them."""
+    """Run the trial's minds step by step, like the engine."""
     from swarmcensus.engine.failures import works
     from swarmcensus.engine.minds import heard_by
 
@@ -65,7 +65,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
         return [one.jams and bool(one.functions.jam(me)) for one, me in zip(brain, minds, strict=True)]
 
     said, loud = [say()], [noise()]
-    for tick, (blacks, pairs) in enumerate(_lived(known, seed, trial), start=1):
+    for tick, (blacks, pairs) in enumerate(_readings_and_links(known, seed, trial), start=1):
         seen, fused, steered = (luck(tick, part) for part in (LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER))
         for i, (one, me) in enumerate(zip(brain, minds, strict=True)):
             if not np.isnan(blacks[i]) and works(stops, SENSING, i, tick) and not oracle.is_done(one, me):
@@ -104,7 +104,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
                 one.functions.steer(me)
 
 
-def _lived(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+def _readings_and_links(setting: Setting, seed: int, trial: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
     """By round or tick: black readings of each robot, NaN where it made none, and rows of receiver and sender."""
     if setting.body is not None:
         ride = record_ride(setting, seed, trial)

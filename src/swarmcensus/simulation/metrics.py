@@ -1,4 +1,4 @@
-"""The paper's metrics (Sec. IV-A), defined on any curve of estimates; the engine computes the same as it goes."""
+"""The paper's metrics (Sec. IV-A) of curves of estimates; the engine computes the same numbers during a run."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""Trials of moving robots: one walk, and all the minds that ride along on it."""
+"""Trials of moving robots. Trajectories do not depend on the brain, so each is simulated once for several settings."""
 
 import math
 from collections.abc import Iterator, Sequence

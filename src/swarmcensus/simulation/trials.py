@@ -46,7 +46,7 @@ class Metrics:
     delta: float
     bins: int
     checkpoints: tuple[int, ...]
-    on_floor: bool = False  # errors and decisions are held against the floor's true fill ratio
+    on_floor: bool = False  # errors and decisions refer to the true fill ratio of the floor
     estimates: bool = False  # each robot's estimate is kept at the checkpoints
     watched: tuple[Metric, ...] = ()  # metrics of files
     decides: bool = False  # some brain of the study decides
@@ -77,10 +77,10 @@ class Batch:
 
 
 def segment_length(robots: int, rounds: int, record_bytes: int, multiple: int, threads: int = 1) -> int:
-    """How many indices of estimates to keep at a time, where so many threads run trials.
+    """How many rounds of estimates to keep at a time, if so many threads run trials.
 
-    All of them where they are few; else so many that they and the snapshots between them together take the
-    least memory, which grows with the square root of the rounds; but up to a hundred, where there is room for them.
+    All rounds if they fit; else the number for which estimates and snapshots together take the least memory, which
+    grows with the square root of the rounds; but a hundred where memory allows.
     """
     fits = ROWS_BYTES // (8 * robots)
     crowd = min(ROWS_OF_A_CROWD, (CROWD_BYTES if threads == 1 else SHARED_BYTES) // (8 * robots))
@@ -107,7 +107,7 @@ def run_batch(
     if not setting.members and (local or not metrics.watched):
         return _live(setting, given, trials, metrics, stop, local, threads)
     batches = []
-    for k in range(trials):  # their estimates are seen one trial at a time, and each has other members
+    for k in range(trials):  # metrics of files see one trial at a time, and each trial has other members
         batch = _live(setting, given.of(k), 1, metrics, stop, local, threads)
         if batch is None:
             return None
@@ -250,7 +250,7 @@ def bins_at(fill_ratio: float, change: Change | None, checkpoints: tuple[int, ..
 
 @contextlib.contextmanager
 def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
-    """Whatever a brain does wrong here is told as an InputError that names it."""
+    """Turn any error of a brain in here into an InputError that names it."""
     try:
         yield
     except Exception as error:
@@ -258,7 +258,7 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
 
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
-    """What a failing brain is told by."""
+    """The InputError that names a failing brain, and the trials in which it fails."""
     text, crew = str(error).strip(), setting.crew
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
@@ -270,7 +270,7 @@ def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputE
 def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.ndarray], np.ndarray, np.ndarray]:
     """One trial in full: what minds hold (round, robot), estimates (round, robot), black readings (round, robot).
 
-    It is run as any other, one round of estimates kept at a time: the snapshots before each are its history.
+    It is run like any other, in segments of one round: the snapshots before each are the history of its minds.
     """
     shape = (setting.rounds + 1, setting.robots)
     given = inputs_of(setting, seed, trial)
@@ -292,7 +292,7 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
 def record_estimates(setting: Setting, seed: int, trial: int) -> np.ndarray:
     """The estimates (round, robot) of one trial, index 0 before any observation, as `record_trial` gives them.
 
-    They are the rows that a run measures, all kept: whoever has run the setting need not compile anything for them.
+    They are the rows that a run measures, so nothing is compiled for them after a run of the setting.
     """
     given = inputs_of(setting, seed, trial)
     estimates = np.empty((setting.rounds + 1, setting.robots))
@@ -339,5 +339,5 @@ def seconds(setting: Setting, local: bool = False) -> float:
 
 
 def walk_seconds(setting: Setting) -> float:
-    """The same of a walk."""
+    """A rough prediction of the cost of a trial's walk."""
     return setting.rounds * setting.robots * (100e-9 + 30e-9 * (setting.density or 0.0))

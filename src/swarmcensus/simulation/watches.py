@@ -1,4 +1,4 @@
-"""Metrics of files, as they watch one trial: its estimates go by, and what each metric then says is kept."""
+"""Metrics of files: each watches the estimates of one trial, and its results are kept."""
 
 from collections.abc import Callable, Iterable
 from typing import Any
@@ -29,7 +29,7 @@ class Watch:
     """One metric on one trial."""
 
     def __init__(self, metric: Metric, setting: Setting, trial: int, truths: Truths, delta: float, bins: int) -> None:
-        """Make room for its records; `truths` gives the fill ratios that estimates of rounds are held against."""
+        """Make room for its records; `truths` gives the true fill ratio of a round."""
         self.metric, self.truths, self.bins = metric, truths, bins
         self.where = f"trial {trial} of {setting}"
         self.changes = setting.change is not None
@@ -54,37 +54,37 @@ class Watch:
             text = without_colours(error).strip()
             what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
             if "numba" in type(error).__module__:
-                what = f"it cannot be compiled: {_told(text)}"
+                what = f"it cannot be compiled: {_gist(text)}"
             raise self._wrong(f"{what}{self._line(rows, truths) if first == 1 else ''}") from error
 
     def _of(self, first: int, rounds: int) -> np.ndarray:
         """The truths of so many rounds and the ends of their bins, (round, 3); (1, 3) where they never change."""
-        found = self.truths(np.arange(first, first + (rounds if self.changes else 1)))
-        return np.column_stack([found, right_bins(found, self.bins)])
+        truths = self.truths(np.arange(first, first + (rounds if self.changes else 1)))
+        return np.column_stack([truths, right_bins(truths, self.bins)])
 
     def _wrong(self, what: str) -> "MetricFails":
         return MetricFails(f"metric {self.metric.name!r} fails in {self.where}: {what}")
 
     def _check(self, rows: np.ndarray, truths: np.ndarray, follow: Callable[..., None]) -> None:
-        """Raise MetricFails where CPython refuses these estimates, or finds others of them than machine code."""
+        """Raise MetricFails if the metric fails in CPython, or its record is another than in machine code."""
         try:
             slow = self._lived(rows, truths, whole=False)
         except Exception as error:
             raise self._wrong(f"{type(error).__name__}: {error}{line_of(error, self.metric.path)}") from error
         fast = np.repeat(self.blank, len(slow))
         follow(self.blank, fast, rows, 1, truths, self.out[:0])
-        for i, mine in enumerate(slow):
+        for i, record in enumerate(slow):
             for name in self.metric.fields:
-                due = float(getattr(mine, name))
+                expected = float(getattr(record, name))
                 # their mathematical functions may differ in the last bit, and differences of like numbers by more
-                if not np.isclose(fast[name][i], due, rtol=1e-6, atol=1e-9, equal_nan=True):
+                if not np.isclose(fast[name][i], expected, rtol=1e-6, atol=1e-9, equal_nan=True):
                     raise self._wrong(
-                        f"after {counted(len(rows), 'round')} {name} is {fast[name][i]} in machine code and {due} in "
-                        "Python: are there whole numbers that grow beyond 64 bits?"
+                        f"after {counted(len(rows), 'round')} {name} is {fast[name][i]} in machine code and {expected} "
+                        "in Python: are there whole numbers that grow beyond 64 bits?"
                     )
 
     def _line(self, rows: np.ndarray, truths: np.ndarray) -> str:
-        """Where in its file the metric fails, by CPython, which is not asked for very much."""
+        """Where in its file the metric fails, found by CPython on the first estimates."""
         try:
             self._lived(rows[: MOST_SHOWN // rows.shape[1] + 1], truths)
         except Exception as error:
@@ -92,7 +92,7 @@ class Watch:
         return ""
 
     def _lived(self, rows: np.ndarray, truths: np.ndarray, whole: bool = True) -> list[Any]:
-        """The metric's records after these estimates, by CPython; `whole`: their results are asked for too."""
+        """The metric's records after these estimates, computed by CPython; with `whole`, it computes results, too."""
         functions, given = self.metric.functions, dict(zip(GIVEN, self.blank[0].tolist(), strict=False))
         records = [self.metric.record(**given) for _ in range(1 if self.metric.of_swarm else rows.shape[1])]
         for my in records:
@@ -111,7 +111,7 @@ class Watch:
 
     @property
     def result(self) -> np.ndarray:
-        """What came of it: (1, robot), or (1,) of a swarm. Raises MetricFails where it is no number."""
+        """The result: (1, robot), or (1,) for a swarm. Raises MetricFails if it is not a number."""
         if (np.isnan(self.out) | np.isneginf(self.out)).any():
             raise self._wrong("its result is no number (of what never comes, infinity is right)")
         low, high = self.metric.bounds
@@ -121,8 +121,8 @@ class Watch:
         return self.out if self.metric.of_swarm else self.out[np.newaxis]
 
 
-def _told(text: str) -> str:
-    """What of Numba's message tells most: its first line that is not of how it works or of a place."""
+def _gist(text: str) -> str:
+    """The most telling line of Numba's message: the first that is not about Numba itself or a place in a file."""
     lines = [line.strip(" -\t") for line in text.splitlines()]
     idle = (
         "Failed in nopython",
@@ -134,10 +134,10 @@ def _told(text: str) -> str:
         "<source",
         "^",
     )
-    said = [line for line in lines if line and not line.startswith(idle)]
-    return said[0] if said else text
+    telling = [line for line in lines if line and not line.startswith(idle)]
+    return telling[0] if telling else text
 
 
 def results_of(watches: Iterable[Watch]) -> dict[str, np.ndarray]:
-    """What came of a trial, by the metrics' variables. Raises MetricFails where one is no number."""
+    """The results of a trial by variable. Raises MetricFails if one is not a number."""
     return {watch.metric.variable: watch.result for watch in watches}
