@@ -17,7 +17,7 @@ from scipy import stats
 from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.statistics.bootstrap import intervals
 from swarmcensus.statistics.intervals import share_interval
-from swarmcensus.statistics.signed_ranks import signed_ranks
+from swarmcensus.statistics.significance import signed_ranks
 
 TRIALS = (6, 10, 30)
 KINDS = {"continuous": "median", "tied": "mean", "heavy tails, some infinite": "median"}

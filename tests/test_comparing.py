@@ -11,10 +11,10 @@ import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.basics.errors import InputError
 from swarmcensus.comparing.contenders import field_of
-from swarmcensus.comparing.latex import escaped, latex
+from swarmcensus.comparing.tables import escaped, latex
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import centres, intervals
-from swarmcensus.statistics.corrections import holm
+from swarmcensus.statistics.significance import holm
 from tests.contending import made_up, without
 from tests.test_signed_ranks import by_every_sign
 

@@ -10,7 +10,7 @@ from PIL import Image
 from swarmcensus import metrics
 from swarmcensus.cli.commands import main
 from swarmcensus.results.measures import OURS
-from swarmcensus.statistics.corrections import fewest_trials
+from swarmcensus.statistics.significance import fewest_trials
 from tests.test_docs import ROOT, blocks, commands
 
 PAGE = ROOT / "docs" / "comparing.md"

@@ -7,9 +7,16 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from swarmcensus.statistics.corrections import fewest_trials, holm
-from swarmcensus.statistics.rankings import friedman, groups
-from swarmcensus.statistics.signed_ranks import EXACT, differences, midranks, signed_ranks
+from swarmcensus.statistics.significance import (
+    EXACT,
+    differences,
+    fewest_trials,
+    friedman,
+    groups,
+    holm,
+    midranks,
+    signed_ranks,
+)
 
 INF, NAN = math.inf, math.nan
 

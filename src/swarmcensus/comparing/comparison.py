@@ -23,7 +23,7 @@ from swarmcensus.results.measures import COSTS, SIZES, Measure
 from swarmcensus.results.store import load
 from swarmcensus.results.summaries import asked_anew, done, failed_trials
 from swarmcensus.statistics.bootstrap import centres
-from swarmcensus.statistics.corrections import fewest_trials
+from swarmcensus.statistics.significance import fewest_trials
 
 Floats = NDArray[np.float64]
 

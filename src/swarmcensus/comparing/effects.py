@@ -13,8 +13,7 @@ from swarmcensus.comparing.standings import Standings
 from swarmcensus.results import measures
 from swarmcensus.results.measures import Measure
 from swarmcensus.statistics.bootstrap import centres, intervals
-from swarmcensus.statistics.corrections import holm
-from swarmcensus.statistics.signed_ranks import differences, signed_ranks
+from swarmcensus.statistics.significance import differences, holm, signed_ranks
 
 Floats = NDArray[np.float64]
 

@@ -9,10 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from swarmcensus.statistics.bootstrap import Statistic, centres, intervals
-from swarmcensus.statistics.corrections import holm
 from swarmcensus.statistics.intervals import LEVEL
-from swarmcensus.statistics.rankings import friedman
-from swarmcensus.statistics.signed_ranks import SignedRanks, differences, midranks, signed_ranks
+from swarmcensus.statistics.significance import SignedRanks, differences, friedman, holm, midranks, signed_ranks
 
 ALPHA = 1 - LEVEL
 BLOCK = 2**22  # numbers that are compared at once, to bound memory

@@ -7,7 +7,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.comparing.cells import amount, p_equals
 from swarmcensus.comparing.pair_tests import Contest, pairs_of, test_count
 from swarmcensus.comparing.standings import Standings
-from swarmcensus.statistics.rankings import groups
+from swarmcensus.statistics.significance import groups
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
 MOST_NAMED = 6  # contenders in one sentence

@@ -7,7 +7,7 @@ import numpy as np
 
 from swarmcensus.comparing.pair_tests import ALPHA, ContestInput, contests
 from swarmcensus.leaderboard.scores import COLUMNS, Floats, Score, Scores, World
-from swarmcensus.statistics.corrections import holm
+from swarmcensus.statistics.significance import holm
 
 FEW = 5  # number of worlds and rivals in the lists
 

@@ -4,9 +4,11 @@ from dataclasses import dataclass
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.paper import claims, rival_claims
+from swarmcensus.paper import bayesian_claims, claims, number_claims, opinion_claims
 from swarmcensus.paper.evidence import Claim
 from swarmcensus.paper.figures import FIGURES, PaperFigure
+
+RIVAL_CLAIMS: tuple[Claim, ...] = (*opinion_claims.CLAIMS, *bayesian_claims.CLAIMS, *number_claims.CLAIMS)
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ RIVALS = Evaluation(
     "have made the same choice.",
     settings="those of the studies in the folder rivals, whose files give numbers of robots and rounds",
     figures=(),
-    claims=rival_claims.CLAIMS,
+    claims=RIVAL_CLAIMS,
     section="",
     quoted=False,
 )

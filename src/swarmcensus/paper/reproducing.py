@@ -1,7 +1,7 @@
 """`reproduce`: run the studies of an evaluation, draw its figures, check its claims and write a page.
 
 To add a part of the paper's evaluation, add study files to studies/paper, figures to `figures.FIGURES` and claims to
-`claims.CLAIMS`. The claims on rivals are in `rival_claims.CLAIMS`, and their studies in studies/rivals/claims.
+`claims.CLAIMS`. The claims on rivals are in `evaluations.RIVAL_CLAIMS`, and their studies in studies/rivals/claims.
 """
 
 import contextlib

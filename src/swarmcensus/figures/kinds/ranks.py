@@ -30,7 +30,7 @@ from swarmcensus.figures.sheets import (
     own_axes,
     say_lacking,
 )
-from swarmcensus.statistics.rankings import groups
+from swarmcensus.statistics.significance import groups
 
 
 def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None) -> Drawn:

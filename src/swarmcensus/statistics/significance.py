@@ -1,7 +1,11 @@
-"""The paired signed-rank test for many samples at once, exact also with ties, zeros and infinite values.
+"""Significance tests: paired signed ranks for many samples at once, average ranks over trials, Holm's correction.
 
-Wilcoxon, "Individual comparisons by ranking methods", 1945. Zeros: Pratt, "Remarks on zeros and ties in the Wilcoxon
-signed rank procedures", 1959. Matched rank-biserial correlation: Kerby, "The simple difference formula", 2014.
+The signed-rank test is exact also with ties, zeros and infinite values. Wilcoxon, "Individual comparisons by ranking
+methods", 1945. Zeros: Pratt, "Remarks on zeros and ties in the Wilcoxon signed rank procedures", 1959. Matched
+rank-biserial correlation: Kerby, "The simple difference formula", 2014. Correction: Holm, "A simple sequentially
+rejective multiple test procedure", 1979. Ranks: Friedman,
+"The use of ranks to avoid the assumption of normality", 1937, by permutation; trials are the blocks. If contenders met
+in several worlds, the ranks of a trial are summed over the worlds, because worlds may share its readings and networks.
 """
 
 import math
@@ -14,7 +18,33 @@ from numpy.typing import NDArray
 from swarmcensus.statistics.intervals import ROUNDING
 
 EXACT = 64  # p is exact up to this number of non-zero differences, for which there are 2^64 sign patterns
+PERMUTATIONS = 9999  # of ranks within trials, in Friedman's test
+SEED = 2023
 KEPT_BITS = 2.0**30  # of a difference; differences that agree to nine digits are tied
+
+
+def holm(p: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Holm's corrected p-values, in the shape of `p`; NaN stays NaN and does not count as a test.
+
+    The chance that any true null hypothesis has a corrected p-value of `a` or less is at most `a`, whatever the
+    dependence between the tests.
+    """
+    flat = p.ravel()
+    known = np.flatnonzero(~np.isnan(flat))
+    order = known[np.argsort(flat[known], kind="stable")]
+    corrected = np.full(flat.size, np.nan)
+    steps = flat[order] * np.arange(order.size, 0, -1)
+    corrected[order] = np.minimum(1.0, np.maximum.accumulate(steps))
+    return corrected.reshape(p.shape)
+
+
+def fewest_trials(tests: int, level: float) -> int:
+    """The fewest trials with which one of `tests` sign-flip tests can reach `level` after Holm's correction.
+
+    All n differences have the same sign by chance in 2 of 2^n cases.
+    """
+    return int(np.ceil(1 + np.log2(max(tests, 1) / level)))
+
 
 Floats = NDArray[np.float64]
 Counts = NDArray[np.int64]
@@ -120,3 +150,37 @@ def _exact(weights: Counts, least: Counts) -> Floats:
         if weight < top:
             ways[weight:top] += ways[: top - weight]
     return np.asarray(np.cumsum(ways)[least // unit] / math.ldexp(1.0, len(weights)))
+
+
+def friedman(ranks: Floats, permutations: int = PERMUTATIONS) -> tuple[float, float]:
+    """The statistic Q of `ranks` (trial, contender), and its p-value by permuting contenders within trials.
+
+    Q = (k - 1) x (sum of squares of the contenders' totals about their mean) / (sum of squares of all ranks about the
+    mean of their trial). For the ranks 1 .. k of one world, this is Friedman's statistic, corrected for ties. Returns
+    NaN and 1 if all ranks are equal in every trial. The same ranks always give the same p-value.
+    """
+    off = ranks - ranks.mean(axis=1, keepdims=True)
+    spread = float((off**2).sum())
+    if spread <= 0:
+        return float("nan"), 1.0
+    contenders = ranks.shape[1]
+    observed = float((off.sum(axis=0) ** 2).sum())
+    generator, extreme = np.random.default_rng(SEED), 0
+    step = max(1, 2**21 // off.size)
+    for first in range(0, permutations, step):
+        copies = np.broadcast_to(off, (min(step, permutations - first), *off.shape))
+        sums = generator.permuted(copies, axis=2).sum(axis=1)
+        extreme += int(((sums**2).sum(axis=1) >= observed * (1 - 1e-9)).sum())
+    return (contenders - 1) * observed / spread, (1 + extreme) / (1 + permutations)
+
+
+def groups(order: list[int], apart: NDArray[np.bool_]) -> list[list[int]]:
+    """The maximal runs of two or more contenders in `order`, no two of which are `apart` (contender, contender)."""
+    runs: list[list[int]] = []
+    for start in range(len(order)):
+        end = start + 1
+        while end < len(order) and not apart[order[end], order[start:end]].any():
+            end += 1
+        if end - start > 1 and not (runs and set(order[start:end]) <= set(runs[-1])):
+            runs.append(order[start:end])
+    return runs
