@@ -58,7 +58,7 @@ ALL = (
     ),
     Coordinate(
         "assumed_accuracy", "text",
-        "the same, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their sensors",
+        "in the same forms, or `error=N(0.0,0.05)`; equal to `accuracy`, or to its start, if robots know their sensors",
         caption="assumed accuracy {}", plural="assumed accuracies",
     ),
     Coordinate(
@@ -91,7 +91,8 @@ ALL = (
     ),
     Coordinate(
         "adversary", "text",
-        "their [adversaries](adversaries.md) or brains, with parameters, or other differences; empty for nobody",
+        "the liars' [adversaries](adversaries.md) or brains, with parameters, or how else they differ; empty if nobody "
+        "lies",
         caption="{}", idle="nobody lies", plural="adversaries", always=False,
     ),
     Coordinate(

@@ -1,6 +1,6 @@
 """Everything that is measured, each declared once: what a run stores, and what is worked out from that.
 
-A new quantity is one entry of `QUANTITIES`. Files, summaries, comparisons, figures and docs/data-format.md take its
+A new quantity is one entry of `ALL`. Files, summaries, comparisons, figures and docs/data-format.md take its
 dimensions, unit, labels, direction and bounds from there.
 """
 
@@ -189,12 +189,12 @@ ALL = (
     Quantity(
         "decision_round", "the first decision; infinite: never", "decisions", unit="rounds", never=True,
         label="decision", low=True, summary=True, compared="round of a robot's first decision",
-        page="its first decision; infinite for never",
+        page="round of its first decision; infinite for never",
     ),
     Quantity(
         "decision_change", "the last change of the decision; infinite: never decided", "decisions", unit="rounds",
         never=True, label="last change", low=True, compared="round of a robot's last change of its decision",
-        page="its last change; infinite for never",
+        page="round of its last change; infinite for never",
     ),
     Quantity(
         "consensus", "the first option that all robots agreed on; -1: none", "decisions", PER_TRIAL, bounds=OPTIONS,
@@ -203,7 +203,7 @@ ALL = (
     Quantity(
         "consensus_round", "the first round after which they did; infinite: never", "decisions", PER_TRIAL, "rounds",
         never=True, label="consensus", low=True, summary=True, compared="round of a consensus on the right option",
-        page="the round of that; infinite for never",
+        page="the round of that agreement; infinite for never",
     ),
     Quantity(
         "consensus_right", "1 if that option is right, 0 if not, or if there is none", "decisions", PER_TRIAL,
@@ -213,8 +213,8 @@ ALL = (
     ),
     Quantity(
         "right_option", "the option that is right; missing where none is", "decisions", PER_TRIAL, bounds=OPTIONS,
-        page="of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the last one for 1 too; NaN for "
-        "white or black at 0.5, as is `consensus_right` then",
+        page="of *n* options the *k*-th for fill ratios in [*k*/*n*, (*k* + 1)/*n*), the last one for 1 too; NaN if "
+        "the options are white and black and *f* is 0.5, as is `consensus_right` then",
     ),
     Quantity(
         "done_round", "the first after which the robot was done; infinite: never", "endings", unit="rounds",
@@ -238,7 +238,7 @@ ALL = (
         column="coverage", axis="share of intervals that hold $f$", statistic="mean", share=True, bounds=(0.0, 1.0),
         decimals=1,
         page="the fraction of robots whose [interval](brain-contract.md#interval) holds *f* (the floor's share with "
-        '`truth = "floor"`); this and the next only if a brain has one, else NaN',
+        '`truth = "floor"`); this and the next only if a brain has one; NaN for other brains',
     ),
     Quantity(
         "interval_width", "mean width of the robots' intervals", "intervals", PER_CHECKPOINT,
