@@ -1,4 +1,4 @@
-"""What stands around an arena and stays as it is: its colours, a scale, a key and titles."""
+"""The margins of an arena: colour bar, scale, key and titles."""
 
 from __future__ import annotations
 
@@ -19,42 +19,43 @@ from swarmcensus.figures.lettering import wrapped
 from swarmcensus.figures.looks import LIES
 from swarmcensus.figures.sheets import SMALL
 
-SIZE = 6.75, 6.25  # inches: at 128 and 80 dots an inch both are whole, even numbers of dots
+SIZE = 6.75, 6.25  # inches: at 128 and 80 dots per inch both are even numbers of dots, as films need
 LEFT, BOTTOM, ARENA = 0.25, 0.5, 5.1  # inches
-WHITE_TILE, BLACK_TILE = 0.97, 0.83  # grey levels: the floor is seen, and robots upon it
+WHITE_TILE, BLACK_TILE = 0.97, 0.83  # grey levels: tiles are visible, and robots stand out from them
 ESTIMATES = mpl.colormaps["plasma_r"]  # darker is blacker; its luminance rises evenly, also in grey print
-LINEAR = 0.1  # estimates as near as this to the truth, a bin of ten, are told apart best
+LINEAR = 0.1  # colours differ most for estimates within this distance of the truth, the width of one of ten bins
 LINK, RANGE = "#009e73", "#d40000"
-STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all of a robot's make a star
+STROKES = {"moving": 0.0, "sensing": 45.0, "talking": 135.0}  # degrees: all strokes of a robot make a star
 LINES = 2  # of the title
-WIDE_ENOUGH, NARROW = 4.0, 2.8  # inches of an arena: below, the headline is smaller, and below, two lines
-COLUMN = 1.25  # inches of the key under an arena
+WIDE_ENOUGH = 4.0  # inches: the headline of a narrower arena has smaller letters
+NARROW = 2.8  # inches: the headline of a narrower arena takes two lines
+COLUMN = 1.25  # inches: a column of the key under an arena
 
 
-class Room(NamedTuple):
-    """The inches that an arena takes, and whether it is in axes of the caller's: its key then stands under it."""
+class ArenaSize(NamedTuple):
+    """The side of an arena in inches, and whether it is in the caller's own axes, with the key under it."""
 
     side: float = ARENA
     own: bool = False
 
 
-def room_in(axes: Axes) -> Room:
-    """The room of an arena in axes of the caller's, which are square."""
+def size_in(axes: Axes) -> ArenaSize:
+    """The size of an arena in the caller's axes, which are square."""
     axes.apply_aspect()
-    return Room(axes.bbox.width / axes.figure.dpi, own=True)
+    return ArenaSize(axes.bbox.width / axes.figure.dpi, own=True)
 
 
 def _moved(axes: Axes, right: float, up: float) -> Transform:
-    """Coordinates of the axes, moved by so many inches, whatever size these have when they are drawn."""
+    """Coordinates of the axes, moved by inches. They stay right if the axes change their size before drawing."""
     moved: Transform = axes.transAxes + ScaledTranslation(right, up, axes.figure.dpi_scale_trans)
     return moved
 
 
-def draw_colours(arena: Axes, room: Room, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
-    """Draw the bar of colours right of the arena; returns what gives estimates these colours, and the bar."""
+def draw_colours(arena: Axes, size: ArenaSize, true_fill_ratio: float) -> tuple[ScalarMappable, Axes]:
+    """Draw the colour bar right of the arena. Returns the mapping from estimates to colours, and the bar's axes."""
     far = max(true_fill_ratio, 1.0 - true_fill_ratio)
     most = np.arcsinh(far / LINEAR)
-    # Odd about the truth, with the scale's middle there: equal errors are equally far from its colour.
+    # Symmetric about the truth: equal errors above and below it are equally far from its colour.
     norm = FuncNorm(
         (
             lambda x: np.arcsinh((np.asarray(x) - true_fill_ratio) / LINEAR) / most,
@@ -64,14 +65,16 @@ def draw_colours(arena: Axes, room: Room, true_fill_ratio: float) -> tuple[Scala
         vmax=true_fill_ratio + far,
     )
     colours = ScalarMappable(norm, ESTIMATES.with_extremes(bad="0.6"))
-    foot, tall = (0.0, 0.88 * room.side) if room.own else (2.15, 2.6)
-    axes = arena.inset_axes((1 + 0.2 / room.side, foot / room.side, 0.16 / room.side, tall / room.side))
+    foot, tall = (0.0, 0.88 * size.side) if size.own else (2.15, 2.6)
+    axes = arena.inset_axes((1 + 0.2 / size.side, foot / size.side, 0.16 / size.side, tall / size.side))
     low, truth, high = (float(norm(x)) for x in (0.0, true_fill_ratio, 1.0))
     edges = np.linspace(low, high, 257)
     strip = colours.to_rgba(norm.inverse((edges[1:] + edges[:-1]) / 2.0))
     axes.imshow(strip[:, np.newaxis], origin="lower", aspect="auto", extent=(0.0, 1.0, low, high))
     ticks = {float(norm(x)): f"{x:g}" for x in (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)}
-    ticks = {y: text for y, text in ticks.items() if abs(y - truth) > 0.07 * (high - low)}  # room for its name
+    ticks = {
+        y: text for y, text in ticks.items() if abs(y - truth) > 0.07 * (high - low)
+    }  # room for the label of the truth
     axes.yaxis.tick_right()
     axes.set_xticks([])
     axes.set_yticks(list(ticks), list(ticks.values()), fontsize=SMALL)
@@ -84,30 +87,30 @@ def draw_colours(arena: Axes, room: Room, true_fill_ratio: float) -> tuple[Scala
     return colours, axes
 
 
-def write_titles(arena: Axes, room: Room, title: str, robots: int) -> tuple[Text, Text]:
-    """Write the title over the arena, in two lines at most; returns the headline's two texts that change."""
-    letters = SMALL + 3 if room.side > WIDE_ENOUGH else SMALL
-    lines = wrapped(title, 72 * (room.side + (0.0 if room.own else SIZE[0] - LEFT - ARENA - 0.1)), SMALL, LINES)
+def write_titles(arena: Axes, size: ArenaSize, title: str, robots: int) -> tuple[Text, Text]:
+    """Write the title over the arena, in at most two lines. Returns the two texts of the headline that change."""
+    letters = SMALL + 3 if size.side > WIDE_ENOUGH else SMALL
+    lines = wrapped(title, 72 * (size.side + (0.0 if size.own else SIZE[0] - LEFT - ARENA - 0.1)), SMALL, LINES)
     y = 0.19 + 0.13 * len(lines)
-    over = y if room.side > NARROW else y + 0.15  # the headline is two lines
+    over = y if size.side > NARROW else y + 0.15  # the headline takes two lines
 
-    def write(x: float, right: float, up: float, text: str, size: float = letters, **more: Any) -> Text:
-        # What others have called a study is text, also where it has dollar signs.
+    def write(x: float, right: float, up: float, text: str, points: float = letters, **more: Any) -> Text:
+        # Names of studies are plain text, even with dollar signs.
         place: dict[str, Any] = {"transform": _moved(arena, right, up), "va": "baseline"}
-        return arena.text(x, 1.0, text, fontsize=size, parse_math=False, **place | more)
+        return arena.text(x, 1.0, text, fontsize=points, parse_math=False, **place | more)
 
     write(0.0, 0.0, 0.12, "\n".join(lines), SMALL, va="bottom")
     when = write(0.0, 0.0, over, "")
-    # Letters are what takes longest to draw in a film: those that stay are not written again.
+    # Text is the slowest part of a film, so the text that stays is not drawn again in each frame.
     start = -0.08 * len(f"{robots:,} of {robots:,}") * letters / (SMALL + 3)
     write(1.0, start - 0.05, y, "robots in the right bin:", ha="right")
     return when, write(1.0, start, y, "")
 
 
-def draw_scale(axes: Axes, room: Room, half: float, note: str) -> None:
-    """Draw a bar of a round length under the arena, of which `half` is half the side in metres, and write a note."""
+def draw_scale(axes: Axes, size: ArenaSize, half: float, note: str) -> None:
+    """Draw a scale bar of a round length and write a note under the arena; `half` is half its side in metres."""
     length = max(m * 10.0**e for m in (1, 2, 5) for e in range(-3, 6) if m * 10.0**e <= 0.6 * half)
-    y = -half * (1.0 + 2.0 * 0.14 / room.side)
+    y = -half * (1.0 + 2.0 * 0.14 / size.side)
     x = -half, -half + length
     axes.plot(x, [y, y], "|-", color="black", linewidth=1.2, markersize=6, clip_on=False)
     axes.text(
@@ -118,9 +121,9 @@ def draw_scale(axes: Axes, room: Room, half: float, note: str) -> None:
 
 
 def draw_key(
-    arena: Axes, room: Room, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
+    arena: Axes, size: ArenaSize, robot: int, stops: list[str], *, to_scale: bool, tiles: bool, liars: bool
 ) -> None:
-    """Say beside the arena what its marks mean: `robot` has its radio range drawn, `stops` are parts that fail."""
+    """Draw the key. `robot` is the robot whose radio range is drawn, and `stops` are the parts that fail."""
     disc = Line2D([], [], linestyle="", marker="o", markersize=7, color=ESTIMATES(0.5), markeredgecolor="black")
     entries: dict[str, Any] = {
         "robot, heading" + ("" if to_scale else "\n(not to scale)"): disc,
@@ -141,9 +144,9 @@ def draw_key(
         entries["white tile"] = Patch(facecolor=str(WHITE_TILE), edgecolor="0.5", linewidth=0.5)
     place: dict[str, Any] = {"loc": "lower left", "bbox_to_anchor": (1.0, 0.0), "labelspacing": 0.7}
     place["bbox_transform"] = _moved(arena, 0.14, 0.0)
-    if room.own:
+    if size.own:
         place |= {"loc": "upper left", "bbox_to_anchor": (0.0, 0.0), "bbox_transform": _moved(arena, 0.0, -0.25)}
-        place |= {"ncols": max(1, int(room.side / COLUMN)), "columnspacing": 1.0}
+        place |= {"ncols": max(1, int(size.side / COLUMN)), "columnspacing": 1.0}
     arena.legend(
         list(entries.values()), list(entries), frameon=False, fontsize=SMALL, borderaxespad=0, handlelength=1.5, **place
     )

@@ -1,4 +1,4 @@
-"""Numbers for figures, by the values of a coordinate: robots and medians of a scatter, shares of right robots."""
+"""Numbers for figures by the values of a coordinate: dots and medians of a scatter plot, shares of right robots."""
 
 from __future__ import annotations
 
@@ -34,14 +34,14 @@ Shares = dict[str, Share]  # value of the colour -> share
 
 
 def lacking(parts: Sequence[xr.Dataset]) -> str:
-    """How many trials these results hold, if the run is not complete; else an empty text."""
+    """The number of finished trials as text, such as "3 of 10 trials"; empty if the run is complete."""
     attributes = parts[0].attrs
     if not attributes.get("trials_done", 0) < attributes.get("trials_total", 0):
         return ""
     done, total = sum(int(finished(part).sum()) for part in parts), 0
     for part in parts:
         total += part.sizes["setting"] * part.sizes["trial"]
-    if "half_width" in parts[0]:  # a rule decides how many trials there will be
+    if "half_width" in parts[0]:  # a rule stops the run, so the total is not known
         return f"{counted(done, 'trial')} so far"
     return f"{done:,} of {counted(total, 'trial')}" if done < total else ""
 
@@ -56,8 +56,10 @@ def truths_of(trace: xr.Dataset) -> NDArray[np.float64] | None:
     """True fill ratio per round, (round,); None if it is constant."""
     on_floor = trace.attrs.get("truth") == "floor" and "true_fill_ratio" in trace.attrs
     wanted = "true_fill_ratio" if on_floor else "fill_ratio"
-    of_rounds = (one for one in trace.data_vars.values() if one.dims == ("round",))
-    return next((np.asarray(one.values) for one in of_rounds if str(one.name).rstrip("_") == wanted), None)
+    for name, variable in trace.data_vars.items():
+        if variable.dims == ("round",) and str(name).rstrip("_") == wanted:
+            return np.asarray(variable.values)
+    return None
 
 
 def unit_of(results: xr.Dataset, local: bool = False) -> str:
@@ -79,24 +81,26 @@ def cloud_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> Cloud
     """
     when, error, done = _converged(results, local)
     return {
-        value: (when[mine][done[mine]].astype(float), error[mine][done[mine]])
-        for value, mine in _values(results, color)
-        if done[mine].any()
+        value: (when[settings][done[settings]].astype(float), error[settings][done[settings]])
+        for value, settings in _values(results, color)
+        if done[settings].any()
     }
 
 
 def crosses_of(results: xr.Dataset, local: bool, color: str = "accuracy") -> dict[str, Cross]:
     """Return the 95 % intervals over trials of the medians of a cloud, by the values of `color`.
 
-    There is none for fewer than 6 trials, and for settings that have different trials.
+    A value has no interval if it has fewer than 6 trials, or settings with different trials.
 
     Raises InputError if a variable is missing.
     """
     when, error, done = _converged(results, local)
     crosses = {}
-    for value, mine in _values(results, color):
-        each = [estimate_pooled(np.where(done[mine], values[mine], np.nan), "median") for values in (when, error)]
-        ends = [end for one in each for end in (one.low, one.high)]
+    for value, settings in _values(results, color):
+        medians = [
+            estimate_pooled(np.where(done[settings], values[settings], np.nan), "median") for values in (when, error)
+        ]
+        ends = [end for median in medians for end in (median.low, median.high)]
         if np.isfinite(ends).all():
             crosses[value] = (ends[0], ends[1], ends[2], ends[3])
     return crosses
@@ -124,22 +128,22 @@ def shares_of(results: xr.Dataset, color: str = "accuracy") -> Shares:
     robots = known * robots_in(results).values[:, None, None]
     right = np.nan_to_num(correct) * robots
     shares = {}
-    for value, mine in _values(results, color):
-        asked = robots[mine].sum((0, 1))
-        if asked.any():
-            share = np.full(asked.shape, np.nan)
-            np.divide(right[mine].sum((0, 1)), asked, out=share, where=asked > 0)
-            all_right = ((correct[mine] == 1) | ~known[mine]).all((0, 1)) & (asked > 0)
+    for value, settings in _values(results, color):
+        measured = robots[settings].sum((0, 1))
+        if measured.any():
+            share = np.full(measured.shape, np.nan)
+            np.divide(right[settings].sum((0, 1)), measured, out=share, where=measured > 0)
+            all_right = ((correct[settings] == 1) | ~known[settings]).all((0, 1)) & (measured > 0)
             low, high = np.full((2, share.size), np.nan)
-            if np.unique(robots_in(results).values[mine]).size == 1:
-                for k in np.flatnonzero(asked):
-                    _, low[k], high[k] = estimate_pooled(correct[mine, :, k, np.newaxis], "mean", share=True)
+            if np.unique(robots_in(results).values[settings]).size == 1:
+                for k in np.flatnonzero(measured):
+                    _, low[k], high[k] = estimate_pooled(correct[settings, :, k, np.newaxis], "mean", share=True)
             shares[value] = Share(share, all_right, low, high)
     return shares
 
 
 def _values(results: xr.Dataset, color: str) -> Iterator[tuple[str, NDArray[np.bool_]]]:
-    """Every distinct value of a coordinate as text, and a mask of the settings that have it."""
+    """Every distinct value of a coordinate as text, with a mask of the settings that have it."""
     texts = texts_of(results, color)
     for text in dict.fromkeys(texts.tolist()):
         yield text, texts == text

@@ -16,37 +16,37 @@ from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import derived_size, is_idle
 from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
 
-LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they say what `members` says
-NONE = "none"  # the text of a value that says nothing
+LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`
+NONE = "none"  # the text of a missing value
 
 
 def caption_of(world: Mapping[str, Any]) -> str:
     """The caption of a world of a comparison: the coordinates in which it differs from others."""
-    said = {
-        name: idle_caption(name) if is_idle(value) else caption_form(name).format(value)
+    return ", ".join(
+        idle_caption(name) if is_idle(value) else caption_form(name).format(value)
         for name, value in world.items()
         if idle_caption(name) or not is_idle(value)
-    }
-    return ", ".join(said.values())
+    )
 
 
 def coordinates_of(results: xr.Dataset) -> list[str]:
     """The names of all coordinates along `setting`."""
-    names = [str(name) for name, one in results.coords.items() if one.dims == ("setting",) and name != "setting"]
+    names = [str(name) for name, values in results.coords.items() if values.dims == ("setting",) and name != "setting"]
     return [*(name for name in IN_CAPTIONS if name in names), *sorted(set(names).difference(IN_CAPTIONS))]
 
 
 def check_coordinates(results: xr.Dataset, also: Collection[str] = (), **given: str | Sequence[str] | None) -> None:
-    """Raise InputError for a name that is no coordinate, with the option that gives it; names in `also` are allowed."""
+    """Raise InputError if an option, given as option=names, names no coordinate; names in `also` are allowed too."""
     require(results)
     known = coordinates_of(results)
     for option, names in given.items():
         for name in [names] if isinstance(names, str) else names or ():
             if name not in known and name not in also:
-                several = ", ".join(varies(results)) or "none"
+                varying = varies(results)
+                others = [other for other in [*known, *also] if other not in varying]
                 raise InputError(
                     f"{option} {name!r}: {did_you_mean(name, [*known, *also])}the coordinates that vary here are "
-                    f"{several}; others are {', '.join(one for one in [*known, *also] if one not in varies(results))}"
+                    f"{', '.join(varying) or 'none'}; others are {', '.join(others)}"
                 )
 
 
@@ -59,17 +59,17 @@ def texts_of(results: xr.Dataset, name: str) -> NDArray[np.str_]:
 
 
 def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool = False) -> dict[str, list[Any]]:
-    """Return every setting's value of each coordinate that varies; None stands for a value that says nothing.
+    """Return every setting's value of each coordinate that varies; None stands for a missing value.
 
-    Coordinates that repeat others are left out, unless `twice`: one of an arena's density and side, who lies and how
-    many where `members` say it, a floor that all arenas share, a parameter with a single value, and, if `apart_from`
-    are the axes of a figure (two or more), everything that follows from them.
+    The coordinates `apart_from` are left out. So are coordinates that repeat others, unless `twice`: density or side of
+    an arena; `liars` and `adversary` if there are `members`; a floor that all arenas share; a parameter with a single
+    value; and, if `apart_from` are the two or more axes of a figure, everything that follows from them.
     """
     left_out = {*apart_from}
     if not twice:
         given = {*apart_from}
         left_out |= {"density", "side"} if given & {"density", "side"} else {derived_size(results)}
-        left_out |= _told_otherwise(results) if given & LIARS else LIARS
+        left_out |= _restated_by_liars(results) if given & LIARS else LIARS
     restating = set() if twice else {"floor"}.union(*parameters_in(results).values())
     varying = {}
     for name in coordinates_of(results):
@@ -77,57 +77,61 @@ def varies(results: xr.Dataset, apart_from: Collection[str] = (), *, twice: bool
             continue
         values = results[name].values.tolist()
         if name == "assumed_accuracy" and len(set(values)) > 1:
-            # Robots that know their sensors assume the true accuracy, which tells no settings apart.
+            # Robots that know their sensors assume the true accuracy, or that of the first round if sensors drift.
+            # This distinguishes no settings.
             pairs = zip(values, results["accuracy"].values.tolist(), strict=True)
-            # Neither do sensors that drift, if robots assume the accuracy of the first round.
             values = [None if assumed == true.split(" drift=")[0] else assumed for assumed, true in pairs]
-        # NaN and "", the density and floor of a fixed network
+        # fixed networks have NaN as density and "" as floor
         values = [None if value != value or value == "" else value for value in values]
         distinct = set(values)
         if len(distinct - {None} if name in restating else distinct) > 1:
             varying[name] = values
-    return varying if twice or len({*apart_from}) < 2 else _not_told_by(results, {*apart_from}, varying)
+    return varying if twice or len({*apart_from}) < 2 else _independent_of(results, {*apart_from}, varying)
 
 
 def pooled(parts: Sequence[xr.Dataset], axes: Sequence[str]) -> str:
-    """What is pooled in a figure, as "7 accuracies"; empty if nothing is.
+    """The coordinates that a figure pools, such as "7 accuracies"; empty if there are none.
 
-    `parts` are the panels, and `axes` the coordinates that are told apart within a panel.
+    `parts` are the panels, and `axes` the coordinates that a panel distinguishes.
     """
-    found: dict[str, int] = {}
+    counts: dict[str, int] = {}
     for part in parts:
         at = list(zip(*(texts_of(part, name).tolist() for name in axes), strict=True))
         for name, values in varies(part, axes).items():
             together: dict[tuple[str, ...], set[Any]] = {}
             for place, value in zip(at, values, strict=True):
                 together.setdefault(place, set()).add(value)
-            found[name] = max(found.get(name, 1), *map(len, together.values()))
-    told = [f"{count:,} {plural_of(name)}" for name, count in found.items() if count > 1]
-    return " and ".join(filter(None, [", ".join(told[:-1]), *told[-1:]]))
+            counts[name] = max(counts.get(name, 1), *map(len, together.values()))
+    texts = [f"{count:,} {plural_of(name)}" for name, count in counts.items() if count > 1]
+    return " and ".join(filter(None, [", ".join(texts[:-1]), *texts[-1:]]))
 
 
-def _not_told_by(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:
+def _independent_of(results: xr.Dataset, axes: set[str], varying: dict[str, list[Any]]) -> dict[str, list[Any]]:
     """The coordinates that differ between settings with the same values on all axes."""
     at = list(zip(*(texts_of(results, name).tolist() for name in sorted(axes)), strict=True))
     return {name: values for name, values in varying.items() if len({*zip(at, values, strict=True)}) > len({*at})}
 
 
 def from_nobody(results: xr.Dataset) -> xr.Dataset:
-    """Results in which a setting without liars is repeated for each adversary of its world, where its line begins."""
-    who = results["adversary"].values.tolist()
+    """Repeat each setting without liars for each adversary of its world, so that all lines begin at it."""
+    adversaries = results["adversary"].values.tolist()
     others = [name for name in coordinates_of(results) if name not in {"members", *LIARS}]
     worlds = list(zip(*(texts_of(results, name).tolist() for name in others), strict=True))
-    met: dict[tuple[str, ...], dict[str, None]] = {}
-    for world, one in zip(worlds, who, strict=True):
-        if one:
-            met.setdefault(world, {})[one] = None
-    rows = [(k, name) for k, one in enumerate(who) for name in ([one] if one else met.get(worlds[k], [""]))]
+    of_world: dict[tuple[str, ...], dict[str, None]] = {}
+    for world, adversary in zip(worlds, adversaries, strict=True):
+        if adversary:
+            of_world.setdefault(world, {})[adversary] = None
+    rows = [
+        (k, name)
+        for k, adversary in enumerate(adversaries)
+        for name in ([adversary] if adversary else of_world.get(worlds[k], [""]))
+    ]
     names = np.array([name for _, name in rows], dtype=object)
     return results.isel(setting=[k for k, _ in rows]).assign_coords(adversary=("setting", names))
 
 
-def _told_otherwise(results: xr.Dataset) -> set[str]:
-    """`members`, if the adversary, the number of liars and the number of robots say the same."""
+def _restated_by_liars(results: xr.Dataset) -> set[str]:
+    """`members`, if it follows from the adversary, the number of liars and the number of robots; else nothing."""
     if "members" not in results.coords:
         return set()
     rows = set(zip(*(results[name].values.tolist() for name in ("robots", *sorted(LIARS), "members")), strict=True))

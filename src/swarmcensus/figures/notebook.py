@@ -1,6 +1,6 @@
-"""What a notebook shows of results and of a trace: a summary's table, a trial's curves.
+"""How notebooks show results and traces: the table of the summary, and the curves of a trial.
 
-Both are datasets of xarray, and xarray's own view of them is folded below. All other datasets look as usual.
+Both are xarray datasets. xarray's own view of them follows, folded. Other datasets look as usual.
 """
 
 import base64
@@ -15,25 +15,25 @@ MOST_SETTINGS = 20
 
 
 def register(shell: Any) -> None:
-    """Have an IPython shell show datasets this way, without importing xarray. A formatter that is set already stays."""
+    """Make an IPython shell show datasets this way, without importing xarray. An existing formatter is kept."""
     formatter = shell.display_formatter.formatters["text/html"]
-    place = "xarray.core.dataset", "Dataset"
-    if place not in formatter.deferred_printers:
-        formatter.for_type_by_name(*place, shown)
+    dataset = "xarray.core.dataset", "Dataset"
+    if dataset not in formatter.deferred_printers:
+        formatter.for_type_by_name(*dataset, shown)
 
 
 def shown(data: Any) -> str:
     """A dataset as HTML."""
     try:
         values = _curves(data) if {"round", "robot"} <= {*data.dims} else _summary(data)
-    except Exception:  # what cannot be drawn is still a dataset
+    except Exception:  # the dataset is then shown as usual
         values = {}
     dataset = str(data._repr_html_())
     return render(Path(__file__).with_name("notebook.html.jinja"), dataset=dataset, **values) if values else dataset
 
 
 def _curves(trace: Any) -> dict[str, Any]:
-    """A picture of estimates by round, for the template; empty without estimates."""
+    """The picture of a trace's estimates by round, for the template; empty if there are no estimates."""
     if "estimate" not in trace:
         return {}
     from swarmcensus.figures.kinds.curves import curves
@@ -58,7 +58,7 @@ def _summary(data: Any) -> dict[str, Any]:
         table["failed"] = frame["failed"]
     for name in measured:
         ends = zip(frame[name], frame[f"{name}_low"], frame[f"{name}_high"], strict=True)
-        table[name.replace("_", " ")] = [_with_interval(*three) for three in ends]
+        table[name.replace("_", " ")] = [_with_interval(*value_and_ends) for value_and_ends in ends]
     return {
         "title": str(data.attrs.get("title", "")),
         "trials": f"{counted(int(done(data).sum()), 'trial')} of {counted(count, 'setting')}",
@@ -69,6 +69,7 @@ def _summary(data: Any) -> dict[str, Any]:
 
 
 def _with_interval(value: float, low: float, high: float) -> str:
+    """A value and its interval as text; NaN is left out."""
     if value != value:
         return ""
     return f"{value:.3g}" + ("" if low != low else f" [{low:.3g}, {high:.3g}]")

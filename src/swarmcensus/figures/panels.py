@@ -17,7 +17,7 @@ Names = Sequence[str] | str | None  # of coordinates
 
 
 class Panel(NamedTuple):
-    """One panel: its caption, its results, and two options of a scatter."""
+    """One panel: its caption, its results, and two options of `scatter`."""
 
     caption: str
     results: xr.Dataset
@@ -29,10 +29,10 @@ def panels_of(results: xr.Dataset, apart_from: Collection[str] = ("accuracy",), 
     """Split results into panels, one for each combination of values of the coordinates `by`.
 
     By default `by` is every coordinate that varies, except those in `apart_from`. Panels are in the order of the
-    settings. Captions name what varies, as "ring, N = 100, f = 0.55", and a floor that is not of independent tiles.
+    settings. Captions name the coordinates that vary, such as "ring, N = 100, f = 0.55", and a floor that is not of
+    independent tiles.
 
-    Raises InputError if `results` has no settings, and for more panels than a figure holds; the message says how to
-    select fewer.
+    Raises InputError if `results` has no settings, and for more than 24 panels; the message says how to select fewer.
     """
     by = [by] if isinstance(by, str) else by
     panels = _split(results, apart_from, by)
@@ -71,6 +71,7 @@ def _split(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] |
 
 
 def _varying(results: xr.Dataset, apart_from: Collection[str], by: Sequence[str] | None) -> dict[str, list[Any]]:
+    """Every setting's value of each coordinate that makes panels."""
     if by is None:
         return varies(results, apart_from)
     return {name: values for name, values in varies(results, twice=True).items() if name in by}
@@ -88,7 +89,7 @@ def _written(name: str, values: list[Any]) -> dict[Any, str]:
 def select_some(
     results: xr.Dataset, apart_from: Collection[str], most: int, by: Sequence[str] | None = None
 ) -> dict[str, Any]:
-    """Values of coordinates, by name, that leave at most `most` panels."""
+    """Values of coordinates by name. Selecting the settings that have them leaves at most `most` panels."""
     chosen = {}
     while len(_split(results, apart_from, by)) > most:
         varying = _varying(results, apart_from, by)

@@ -1,4 +1,4 @@
-"""A plan: how many minutes swarms of each size need, a line a brain and world, and what theory says."""
+"""Picture of a plan: the minutes that swarms of each size need, one line per brain and world, and theory."""
 
 from __future__ import annotations
 
@@ -19,51 +19,54 @@ from swarmcensus.figures.looks import Look, looks_of, solid_dot
 from swarmcensus.figures.sheets import add_key, name_axes, sheet
 from swarmcensus.planning.plans import Plan, Row
 
-SIZE = 5.0  # points: a dot
-BESIDE = 7.0  # apart, where there is one size
-NEXT, FEW = 2.5, 2  # apart where there are several sizes, and more lines than these
-WIDE = 310.0  # and the panel
-ALIKE = 0.02  # of theory's minutes: a line for both
+# All lengths are in points.
+SIZE = 5.0  # of a dot
+BESIDE = 7.0  # between the dots of lines, if there is one size of swarms
+NEXT = 2.5  # the same if there are several sizes,
+FEW = 2  # and more lines than these
+WIDE = 310.0  # of the panel
+ALIKE = 0.02  # relative difference of theory's minutes up to which they share a line
 
-Line = tuple[str, str, float | None]
+Line = tuple[str, str, float | None]  # brain, topology and density
 
 
-def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
-    """Draw robots against minutes: dots are simulated, their bars 95 % intervals over trials, to the edge where
-    nothing is surely enough.
+def draw_plan(plan: Plan, title: str | None = None, ax: Axes | None = None) -> Figure:
+    """Draw the minutes that a plan needs against the number of robots.
 
-    A hollow dot was not simulated, or does not reach the goal at the longest time. Raises InputError where there is
-    nothing to draw.
+    Full dots were simulated and reach the goal. Bars are 95 % intervals over trials; a bar to the edge has no upper
+    end. A hollow dot was not simulated, or does not reach the goal even in the longest time. Grey lines are theory.
+
+    Raises InputError if the plan has no rows.
     """
-    if not found.rows:
+    if not plan.rows:
         raise InputError("there is nothing to draw: the plan has no rows")
-    mission, looks, entries = found.mission, _looks(found), dict[str, Artist]()
+    mission, looks, entries = plan.mission, _looks(plan), dict[str, Artist]()
     caption = f"{100 * mission.wanted.confidence:g} % of robots {mission.goal}"
     [axes] = sheet(ax, [caption], title)
-    every = [minutes for row in found.rows for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
-    measured_axis([axes], every, [end for row in found.rows for end in (row.minutes_low, row.minutes_high) if end])
-    sizes = {size for row in found.rows for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
+    every = [minutes for row in plan.rows for minutes in (row.minutes, row.theory.pooled, row.theory.alone)]
+    measured_axis([axes], every, [end for row in plan.rows for end in (row.minutes_low, row.minutes_high) if end])
+    sizes = {size for row in plan.rows for size in (row.robots, row.robots_low, row.robots_high) if size is not None}
     across = looks_of(map(str, sorted(sizes)), "o", "robots")
     coordinate_axis(axes, "robots", across, names_of(across, WIDE), 4.0 * NEXT * (len(looks) > FEW))
-    step = np.array([NEXT * (len(looks) > FEW), 0.0])  # to the right, and up
-    if found.question == "how many":
+    step = np.array([NEXT * (len(looks) > FEW), 0.0])  # from line to line: to the right, and up
+    if plan.question == "how many":
         step = np.array([0.0, BESIDE / 2.0])
-    elif len({row.robots for row in found.rows}) == 1:
+    elif len({row.robots for row in plan.rows}) == 1:
         step = np.array([BESIDE, 0.0])
-    for k, (of, look) in enumerate(looks.items()):
+    for k, (line, look) in enumerate(looks.items()):
         aside = step * (k - (len(looks) - 1) / 2.0)
-        _draw(axes, [row for row in found.rows if _line(row) == of], look, aside)
+        _draw(axes, [row for row in plan.rows if _line(row) == line], look, aside)
         entries[look.name] = solid_dot(look, SIZE, 0.4)
-    if any(row.minutes_low or row.robots_low for row in found.rows):
+    if any(row.minutes_low or row.robots_low for row in plan.rows):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3")
-    if any(row.answer != "reached" for row in found.rows):
+    if any(row.answer != "reached" for row in plan.rows):
         hollow = Line2D([], [], linestyle="", marker="o", markersize=SIZE, color="0.3", markerfacecolor="white")
         entries["hollow: theory alone, or not reached by then"] = hollow
-    for which, style, told in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
-        for minutes in _theories(found, which):
-            line = _line_of_theory(axes, minutes)
-            line.set(linestyle=style)
-            entries[f"theory: {told}"] = line
+    for which, style, name in (("alone", ":", "a robot alone"), ("pooled", "--", "all readings at once")):
+        for minutes in _theories(plan, which):
+            theory = _draw_theory(axes, minutes)
+            theory.set(linestyle=style)
+            entries[f"theory: {name}"] = theory
     name_axes(axes, "robots", "minutes")
     add_key([axes], "", entries)
     figure: Figure = axes.figure.canvas.figure
@@ -71,13 +74,13 @@ def draw_plan(found: Plan, title: str | None = None, ax: Axes | None = None) -> 
 
 
 def _line(row: Row) -> Line:
-    """Which line a row is of: brain, network and density."""
+    """The line that a row belongs to."""
     return row.brain, row.topology, row.density
 
 
-def _looks(found: Plan) -> dict[Line, Look]:
-    """How each line looks: of several brains in several worlds, its colour is of the world, its marker of the brain."""
-    free, lines = found.mission.free, list(dict.fromkeys(map(_line, found.rows)))
+def _looks(plan: Plan) -> dict[Line, Look]:
+    """The look of each line. If brains and worlds vary, the colour shows the world and the marker the brain."""
+    free, lines = plan.mission.free, list(dict.fromkeys(map(_line, plan.rows)))
     worlds = {}
     for line in lines:
         name = [line[1]] if len(free.topology) > 1 else []
@@ -90,28 +93,29 @@ def _looks(found: Plan) -> dict[Line, Look]:
         return {line: brains[line[0]] for line in lines}
     if len(brains) == 1:
         return {line: places[worlds[line]] for line in lines}
-    found_looks = {}
+    looks = {}
     for line in lines:
         brain, place = brains[line[0]], places[worlds[line]]
-        found_looks[line] = Look(f"{brain.name}, {place.name}", place.short, place.colour, brain.marker)
-    return found_looks
+        looks[line] = Look(f"{brain.name}, {place.name}", place.short, place.colour, brain.marker)
+    return looks
 
 
-def _theories(found: Plan, which: str) -> list[dict[int, float]]:
-    """What theory says of worlds, minutes by robots: one for all that agree."""
-    every: list[dict[int, float]] = []
-    for world in dict.fromkeys(_line(row)[1:] for row in found.rows):
-        told = {row.robots: float(getattr(row.theory, which)) for row in found.rows if _line(row)[1:] == world}
-        alike = [one for one in every if all(math.isclose(one.get(n, m), m, rel_tol=ALIKE) for n, m in told.items())]
-        if not alike:
-            every.append(told)
+def _theories(plan: Plan, which: str) -> list[dict[int, float]]:
+    """Theory's lines: minutes by robots for each world, where worlds that agree share a line."""
+    lines: list[dict[int, float]] = []
+    for world in dict.fromkeys(_line(row)[1:] for row in plan.rows):
+        minutes = {row.robots: float(getattr(row.theory, which)) for row in plan.rows if _line(row)[1:] == world}
+        for line in lines:
+            if all(math.isclose(line.get(n, m), m, rel_tol=ALIKE) for n, m in minutes.items()):
+                line.update(minutes)
+                break
         else:
-            alike[0].update(told)
-    return every
+            lines.append(minutes)
+    return lines
 
 
-def _line_of_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
-    """Minutes by robots; of one size, from wall to wall."""
+def _draw_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
+    """Draw minutes by robots, or a horizontal line through the whole panel if there is one size of swarms."""
     sizes, line = sorted(minutes), Line2D([], [], color="0.5", linewidth=1.0, zorder=1)
     line.set(xdata=sizes, ydata=[minutes[size] for size in sizes])
     if len(sizes) == 1:
@@ -121,14 +125,14 @@ def _line_of_theory(axes: Axes, minutes: dict[int, float]) -> Line2D:
 
 
 def _draw(axes: Axes, rows: list[Row], look: Look, aside: NDArray[np.float64]) -> None:
-    """One line, `aside` points (right, up) beside where it belongs: through what is reached, in order of size."""
+    """Draw one line through the rows that reach the goal, moved by `aside` points (right, up) to hide no other line."""
     rows = sorted(rows, key=lambda row: row.robots)
-    there = [row for row in rows if row.answer == "reached"]
+    reached = [row for row in rows if row.answer == "reached"]
     place: dict[str, Any] = {
         "transform": axes.transData + ScaledTranslation(aside[0] / 72, aside[1] / 72, axes.figure.dpi_scale_trans)
     }
     bar: dict[str, Any] = {"colors": look.colour, "linewidths": 1.0, "zorder": 2.5, **place}
-    axes.plot([r.robots for r in there], [r.minutes for r in there], color=look.colour, lw=1.0, zorder=2, **place)
+    axes.plot([r.robots for r in reached], [r.minutes for r in reached], color=look.colour, lw=1.0, zorder=2, **place)
     for row in rows:
         if row.minutes_low is not None:
             axes.vlines(row.robots, row.minutes_low, row.minutes_high or axes.get_ylim()[1], **bar)

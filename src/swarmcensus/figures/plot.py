@@ -1,7 +1,7 @@
-"""Every kind of figure by its name, as `sc.plot.scatter(results)`: shipped ones and those of other packages.
+"""All kinds of figures by name, such as `sc.plot.scatter(results)`: shipped kinds and those of other packages.
 
-`dir(sc.plot)` lists them. Each returns a matplotlib Figure, which `sc.plot.save` writes. None needs a display or keeps
-state. matplotlib is imported on first use.
+`dir(sc.plot)` lists them. Each returns a matplotlib Figure, which `sc.plot.save` writes. They need no display and keep
+no state. matplotlib is imported on first use.
 """
 
 import importlib
@@ -27,16 +27,16 @@ if TYPE_CHECKING:  # so that editors and type checkers know the signatures
 
 
 def __getattr__(name: str) -> Callable[..., Any]:
-    """The function that draws a kind. Raises AttributeError where there is none, InputError where it fails to load."""
+    """The function that draws a kind. Raises AttributeError for an unknown kind, InputError if it cannot be loaded."""
     if name == "save":
         return importlib.import_module("swarmcensus.figures.files").save  # type: ignore[no-any-return]
     if name.startswith("_"):
         raise AttributeError(f"sc.plot has no {name!r}")
-    found = next((one for one in (name, name.replace("_", "-")) if one in kinds.PLUGINS), None)
-    if found is None:
-        known = __dir__()
-        raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
-    return kinds.find(found)
+    for kind in (name, name.replace("_", "-")):
+        if kind in kinds.PLUGINS:
+            return kinds.find(kind)
+    known = __dir__()
+    raise AttributeError(f"sc.plot has no {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
 
 
 def __dir__() -> list[str]:

@@ -23,16 +23,16 @@ from swarmcensus.figures.panels import MOST_PANELS
 
 LOG = logging.getLogger(__name__)
 
-Scale = Literal["log", "log-y", "linear"]  # both axes logarithmic, the y axis alone, none
+Scale = Literal["log", "log-y", "linear"]  # both axes are logarithmic, only the y axis, neither
 Own = Axes | Sequence[Axes] | None  # the caller's axes, one per panel; None: a new figure
 Drawn = Any  # a Figure, or the caller's axes, depending on an argument
 
 SMALL = 7.5  # points: ticks and keys; axis labels and captions are larger
 CAPTION, TITLE = SMALL + 1.5, SMALL + 3
 HALF_A_DECADE = 10**0.5
-LEFT = 0.65  # inches: for the y axis and its name
-INNER = "inner"  # label of a panel whose left neighbour has the name of the y axis
-POOLED = "select some of the settings, draw all into one with panels=[]"  # advice that leads to fewer panels
+LEFT = 0.65  # inches: the room for the y axis and its name
+INNER = "inner"  # label of a panel with a left neighbour, which has the name of the y axis
+POOLED = "select some of the settings, draw all into one with panels=[]"  # advice on how to get fewer panels
 NOTHING = "nothing to draw: no trial of these settings has been run"
 
 
@@ -60,7 +60,7 @@ def new_sheet(
     columns = count if count <= 3 else {4: 2, 5: 3, 6: 3, 9: 3}.get(count, 4)
     rows = -(-count // columns)
     wide, high = size or ((4.4, 3.2) if count == 1 else (3.1, 2.4) if columns <= 3 else (2.5, 1.9))
-    # Margins and gaps in inches: the room that text needs does not depend on the number of panels.
+    # Margins and gaps are in inches, as text takes the same room for any number of panels.
     gap_x, line = 0.42, SPACING / 72
     room = wide + (gap_x - 0.06 if count > 1 else right - 0.1)
     lines = [max(1, len(text.splitlines())) for text in _lettered(captions, room)]
@@ -118,7 +118,7 @@ def sheet(
 def own_axes(ax: Axes | Sequence[Axes], panels: int, fewer: str) -> list[Axes]:
     """The caller's axes as a list. Raises InputError if there is not one for each panel."""
     own: list[Axes] = np.ravel(np.asarray(ax, object)).tolist()
-    if strange := next((type(one).__name__ for one in own if not hasattr(one, "get_figure")), None):
+    if strange := next((type(each).__name__ for each in own if not hasattr(each, "get_figure")), None):
         raise InputError(f"ax = {strange}: should be matplotlib Axes, or a list of them")
     if len(own) != panels and panels == 1:
         raise InputError(f"ax has {len(own)} axes, but this is one panel: give one of them")
@@ -138,7 +138,7 @@ def drawn_on(axes: Sequence[Axes], ax: Own) -> Drawn:
 def show_range(axes: Axes, which: Literal["x", "y"], low: float, high: float) -> None:
     """Set the limits of an axis, no narrower than other axes that share it need."""
     shared = axes.get_shared_x_axes() if which == "x" else axes.get_shared_y_axes()
-    if any(other is not axes and other.has_data() for other in shared.get_siblings(axes)):
+    if any(sibling is not axes and sibling.has_data() for sibling in shared.get_siblings(axes)):
         least, most = axes.get_xlim() if which == "x" else axes.get_ylim()
         low, high = min(low, least), max(high, most)
     axes.set(**{f"{which}lim": (low, high)})
@@ -222,24 +222,24 @@ def say_lacking(axes: Sequence[Axes], parts: Sequence[xr.Dataset]) -> None:
 def say_pooled(axes: Sequence[Axes], parts: Sequence[xr.Dataset], by: Sequence[str]) -> None:
     """Write at the foot of the figure, and in the log, which coordinates are pooled.
 
-    `parts` are the panels, and `by` the coordinates that are told apart within a panel.
+    `parts` are the panels, and `by` the coordinates that a panel distinguishes.
     """
-    if told := pooled(parts, by):
+    if what := pooled(parts, by):
         figure = axes[0].figure.canvas.figure
         before = sum(text.get_gid() == "pooled" for text in figure.texts)  # by earlier calls on this figure
         figure.text(
             6 / (72 * figure.get_figwidth()), (4 + 10 * before) / (72 * figure.get_figheight()),
-            f"pooled over {told}", ha="left", va="bottom", fontsize=SMALL, color="#a03000", gid="pooled",
+            f"pooled over {what}", ha="left", va="bottom", fontsize=SMALL, color="#a03000", gid="pooled",
             parse_math=False,
         )  # fmt: skip
-        LOG.info("settings that are drawn as one are pooled over %s", told)
+        LOG.info("settings that are drawn as one are pooled over %s", what)
 
 
 def count_axis(axes: Axes, low: float, high: float, scale: Scale, early: float | None = None) -> None:
     """Give `axes` an x axis for counts from `low` to `high`.
 
-    "log" is linear up to 1 and logarithmic above, and begins at `low`. It is linear throughout if `early`, a count that
-    few lie below (by default `low`), is less than half a decade from `high`.
+    "log" is linear up to 1 and logarithmic above, and begins at `low`. It is linear throughout if `early` to `high` is
+    less than half a decade. `early` is a count that few lie below, by default `low`.
     """
     if scale != "log":
         show_range(axes, "x", -0.01 * high, 1.02 * high)
@@ -277,4 +277,6 @@ def error_axis(axes: Axes, top: float, scale: Scale) -> None:
     else:
         axes.yaxis.set_major_locator(FixedLocator([0, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0]))
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    show_range(axes, "y", -min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top)  # cuts no dot in half
+    show_range(
+        axes, "y", -min(0.0005, 0.01 * top) if scale != "linear" else -0.01 * top, top
+    )  # so that dots at 0 are whole

@@ -27,42 +27,42 @@ Curves = dict[str, dict[str, Line]]  # value of the colour -> name of the line -
 
 
 def curves_of(results: xr.Dataset, color: str, times: Sequence[int] | None, names: Sequence[str]) -> tuple[Curves, str]:
-    """Theory's lines at these rounds or ticks (default: the last) by values of `color`; if there are none, why.
+    """Theory's lines by values of `color`, at these rounds or ticks (default: the last); if there are none, the reason.
 
-    Settings that are pooled share a line if theory is the same for all of them. Raises InputError.
+    Settings that are pooled share a line if theory is the same for all of them. Raises InputError as `expect` does.
     """
     texts, ran = texts_of(results, color), finished(results).any(axis=1)
-    found: Curves = {}
-    why: list[str] = []
+    curves: Curves = {}
+    reasons: list[str] = []
     for text in dict.fromkeys(texts[ran].tolist()):
         expected = []
         for k in np.flatnonzero((texts == text) & ran):
             number, rounds = int(results["setting"].values[k]), int(results["rounds"].values[k])
             expected.append(expect(results, number, times or [rounds], names))
         first = expected[0].lines
-        why += [one.absent[name] for one in expected for name in names if name in one.absent]
-        alike = {name: all(_alike(first[name], one.lines.get(name)) for one in expected) for name in first}
-        why += [DIFFERENT] * (not all(alike.values()))
+        reasons += [each.absent[name] for each in expected for name in names if name in each.absent]
+        alike = {name: all(_alike(first[name], each.lines.get(name)) for each in expected) for name in first}
+        reasons += [DIFFERENT] * (not all(alike.values()))
         if any(alike.values()):
-            found[text] = {name: line for name, line in first.items() if alike[name]}
-    return found, "" if found or not why else why[0]
+            curves[text] = {name: line for name, line in first.items() if alike[name]}
+    return curves, "" if curves or not reasons else reasons[0]
 
 
 def shared(curves: Curves) -> dict[str, Line]:
-    """Lines that are the same for all values of the colour, as for brains: they are drawn once, in grey."""
+    """Lines that are equal for all values of the colour, such as brains. They are drawn once, in grey."""
     first = next(iter(curves.values()), {}) if len(curves) > 1 else {}
     return {
         name: line for name, line in first.items() if all(_alike(line, lines.get(name)) for lines in curves.values())
     }
 
 
-def told(panel: Panel, why: str) -> Panel:
-    """The panel with the reason in its caption why no theory is drawn in it."""
-    return panel._replace(caption=untold(panel.caption, why)) if why else panel
+def say_no_theory(panel: Panel, why: str) -> Panel:
+    """The panel with the reason `why` it has no theory in its caption; the panel itself if there is no reason."""
+    return panel._replace(caption=caption_without_theory(panel.caption, why)) if why else panel
 
 
-def untold(caption: str, why: str) -> str:
-    """The caption with the reason why no theory is drawn."""
+def caption_without_theory(caption: str, why: str) -> str:
+    """The caption, followed by the reason why no theory is drawn."""
     return f"{caption}{'; ' * bool(caption)}no theory: {why}"
 
 
@@ -77,5 +77,7 @@ def sample(name: str) -> Line2D:
     return Line2D([], [], color=GREY, linewidth=THIN, linestyle=STYLES[name])
 
 
-def _alike(one: Line, other: Line | None) -> bool:
-    return other is not None and all(np.allclose(a, b, rtol=0.02, atol=1e-6) for a, b in zip(one, other, strict=True))
+def _alike(first: Line, second: Line | None) -> bool:
+    if second is None:
+        return False
+    return all(np.allclose(a, b, rtol=0.02, atol=1e-6) for a, b in zip(first, second, strict=True))

@@ -108,8 +108,9 @@ def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:
 
 
 def _draw(scores: Scores, own: list[str], path: Path) -> None:
-    from swarmcensus.figures.board_cells import draw_board  # imports matplotlib, which takes half a second
-    from swarmcensus.figures.files import save
+    """Write the picture of the errors, with your own brains in bold."""
+    from swarmcensus.figures.files import save  # imports matplotlib, which takes half a second
+    from swarmcensus.leaderboard.picture import draw_board
 
     order = scores.error.order
     names = [scores.contenders[k] for k in order]

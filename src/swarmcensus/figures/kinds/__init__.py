@@ -1,8 +1,8 @@
-"""The kinds of figures: one a file, and those that other installed packages name in the group `swarmcensus.figures`.
+"""The kinds of figures: one file each, and kinds of other installed packages in the group `swarmcensus.figures`.
 
-A kind is a function with the file's name. Its one positional argument is a study's results; its keyword-only parameters
-are its options, on the command line too, where those that have no flag are given by `--set`. It returns a matplotlib
-Figure. One that has an option `out` writes that file itself and returns how many frames are in it.
+A kind is a function with the file's name. Its only positional argument is a study's results. Its keyword-only
+parameters are its options, also on the command line, where `--set` gives those without a flag. It returns a matplotlib
+Figure. A kind with the option `out` writes that file itself and returns the number of its frames.
 """
 
 import inspect
@@ -19,14 +19,14 @@ PLUGINS = Plugins("figure", "swarmcensus.figures", __name__)
 
 
 def find(name: str) -> Callable[..., Any]:
-    """The function that draws a kind. Raises InputError where there is none, or none that can be called as one."""
+    """The function that draws a kind. Raises InputError if there is none, or if its parameters are wrong."""
     if name not in PLUGINS:
         known = PLUGINS.names
         raise InputError(f"no figure {name!r}: {did_you_mean(name, known)}there are {', '.join(known)}")
-    found = PLUGINS.module(name)
-    function: Callable[..., Any] | None = found
-    if isinstance(found, ModuleType):
-        function = getattr(found, name.replace("-", "_"), None)
+    loaded = PLUGINS.module(name)
+    function: Callable[..., Any] | None = loaded
+    if isinstance(loaded, ModuleType):
+        function = getattr(loaded, name.replace("-", "_"), None)
     if not callable(function) or not _is_kind(function):
         where = PLUGINS.outside[name].value
         raise InputError(f"figure {name!r}, {where}: should be a function of results and keyword-only options")

@@ -1,4 +1,4 @@
-"""Where robots that move are at one tick, what they estimate, and who hears whom."""
+"""Picture of the arena: the positions, estimates and radio links of moving robots at one tick."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from swarmcensus.figures.arena_margins import (
     SIZE,
     STROKES,
     WHITE_TILE,
-    Room,
+    ArenaSize,
     draw_colours,
     draw_key,
     draw_scale,
-    room_in,
+    size_in,
     write_titles,
 )
 from swarmcensus.figures.clouds import truth_of, truths_of
@@ -41,6 +41,12 @@ from swarmcensus.figures.scenes import ChangingFloor, Tiles, check_robot, scene_
 from swarmcensus.figures.sheets import Drawn, Own, drawn_on, own_axes
 from swarmcensus.results.replaying import honest_in
 from swarmcensus.results.selecting import require
+
+__all__ = ["Arena", "arena", "scene_of", "snapshot"]
+
+STROKE = 0.7, 1.7  # ends of the strokes across a failed robot, in radii from its centre: its colour stays visible
+LEAST = 0.004  # the smallest drawn radius of a robot, as a share of the arena's side
+FINE = 1500  # the most tiles from wall to wall that are drawn one by one; larger floors show means of several tiles
 
 
 def arena(
@@ -54,28 +60,27 @@ def arena(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw the arena at the end of a tick, or at a time as "5 min": by default the last. The paper's Fig. 1.
+    """Draw the arena with its moving robots at the end of a tick, as the paper's Fig. 1 does.
 
-    `results` are a study's: then `setting` (by default the first whose robots move) and `trial` are replayed, with the
-    file `brain` where the brain is one of your own. Or it is a trace of `sc.replay` with links: then the floor is the
-    even grey of the fill ratio. Robots are discs to scale, coloured by what they estimate; lines join those that hear
-    each other, a dotted circle is the radio range of `robot`, and strokes across a robot say what it no longer does.
-    Axes of your own, `ax`, become square; the key stands under them.
+    Robots are discs to scale, coloured by their estimates, with their heading. Lines join robots that hear each other.
+    A dotted circle is the radio range of one robot. Strokes across a robot say what it has stopped doing.
 
-    Raises InputError if there is no such setting, trial, tick or robot, or robots do not move.
+    - `results`: a study's results, of which one trial is then replayed, or a trace from `sc.replay` with links. A trace
+      has no tiles, so its floor is the grey of the fill ratio.
+    - `setting`, `trial`: the trial to replay; by default the first trial of the first setting whose robots move.
+    - `brain`: the brain file to replay with, if the brain is your own.
+    - `tick`: a tick, or a time such as "5 min"; by default the last tick.
+    - `robot`: the robot whose radio range is drawn.
+    - `title`: the title of the figure; by default `trace.attrs["title"]`.
+    - `ax`: axes of your own. They become square, and the key stands under them.
+
+    Raises InputError if there is no such setting, trial, tick or robot, and if robots do not move.
     """
     clock = scenes.clock_of(results, setting, trial, brain, robot)
-    at = clock.last if tick is None else clock.tick(tick, "tick")
-    scenes.check_tick(at, (clock.first, clock.last))
+    drawn_tick = clock.last if tick is None else clock.tick(tick, "tick")
+    scenes.check_tick(drawn_tick, (clock.first, clock.last))
     trace, floor = scenes.drawn_of(results, setting, trial, brain)
-    return snapshot(trace, at, floor, robot=robot, title=title, ax=ax)
-
-
-__all__ = ["Arena", "scene_of", "snapshot"]
-
-STROKE = 0.7, 1.7  # where a stroke's two ends begin and end, in radii of a robot: they leave its colour to be seen
-LEAST = 0.004  # of the arena's side: smaller robots are drawn with this radius
-FINE = 1500  # tiles from wall to wall of which each is drawn; of more, means of several are
+    return snapshot(trace, drawn_tick, floor, robot=robot, title=title, ax=ax)
 
 
 def snapshot(
@@ -87,15 +92,13 @@ def snapshot(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw the arena at the end of a tick: the paper's Fig. 1, with robots coloured by their estimate.
+    """Draw the arena at the end of a tick from a trace and a floor; see `arena`.
 
-    `trace` is a moving trial's, with links; `floor` holds its tiles (row, column), 1 black, as `Ground.all_tiles` does:
-    squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred upon the arena. Without it the
-    floor is the even grey of the fill ratio. Of one that changes, floor and truth are those of the tick. Dotted is
-    the radio range of `robot`. Without a `title` it is `trace.attrs["title"]`. Robots that by then have failed have a
-    stroke for each thing that they stopped to do.
+    `trace` is the trace of a trial with moving robots, with links. `floor` holds the tiles (row, column), 1 black, as
+    `Ground.all_tiles` does: squares of `trace.attrs["tile_side"]` metres, the lowest row first, centred on the arena.
+    Without it, the floor is the grey of the fill ratio. A changing floor is drawn as it is in this tick.
 
-    Raises InputError if the trace lacks what is drawn, or has no such tick or robot, or the floor is too small.
+    Raises InputError if the trace lacks a variable, tick or robot, and if the floor does not cover the arena.
     """
     arena = Arena(trace, floor, robot=robot, title=title, ax=ax)
     arena.show(tick)
@@ -103,7 +106,7 @@ def snapshot(
 
 
 def _new_axes() -> Axes:
-    """Those of an arena on a new figure, with margins for what stands around it."""
+    """The axes of an arena on a new figure, with margins for the titles, colours and key."""
     figure = Figure(figsize=SIZE)
     FigureCanvasAgg(figure)
     width, height = SIZE
@@ -111,9 +114,9 @@ def _new_axes() -> Axes:
 
 
 class Arena:
-    """A moving trial on a figure whose robots `show` puts to where they are at any tick.
+    """A trial with moving robots on a figure. `show` moves the robots to their positions at a tick.
 
-    `moving` are the artists that `show` changes, in drawing order; all others stay as they are.
+    `moving` are the artists that `show` changes, in drawing order. All others stay as they are.
     """
 
     def __init__(
@@ -126,25 +129,25 @@ class Arena:
         note: str = "",
         ax: Own = None,
     ) -> None:
-        """Draw what stands still, with a `note` under the arena. Raises InputError as `snapshot` does."""
-        self._take(trace, robot)
+        """Draw everything that does not move, with a `note` under the arena. Raises InputError as `snapshot` does."""
+        self._read(trace, robot)
         self.axes = _new_axes() if ax is None else own_axes(ax, 1, "an arena is one panel")[0]
         self.axes.set(xlim=(-self.half, self.half), ylim=(-self.half, self.half), xticks=[], yticks=[], aspect="equal")
         self.figure: Any = self.axes.figure.canvas.figure
-        self.room = Room() if ax is None else room_in(self.axes)
+        self.size = ArenaSize() if ax is None else size_in(self.axes)
         self.axes.spines[:].set(linewidth=1.6, zorder=6)
         self.floor = floor
         self._draw_floor()
         self._draw_robots()
-        self.colours, self.bar = draw_colours(self.axes, self.room, self.truth)
-        draw_scale(self.axes, self.room, self.half, note)
+        self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
+        draw_scale(self.axes, self.size, self.half, note)
         to_scale = self.drawn_radius == self.radius
         draw_key(
-            self.axes, self.room, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
+            self.axes, self.size, self.robot, list(self.stops), to_scale=to_scale, tiles=floor is not None,
             liars=not self.honest.all(),
         )  # fmt: skip
         name = str(trace.attrs.get("title", "")) if title is None else title
-        self.when, self.right = write_titles(self.axes, self.room, name, self.robots)
+        self.when, self.right = write_titles(self.axes, self.size, name, self.robots)
         self.moving: list[Artist] = [
             self.links,
             self.range,
@@ -155,7 +158,8 @@ class Arena:
             self.right,
         ]
 
-    def _take(self, trace: xr.Dataset, robot: int) -> None:
+    def _read(self, trace: xr.Dataset, robot: int) -> None:
+        """Take the arrays and sizes from the trace. Raises InputError if it lacks some."""
         if "position" not in trace or "side" not in trace.attrs:
             raise InputError("nothing to draw: the trace has no positions, for its robots do not move")
         if "link" not in trace:
@@ -182,19 +186,19 @@ class Arena:
         self.seconds: float | None = trace.attrs.get("tick_seconds")
 
     def index(self, tick: int) -> int:
-        """Return the place of a tick in the trace. Raises InputError if it is not there."""
-        (found,) = np.nonzero(self.ticks == tick)
-        if not found.size:
+        """Return the index of a tick in the trace. Raises InputError if the trace lacks it."""
+        (indices,) = np.nonzero(self.ticks == tick)
+        if not indices.size:
             raise InputError(f"tick {tick}: this trial has ticks {self.ticks[0]:,} to {self.ticks[-1]:,}")
-        return int(found[0])
+        return int(indices[0])
 
     def paint(self, tick: int) -> bool:
-        """Show the floor and the truth of a tick, where they change; whether they are others than those shown."""
+        """Draw the floor and the true fill ratio of a tick. Returns whether they differ from those drawn before."""
         if self.truths is None or self.truths[self.index(tick)] == self.truth:
             return False
         self.truth = float(self.truths[self.index(tick)])
         self.bar.remove()
-        self.colours, self.bar = draw_colours(self.axes, self.room, self.truth)
+        self.colours, self.bar = draw_colours(self.axes, self.size, self.truth)
         if isinstance(self.floor, ChangingFloor):
             self.image.set_data(self._greys(self.floor.at(tick)))
         elif self.floor is None:
@@ -202,7 +206,7 @@ class Arena:
         return True
 
     def show(self, tick: int) -> None:
-        """Put the robots to where they are at the end of a tick. Raises InputError if the trace lacks it."""
+        """Move the robots to their positions at the end of a tick. Raises InputError if the trace lacks it."""
         k = self.index(tick)
         self.paint(tick)
         xy, heading, estimate = self.position[k], self.heading[k], self.estimate[k]
@@ -224,7 +228,7 @@ class Arena:
         self.right.set_text(f"{right:,} of {self.honest.sum():,}" + " honest ones" * (not self.honest.all()))
 
     def _strokes(self, xy: NDArray[np.float64], tick: int) -> list[NDArray[np.float64]]:
-        """Two lines (end, axis), on opposite sides, for each part of each robot that does not work in this tick."""
+        """Two lines (end, axis), on opposite sides of the robot, for each failed part of each robot in this tick."""
         lines: list[NDArray[np.float64]] = []
         for part, (since, until) in self.stops.items():
             places = xy[((since >= 0) & (since <= tick) & ((until < 0) | (tick < until))).any(axis=0)]
@@ -253,7 +257,7 @@ class Arena:
         )
 
     def _greys(self, floor: NDArray[np.uint8]) -> NDArray[np.float32]:
-        """How tiles are drawn, or the means of several."""
+        """The grey levels of tiles, or of means of several tiles if there are too many."""
         step = -(-max(floor.shape) // FINE)
         rows, columns = (np.arange(0, size, step) for size in floor.shape)
         black = np.add.reduceat(np.add.reduceat(floor, rows, axis=0, dtype=np.float32), columns, axis=1)
@@ -262,12 +266,12 @@ class Arena:
 
     def _draw_robots(self) -> None:
         self.drawn_radius = max(self.radius, LEAST * 2.0 * self.half)
-        dots = self.drawn_radius / self.half * self.room.side / 2.0 * 72.0  # a robot's radius in points
+        dots = self.drawn_radius / self.half * self.size.side / 2.0 * 72.0  # a robot's radius in points
         thin = float(np.clip(0.12 * dots, 0.3, 0.8))
         self.links = LineCollection([], colors=LINK, linewidths=float(np.clip(0.25 * dots, 0.5, 1.3)), zorder=2)
         self.range = Circle((0.0, 0.0), self.reach, fill=False, edgecolor=RANGE, linestyle=":", linewidth=1.6, zorder=3)
         edges = np.where(self.honest, "black", LIES).tolist()
-        if self.honest[self.robot]:  # of a liar that ring says more, and the circle of its range whose it is
+        if self.honest[self.robot]:  # a liar keeps its own edge; the circle already shows whose range it is
             edges[self.robot] = RANGE
         widths = np.where(self.honest, thin, 2.5 * thin)
         widths[self.robot] = 2.0 * thin
@@ -285,7 +289,7 @@ class Arena:
 
 
 def _spells(trace: xr.Dataset) -> dict[str, tuple[NDArray[np.int64], NDArray[np.int64]]]:
-    """When parts that fail in this trial stop, and when they work again, (fault, robot) each; -1: never."""
+    """The ticks at which parts stop and work again, (fault, robot) each, for parts that fail; -1: never."""
     parts, first = trace["part"].values.tolist(), trace["stops"].values
     never = np.full((1, *first.shape), -1)
     since, until = trace["outages"].values if "outages" in trace else (first[np.newaxis], never)

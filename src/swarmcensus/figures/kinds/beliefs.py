@@ -1,4 +1,4 @@
-"""What wrong beliefs cost: the final error against how far robots misjudge their sensors."""
+"""The cost of wrong beliefs: final error against the error of robots' belief in their sensors."""
 
 from __future__ import annotations
 
@@ -31,23 +31,27 @@ from swarmcensus.figures.sheets import (
 from swarmcensus.worlds.sensors import Accuracy
 
 DASHED: dict[str, Any] = {"linestyle": (0, (4, 2)), "linewidth": 0.9}
-ON_AXES = {"accuracy", "assumed_accuracy"}
+ON_AXES = {"accuracy", "assumed_accuracy"}  # coordinates that do not make panels
 MARKERS = "osD^vPXp"
 TICKS = MaxNLocator(4, steps=[1, 2, 2.5, 5, 10])
 FINE = 401  # points of a dashed line
-BESIDE = 0.3  # of the errors' range: how far from the last one a belief that is drawn for each robot stands
+BESIDE = 0.3  # distance of the columns of random beliefs, as a share of the range of x
 
 
 def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) -> Drawn:
-    """Draw the final estimates' error against the error of the robots' belief in their sensors, a panel a fill ratio.
+    """Draw the error of final estimates against the error of the robots' belief in their sensors.
 
-    x is the assumed less the true accuracy, y the median of |x - f| over robots and trials with its 95 % interval by
-    bootstrap over trials. Beliefs drawn for each robot stand in columns of their own on the right. Thin dashed lines
-    are `asymptote`: what endless observation would leave; where there is none, solid ones join the medians. All
-    panels share their axes; what else varies makes more of them. Axes of your own, `ax`, hold a panel each: leave
-    room for the key on their right.
+    x is the assumed minus the true accuracy. y is the median of |x - f| over robots and trials, with its 95 % interval
+    by bootstrap over trials. Beliefs that differ from robot to robot, or from sensor to sensor, stand in columns of
+    their own on the right. Thin dashed lines are the errors that theory predicts after endless observation
+    (`asymptote`). If there is no prediction, solid lines join the medians. Each fill ratio has a panel, and
+    so has each value of other coordinates that vary. All panels share their axes.
 
-    Raises InputError as `costs` does, if there is no finished trial, and for more than 24 panels.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+
+    Raises InputError if all robots know their sensors, if a belief is off by different amounts for black and white, for
+    results without a finished trial, and for more than 24 panels.
     """
     costs(results)
     panels = panels_of(results, ON_AXES)
@@ -69,12 +73,12 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) ->
             continue
         alike = _alike(group, 0.002 * top)
         for k, (text, look) in enumerate(looks.items()):
-            mine = [cost for cost in group if cost.accuracy == text]
-            size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # none hides another
-            _draw_fixed(place, sorted((c.error, c) for c in mine if c.error is not None), look, size, alike)
+            same = [cost for cost in group if cost.accuracy == text]
+            size = 6.5 - 3.0 * k / max(len(looks) - 1, 1)  # so that none hides another
+            _draw_fixed(place, sorted((c.error, c) for c in same if c.error is not None), look, size, alike)
             aside = (k - (len(looks) - 1) / 2) * 0.5 * BESIDE * span / len(looks)
-            apart = [c for c in mine if c.error is None]
-            _draw_points(place, [places[c.belief] + aside for c in apart], apart, look, size)
+            in_columns = [c for c in same if c.error is None]
+            _draw_points(place, [places[c.belief] + aside for c in in_columns], in_columns, look, size)
         if places:
             place.axvline(errors[-1] + 0.4 * BESIDE * span, color="0.8", linewidth=0.6, zorder=0)
         show_range(
@@ -98,13 +102,13 @@ def beliefs(results: xr.Dataset, *, title: str | None = None, ax: Own = None) ->
 
 
 def _column_name(belief: str) -> str:
-    """A belief that differs from robot to robot, or from sensor to sensor, as its column's tick says it."""
+    """The tick label of a belief that differs from robot to robot, or from sensor to sensor."""
     text = belief.removeprefix("error=").replace(".0,", ",").replace(",", ", ")
     return f"{text}\nrandom error" if belief.startswith("error=") else f"all believe\n{text}"
 
 
 def _alike(group: list[Cost], near: float) -> list[str]:
-    """The accuracies of a panel whose predicted lines all lie on that of the first; none if only that does."""
+    """The accuracies of a panel whose predicted lines coincide with the first one; none if no other does."""
     lines: dict[str, dict[float | None, float]] = {}
     for cost in (cost for cost in group if np.isfinite(cost.predicted)):
         lines.setdefault(cost.accuracy, {})[cost.error] = cost.predicted
@@ -114,14 +118,14 @@ def _alike(group: list[Cost], near: float) -> list[str]:
 
 
 def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: float, alike: Sequence[str]) -> None:
-    """Draw the beliefs of one accuracy that are off by the same for all robots, and what is predicted of them.
+    """Draw the beliefs of one accuracy whose error is the same for all robots, and the predicted line.
 
-    Lines of the accuracies `alike` lie on each other: each has dashes in the gaps of the others.
+    Lines of the accuracies `alike` coincide: each has its dashes in the gaps of the others.
     """
     if not points:
         return
-    x, mine = [error for error, _ in points], [cost for _, cost in points]
-    first = mine[0]
+    x, group = [error for error, _ in points], [cost for _, cost in points]
+    first = group[0]
     if np.isfinite(first.predicted):
         true = accuracy_of(first.accuracy)
         assert isinstance(true, Accuracy)
@@ -133,13 +137,13 @@ def _draw_fixed(axes: Axes, points: list[tuple[float, Cost]], look: Look, size: 
             dashes = DASHED | {"linestyle": turn}
         axes.plot(fine, off, **dashes, color=look.colour, label=f"predicted {first.accuracy}", zorder=2)
     else:
-        axes.plot(x, [cost.median for cost in mine], color=look.colour, linewidth=0.8, zorder=2)
-    _draw_points(axes, x, mine, look, size)
+        axes.plot(x, [cost.median for cost in group], color=look.colour, linewidth=0.8, zorder=2)
+    _draw_points(axes, x, group, look, size)
 
 
 def _draw_points(axes: Axes, x: list[float], group: list[Cost], look: Look, size: float) -> None:
     axes.vlines(x, [c.low for c in group], [c.high for c in group], colors=look.colour, linewidths=1.2, zorder=3)
     dots = solid_dot(look, size, 0.5)
     dots.set(xdata=x, ydata=[cost.median for cost in group], label=f"median {look.name}", zorder=4, clip_on=False)
-    dots.set_in_layout(bool(group))  # matplotlib finds no room for what is nowhere
+    dots.set_in_layout(bool(group))  # layouts must skip an artist without data
     axes.add_line(dots)

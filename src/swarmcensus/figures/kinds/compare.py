@@ -1,4 +1,4 @@
-"""By how much brains differ from one of them, with intervals: a forest plot."""
+"""Forest plot: differences between brains and one of them, with intervals."""
 
 from __future__ import annotations
 
@@ -36,6 +36,14 @@ from swarmcensus.figures.sheets import (
     show_range,
 )
 
+MOST_ROWS = 40
+SIZE = 5.0  # points: a dot
+WIDE, LINE = 2.7, 0.15  # inches: a panel's width, and a contender's height in a row
+NAME = 150.0  # points: the width of a row's name, which may take two lines
+SPREAD = 40.0  # ratio of the largest number to the median difference from which on the axis is not linear
+
+Floats = NDArray[np.float64]
+
 
 def compare(
     results: xr.Dataset,
@@ -46,64 +54,65 @@ def compare(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw what `sc.compare` finds: differences of brains, paired trial by trial, with their 95 % intervals.
+    """Draw the differences that `sc.compare` finds between brains, paired trial by trial, with their 95 % intervals.
 
-    There is a panel for each measure, named by `metric` as in `sc.compare`, a row for each world, and in it a dot for
-    each contender: its number less that of `against`, by default of the study's first contender. Dots are full where
-    both are told apart, after a correction for all tests. With `by`, names of coordinates, worlds that are alike in
-    these are one row: of each trial the median of its differences in these worlds counts, or the mean of shares; an
-    empty list pools all of them. Where there is one row, contenders have rows of their own. An arrow at the edge is an
-    infinite difference. Axes of your own, `ax`, hold a panel each: leave room for rows' names on the left.
+    Each measure has a panel, and each world a row. A row has a dot for each contender: its value minus that of the
+    contender `against`. Full dots mean a significant difference, after correction for all tests. An arrow at the edge
+    is an infinite difference. If there is only one row, each contender gets a row of its own.
+
+    - `metric`: measures, as in `sc.compare`; by default the usual ones.
+    - `against`: the contender that others are compared with; by default the study's first.
+    - `by`: coordinates. Worlds with equal values in these are pooled into one row: each trial then counts with the
+      median of its differences in these worlds, or the mean of shares. An empty list pools all worlds.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each measure. Leave room for the names of rows on their left.
 
     Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
     """
-    found = comparison.compare(results, metric or (), against=against)
+    standings = comparison.compare(results, metric or (), against=against)
+    worlds = standings.field.worlds
     by = [by] if isinstance(by, str) else by
-    if by is None and len(found.field.worlds) > MOST_ROWS:
-        names = ", ".join(dict.fromkeys(name for world in found.field.worlds for name in world))
+    if by is None and len(worlds) > MOST_ROWS:
+        names = ", ".join(dict.fromkeys(name for world in worlds for name in world))
         raise InputError(
-            f"{len(found.field.worlds):,} worlds are more than the {MOST_ROWS} rows that have room: pool them with by, "
+            f"{len(worlds):,} worlds are more than the {MOST_ROWS} rows that have room: pool them with by, "
             f"or select some; they differ in {names}"
         )
-    mark = found.against or 0
-    rows, drawn = effects(results, found, mark, by)
-    return draw_effects(found, mark, rows, drawn, title, ax, [results])
-
-
-MOST_ROWS = 40
-SIZE = 5.0  # points: a dot
-WIDE, LINE = 2.7, 0.15  # inches: a panel, and a contender's line in a row
-NAME = 150.0  # points: of a row's name, which takes two lines
-SPREAD = 40.0  # how far the farthest end is, in usual differences, where the axis is no longer linear
-Floats = NDArray[np.float64]
+    reference = standings.against or 0
+    rows, drawn = effects(results, standings, reference, by)
+    return draw_effects(standings, reference, rows, drawn, title, ax, [results])
 
 
 def draw_effects(
-    found: Standings,
-    mark: int,
+    standings: Standings,
+    reference: int,
     rows: Sequence[tuple[dict[str, Any], int]],
     effects: Sequence[Effect],
     title: str | None,
     ax: Own,
     results: Sequence[xr.Dataset],
 ) -> Drawn:
-    """Draw the effects of a comparison, a panel for each measure; see `compare`. Raises InputError."""
+    """Draw the effects of a comparison, one panel for each measure; see `compare`. Raises InputError for too many rows.
+
+    `reference` is the contender that others are compared with. `rows` are the worlds that each row stands for, as
+    their common coordinates and their number.
+    """
     if len(rows) > MOST_ROWS:
         raise InputError(
             f"{counted(len(rows), 'row')} are more than the {MOST_ROWS} that have room: name other coordinates by"
         )
-    others = [k for k in range(len(found.contenders)) if k != mark]
-    names = [found.contenders[k] for k in others]
+    others = [k for k in range(len(standings.contenders)) if k != reference]
+    names = [standings.contenders[k] for k in others]
     looks = list(looks_of(names, "o", "brain").values())
-    texts = [_named(world, count, len(found.field.worlds)) for world, count in rows]
-    alone = len(rows) == 1
-    caption = f", {texts[0]}" if alone and texts[0] else ""
-    if alone:  # contenders are the rows, and all look alike
+    texts = [_row_name(world, count, len(standings.field.worlds)) for world, count in rows]
+    single = len(rows) == 1
+    caption = f", {texts[0]}" if single and texts[0] else ""
+    if single:  # contenders are the rows, and all look alike
         texts, looks = names, [Look("", "", palette(11)[3], "o")]
     labels = ["\n".join(wrapped(text, NAME, SMALL, 2)) for text in texts]
     longest = max(width_of(line, SMALL) for text in labels for line in text.split("\n"))
     row = max(LINE * len(looks) + 0.08, 0.28 if any("\n" in text for text in labels) else 0.2)
-    captions = [one.measure.label + caption for one in effects]
+    captions = [effect.measure.label + caption for effect in effects]
     axes = sheet(
         ax, captions, title, size=(WIDE, row * len(labels) + 0.1), left=0.25 + longest / 72, below=0.05,
         fewer="name one metric",
@@ -112,7 +121,7 @@ def draw_effects(
         times = 100.0 if effect.measure.share else 1.0
         value, low, high = (times * part[:, others] for part in (effect.value, effect.low, effect.high))
         apart = effect.apart[:, others]
-        if alone:
+        if single:
             value, low, high, apart = value.T, low.T, high.T, apart.T
         if np.isnan(value).all():
             say_empty(place, "no pair of trials has numbers")
@@ -125,36 +134,38 @@ def draw_effects(
             place.axhline(edge, color="0.9", linewidth=0.6, zorder=0)
         place.axvline(0.0, color="0.45", linewidth=0.8, zorder=1)
         place.set_ylim(len(labels) - 0.5, -0.5)
-        named = not place.get_label()  # as those have that stand right of another
-        place.set_yticks(range(len(labels)), labels if named else [""] * len(labels), parse_math=False)
+        leftmost = not place.get_label()  # panels with a left neighbour have the label INNER
+        place.set_yticks(range(len(labels)), labels if leftmost else [""] * len(labels), parse_math=False)
         unit = "points of %" if effect.measure.share else "" if effect.measure.unit == "1" else effect.measure.unit
         better, worse = ("← better", "worse →") if effect.measure.low else ("← worse", "better →")
-        of = effect.measure.label + f" ({unit})" * bool(unit)
-        name_axes(place, f"{better}    Δ {of}    {worse}", "")
+        measure = effect.measure.label + f" ({unit})" * bool(unit)
+        name_axes(place, f"{better}    Δ {measure}    {worse}", "")
         place.tick_params(axis="y", length=0)
         place.spines["left"].set_visible(False)
-    add_key(axes, f"less {found.contenders[mark]}", _entries(looks, effects, others))
+    add_key(axes, f"less {standings.contenders[reference]}", _entries(looks, effects, others))
     say_lacking(axes, results)
     return drawn_on(axes, ax)
 
 
-def _named(world: dict[str, Any], count: int, worlds: int) -> str:
+def _row_name(world: dict[str, Any], count: int, worlds: int) -> str:
+    """The name of a row that stands for `count` of all `worlds`."""
     if not world:
         return f"all {counted(worlds, 'world')}" if worlds > 1 else ""
     return caption_of(world) + (f" ({counted(count, 'world')})" if count > 1 else "")
 
 
 def _entries(looks: Sequence[Look], effects: Sequence[Effect], others: Sequence[int]) -> dict[str, Artist]:
+    """The entries of the key."""
     entries: dict[str, Artist] = {look.name: solid_dot(look, SIZE, 0.6) for look in looks if look.name}
-    apart = np.concatenate([one.apart[:, others][~np.isnan(one.value[:, others])] for one in effects])
+    apart = np.concatenate([effect.apart[:, others][~np.isnan(effect.value[:, others])] for effect in effects])
     grey = Look("", "", "0.4", "o")
     if apart.any():
         entries["told apart, corrected\nfor all tests"] = solid_dot(grey, SIZE, 0.6)
     if not apart.all():
         entries["not told apart"] = _dot(grey, False)
-    if any(np.isfinite(one.low).any() for one in effects):
+    if any(np.isfinite(effect.low).any() for effect in effects):
         entries["95 % interval"] = Line2D([], [], color="0.4", linewidth=1.2)
-    if any(np.isinf(one.value).any() for one in effects):
+    if any(np.isinf(effect.value).any() for effect in effects):
         entries["infinite"] = Line2D([], [], linestyle="", marker=">", markersize=SIZE, color="0.4")
     return entries
 
@@ -167,7 +178,10 @@ def _dot(look: Look, apart: bool) -> Line2D:
 
 
 def _difference_axis(axes: Axes, *numbers: Floats) -> None:
-    """Give the axes an x axis with 0 on it: linear, or where few differences are far from all others, bent about 0."""
+    """Give the axes an x axis with 0 on it: linear, or logarithmic beyond usual sizes if few are large.
+
+    `numbers` are the differences, then the ends of their intervals.
+    """
     every = np.concatenate([part.ravel() for part in numbers])
     every = every[np.isfinite(every)]
     sizes = np.abs(numbers[0][np.isfinite(numbers[0]) & (numbers[0] != 0)])
@@ -191,24 +205,25 @@ def _difference_axis(axes: Axes, *numbers: Floats) -> None:
 def _draw(
     axes: Axes, y: Floats, value: Floats, low: Floats, high: Floats, apart: NDArray[np.bool_], look: Look
 ) -> None:
-    """Draw one contender's differences in all rows, as far as the axes reach."""
+    """Draw one contender's differences in all rows, cut at the limits of the axes."""
     left, right = axes.get_xlim()
     axes.hlines(
         y, np.maximum(low, left), np.minimum(high, right), colors=look.colour, linewidths=1.2,
         label=f"interval {look.name}", zorder=2,
     )  # fmt: skip
-    for told in (True, False):
-        there = np.isfinite(value) & (apart == told)
-        if not there.any():
+    for significant in (True, False):
+        rows = np.isfinite(value) & (apart == significant)
+        if not rows.any():
             continue
-        dots = _dot(look, told)
-        dots.set(xdata=value[there], ydata=y[there], zorder=3, label=f"{'apart' if told else 'level'} {look.name}")
+        dots = _dot(look, significant)
+        kind = "apart" if significant else "level"
+        dots.set(xdata=value[rows], ydata=y[rows], zorder=3, label=f"{kind} {look.name}")
         axes.add_line(dots)
     for sign, marker, edge in ((-1.0, "<", 0.0), (1.0, ">", 1.0)):
-        there = np.isinf(value) & (np.sign(value) == sign)
-        if not there.any():
+        rows = np.isinf(value) & (np.sign(value) == sign)
+        if not rows.any():
             continue
         axes.plot(
-            np.full(there.sum(), edge), y[there], marker=marker, markersize=SIZE, linestyle="", color=look.colour,
+            np.full(rows.sum(), edge), y[rows], marker=marker, markersize=SIZE, linestyle="", color=look.colour,
             transform=axes.get_yaxis_transform(), clip_on=False, label=f"infinite {look.name}", zorder=3,
         )  # fmt: skip

@@ -1,4 +1,4 @@
-"""How many robots decide rightly, and when: a diamond for each checkpoint and accuracy, or another coordinate."""
+"""Share of robots in the right bin at each checkpoint: one diamond per accuracy, or per value of another coordinate."""
 
 from __future__ import annotations
 
@@ -36,11 +36,11 @@ from swarmcensus.figures.sheets import (
     sheet,
     show_range,
 )
-from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
+from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
 from swarmcensus.results.cautions import warn_of_edges
 
-MOST_CHECKPOINTS = 12
+MOST_CHECKPOINTS = 12  # of a panel
 GAP = 1.5  # points between a diamond and the dash over it
 
 
@@ -53,19 +53,22 @@ def decisions(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw which share of the robots chooses the right bin after so many rounds, or ticks of robots that move.
+    """Draw the share of robots that choose the right bin at each checkpoint, as the paper's Fig. 4 does.
 
-    The paper's Fig. 4. A column is a checkpoint, evenly spaced (where there are more than 12, or than fit, the axis
-    says how many are shown), and holds a diamond for each value of the coordinate `color`, side by side in the key's
-    order, so that none hides another. y is the percentage of right robots over all trials; a thin line through a
-    diamond is its 95 % interval over trials, where there are 6 trials or more of swarms of one size, and a dash that
-    lies over a diamond says that all robots of all trials are right. With `theory`, dots lead through the share that is
-    expected of robots alone, and dashes through that of the bound of all readings of the swarm. There is a panel for
-    each combination of the coordinates `panels`, by default of all others that vary. Axes of your own, `ax`, hold a
-    panel each: leave room for the key on their right. Warns of fill ratios on the edge between two bins.
+    Each checkpoint is a column, counted in communication rounds, or in ticks if robots move. The columns are evenly
+    spaced. A panel shows at most 12 checkpoints; if there are more, the axis says how many are shown. A column has one
+    diamond for each value of `color`, side by side in the order of the key. y is the percentage of right robots over
+    all trials. A thin line through a diamond is its 95 % interval over trials; it needs at least 6 trials and swarms of
+    one size. A dash over a diamond means that all robots of all trials are right.
 
-    Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
-    more than 24 panels.
+    - `color`: the coordinate shown by colour.
+    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
+    - `theory`: add the expected shares: dotted for robots alone, dashed for the bound of all readings of the swarm.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+
+    Warns if a fill ratio lies on the edge between two bins. Raises InputError for an unknown coordinate, for results
+    that lack a variable or a finished trial, and for more than 24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
     if "truth" in results.attrs:
@@ -81,7 +84,7 @@ def decisions_grid(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw `decisions` panels of one's own choice, (a), (b), ..., with one key.
+    """Draw `decisions` panels that the caller chooses, (a), (b), ..., with one key.
 
     A panel is a `Panel` or a tuple (caption, results). A panel without finished trials says so.
 
@@ -93,22 +96,22 @@ def decisions_grid(
         for k, panel in enumerate(drawn):
             checkpoints = panel.results["checkpoint"].values.tolist()
             expected[k], why = curves_of(panel.results, color, checkpoints, (ALONE, SWARM))
-            drawn[k] = told(panel, why)
+            drawn[k] = say_no_theory(panel, why)
     axes = sheet(ax, [panel.caption for panel in drawn], title, fewer=POOLED)
     shares = [shares_of(panel.results, color) for panel in drawn]
-    looks = looks_of((value for share in shares for value in share), "d", color)
+    looks = looks_of((value for panel_shares in shares for value in panel_shares), "d", color)
     if not looks:
         raise InputError(NOTHING)
-    for panel, share, curves, place in zip(drawn, shares, expected, axes, strict=True):
-        if share:
-            _draw_shares(place, panel.results["checkpoint"].values, share, looks, unit_of(panel.results), curves)
+    for panel, panel_shares, curves, place in zip(drawn, shares, expected, axes, strict=True):
+        if panel_shares:
+            _draw_shares(place, panel.results["checkpoint"].values, panel_shares, looks, unit_of(panel.results), curves)
         else:
             say_empty(place)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: solid_dot(look, 6, 0.4) for look in named.values()}
-    if any(one.all_right.any() for share in shares for one in share.values()):
+    if any(share.all_right.any() for panel_shares in shares for share in panel_shares.values()):
         entries["dash over it: all\nrobots of all trials\nare right"] = _dash(0.0, 7.0, "0.3", 1.6)
-    if any(np.isfinite(one.low).any() for share in shares for one in share.values()):
+    if any(np.isfinite(share.low).any() for panel_shares in shares for share in panel_shares.values()):
         entries["95 % interval"] = Line2D([], [], linestyle="", marker="|", markersize=10, color="0.3", mew=0.6)
     add_key(axes, heading, entries | theory_entries(expected))
     say_lacking(axes, [panel.results for panel in drawn])
@@ -119,7 +122,7 @@ def decisions_grid(
 def _draw_shares(
     axes: Axes, checkpoints: NDArray[Any], shares: Shares, looks: dict[str, Look], unit: str, expected: Curves
 ) -> None:
-    known = np.flatnonzero(np.any([np.isfinite(one.right) for one in shares.values()], axis=0))
+    known = np.flatnonzero(np.any([np.isfinite(share.right) for share in shares.values()], axis=0))
     width = axes.bbox.width * 72 / axes.figure.dpi
     widest = max(2 * len(looks), 0.7 * SMALL * len(f"{checkpoints.max():,}"))  # of markers and of tick labels
     columns = min(known.size, MOST_CHECKPOINTS, max(1, int(width / widest)))
@@ -127,9 +130,9 @@ def _draw_shares(
     size = float(np.clip(width / columns / len(looks), 2, 7))  # the thin diamond is 0.85 times as wide
     same = shared(expected)
     for name, line in same.items():
-        there = np.isfinite(line.right[kept])
+        present = np.isfinite(line.right[kept])
         axes.plot(
-            np.arange(columns)[there], 100 * line.right[kept][there], color=GREY, linewidth=THIN,
+            np.arange(columns)[present], 100 * line.right[kept][present], color=GREY, linewidth=THIN,
             linestyle=STYLES[name], label=f"theory {name}", zorder=1.5,
         )  # fmt: skip
     for i, (text, look) in enumerate(looks.items()):
@@ -137,32 +140,32 @@ def _draw_shares(
             continue
         right, all_right, low, high = (values[kept] for values in shares[text])
         x = np.arange(columns) + (i - (len(looks) - 1) / 2) * 0.86 / len(looks)
-        some = np.isfinite(right)
+        present = np.isfinite(right)
         dashes = _dash(size / 2 + GAP, 0.75 * size, look.colour, float(np.clip(0.3 * size, 0.7, 1.6)))
         dashes.set(xdata=x[all_right], ydata=100 * right[all_right], label=f"all right {text}", clip_on=False, zorder=3)
-        dashes.set_in_layout(bool(all_right.any()))  # matplotlib finds no room for what is nowhere
+        dashes.set_in_layout(bool(all_right.any()))  # layouts must skip an artist without data
         axes.add_line(dashes)
         axes.vlines(
-            x[some], 100 * low[some], 100 * high[some], colors=look.colour, alpha=0.7,
+            x[present], 100 * low[present], 100 * high[present], colors=look.colour, alpha=0.7,
             linewidths=np.clip(0.12 * size, 0.4, 0.7),
             label=f"interval {text}", zorder=2,
         )  # fmt: skip
         diamonds = solid_dot(look, size if look.marker == "d" else 0.7 * size, 0.06 * size)
-        diamonds.set(xdata=x[some], ydata=100 * right[some], label=f"right {text}", zorder=4, clip_on=False)
-        diamonds.set_in_layout(bool(some.any()))
+        diamonds.set(xdata=x[present], ydata=100 * right[present], label=f"right {text}", zorder=4, clip_on=False)
+        diamonds.set_in_layout(bool(present.any()))
         axes.add_line(diamonds)
         for name, line in expected.get(text, {}).items():
             if name in same:
                 continue
             axes.plot(
-                x[some], 100 * line.right[kept][some], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
+                x[present], 100 * line.right[kept][present], color=look.colour, linewidth=THIN, linestyle=STYLES[name],
                 label=f"theory {name} {text}", zorder=1.5,
             )  # fmt: skip
     for edge in np.arange(1, columns) - 0.5:
         axes.axvline(edge, color="0.88", linewidth=0.6, zorder=0)
     axes.axhline(100, color="0.88", linewidth=0.6, zorder=0)
     show_range(axes, "x", -0.5, columns - 0.5)
-    show_range(axes, "y", -4, 108)  # room for what stands at 0 and at 100
+    show_range(axes, "y", -4, 108)  # room for diamonds at 0 and at 100
     axes.set_xticks(np.arange(columns), [f"{checkpoints[c]:,}" for c in kept])
     axes.tick_params(axis="x", length=0)
     axes.yaxis.set_major_locator(FixedLocator([0, 20, 40, 60, 80, 100]))
@@ -171,7 +174,7 @@ def _draw_shares(
 
 
 def _dash(height: float, width: float, colour: str, thick: float) -> Line2D:
-    """Markers that lie so many points over their places: across, for an interval stands upright."""
+    """A line of markers: horizontal dashes, `height` points above their places and `width` points wide."""
     reach = max(height, width / 2)  # matplotlib scales a marker's path to its size
     shape: Any = Path([(-width / 2, height), (width / 2, height)])
     return Line2D([], [], linestyle="", marker=shape, markersize=2 * reach, color=colour, markeredgewidth=thick)

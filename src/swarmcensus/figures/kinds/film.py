@@ -1,4 +1,4 @@
-"""Robots that move, as a film."""
+"""Film of moving robots, as an .mp4 or .gif file or as an animation in a notebook."""
 
 from __future__ import annotations
 
@@ -25,6 +25,14 @@ from swarmcensus.figures.kinds.arena import Arena
 from swarmcensus.figures.scenes import Tiles, check_tick
 from swarmcensus.figures.sheets import Own
 
+MP4_DPI, GIF_DPI = 128, 80
+LENGTH = 600  # the default number of ticks of a film
+QUALITY = "26"  # x264's constant rate factor: lower is better and larger
+MOST_GIF_FRAMES = 1000  # Pillow keeps all of them in memory until the last
+MOST_GIF_FPS = 50  # viewers slow down faster films
+
+Frame = NDArray[np.uint8]  # (row, column, RGBA); overwritten by the next frame
+
 
 def film(
     results: xr.Dataset,
@@ -42,25 +50,29 @@ def film(
     progress: Callable[[int, int], None] | None = None,
     ax: Own = None,
 ) -> Any:
-    """Write a film of ticks first, first + every, ... up to `last` (default: 600 ticks, or all there are).
+    """Write a film of moving robots to a file, and return the number of frames.
 
-    `out` ends in .mp4 (H.264, 864 x 800; needs imageio-ffmpeg) or .gif (540 x 500, few colours; at most 1,000 frames).
-    `first` and `last` may be times, as "5 min"; `fps` are frames a second, which a GIF counts in hundredths of a
-    second. All else is as in `arena`. `progress` is called with the frames done and their number after each. The file
-    appears whole or not at all, in place of an older one. Returns the number of frames.
+    Each frame shows one tick, as `arena` draws it. The file is written whole or not at all, and replaces an older one.
 
-    With axes of your own, `ax`, no file is written: the film is returned as a matplotlib `FuncAnimation` of their
-    figure, which a notebook shows by `HTML(film.to_jshtml())`; keep it as long as it should run.
+    - `out`: the file. An .mp4 is H.264 with 864 x 800 pixels and needs imageio-ffmpeg. A .gif has 540 x 500 pixels, few
+      colours, and at most 1,000 frames.
+    - `setting`, `trial`, `brain`, `robot`, `title`: as in `arena`.
+    - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
+    - `every`: the number of ticks from one frame to the next.
+    - `fps`: frames per second. A GIF rounds the time of a frame to hundredths of a second.
+    - `progress`: a function called after each frame with the number of finished frames and of all frames.
+    - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
+      notebook shows it by `HTML(film.to_jshtml())`. Keep a reference to it as long as it should run.
 
-    Raises InputError as `arena` does, for a stretch or speed that cannot be, another suffix, a missing imageio-ffmpeg,
-    and where the file cannot be written: all before a trial is run again.
+    Raises InputError as `arena` does, for impossible ticks or speeds, another suffix, a missing imageio-ffmpeg, and a
+    file that cannot be written. It is raised before the trial is replayed.
     """
     if ax is not None and out != "film.mp4":
         raise InputError(f"film: with ax no file is written: leave out={out} out, or ax")
     suffix_of(out)
     clock = scenes.clock_of(results, setting, trial, brain, robot)
     begin, end = clock.tick(first, "first"), None if last is None else clock.tick(last, "last")
-    stretch(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
+    film_ticks(out, (clock.first, clock.last), first=begin, last=end, every=every, fps=fps)
     if ax is None:
         check_writable(Path(out))
         ffmpeg_for(out)
@@ -72,14 +84,6 @@ def film(
     return write_film(
         trace, floor, out, first=begin, last=end, every=every, fps=fps, robot=robot, title=title, progress=progress
     )
-
-
-MP4_DPI, GIF_DPI = 128, 80
-LENGTH = 600  # ticks of a film unless more or fewer are asked for
-QUALITY = "26"  # x264's constant rate factor: lower is better and larger
-MOST_GIF_FRAMES = 1000  # Pillow holds them all in memory until the last
-MOST_GIF_FPS = 50  # viewers slow down what is meant to be faster
-Frame = NDArray[np.uint8]  # (row, column, RGBA); overwritten by the next one
 
 
 def write_film(
@@ -95,21 +99,18 @@ def write_film(
     title: str | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
-    """Write a film of ticks first, first + every, ... up to `last` (default: 600 ticks, or all there are).
+    """Write a film of a trace and a floor, and return the number of frames.
 
-    `path` ends in .mp4 (H.264, 864 x 800; needs imageio-ffmpeg) or .gif (540 x 500, few colours; at most 1,000
-    frames). `fps` are frames a second; a GIF counts them in hundredths of a second. Its other arguments are
-    those of `snapshot`. `progress` is called with the frames done and their number after each. The file appears
-    whole or not at all, in place of an older one. Returns the number of frames.
+    `trace`, `floor`, `robot` and `title` are as in `snapshot`, and the others as in `film`.
 
-    Raises InputError as `snapshot` does, for a stretch or speed that cannot be, another suffix, a missing
-    imageio-ffmpeg, and where the file cannot be written.
+    Raises InputError as `snapshot` does, for impossible ticks or speeds, another suffix, a missing imageio-ffmpeg, and
+    a file that cannot be written.
     """
     path = Path(path)
     suffix_of(path)
     arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps))
     known = int(arena.ticks[0]), int(arena.ticks[-1])
-    ticks = stretch(path, known, first=first, last=last, every=every, fps=fps)
+    ticks = film_ticks(path, known, first=first, last=last, every=every, fps=fps)
     ffmpeg = ffmpeg_for(path)
     frames = _drawn(arena, ticks, MP4_DPI if ffmpeg else GIF_DPI, progress)
     with atomic_write(path) as temporary, contextlib.closing(frames):
@@ -136,7 +137,7 @@ def animation(
     """The frames of `film` as an animation of the figure of these axes. Raises InputError as `film` does."""
     arena = Arena(trace, floor, robot=robot, title=title, note=_pace(trace, every * fps), ax=ax)
     known = int(arena.ticks[0]), int(arena.ticks[-1])
-    ticks = stretch("film.mp4", known, first=first, last=last, every=every, fps=fps)
+    ticks = film_ticks("film.mp4", known, first=first, last=last, every=every, fps=fps)
 
     def show(tick: int) -> list[Artist]:
         arena.show(tick)
@@ -155,12 +156,12 @@ def suffix_of(path: str | Path) -> str:
     return suffix
 
 
-def stretch(
+def film_ticks(
     path: str | Path, known: tuple[int, int], *, first: int = 1, last: int | None = None, every: int = 2, fps: int = 20
 ) -> range:
-    """Return the ticks that a film shows, of a trial that has those from known[0] to known[1].
+    """Return the ticks that a film shows of a trial with the ticks known[0] to known[1]; the others are as in `film`.
 
-    Takes what `film` takes. Raises InputError for a stretch or speed that cannot be.
+    Raises InputError for another suffix and for impossible ticks or speeds.
     """
     gif = suffix_of(path) == ".gif"
     fastest = MOST_GIF_FPS if gif else 240
@@ -198,7 +199,7 @@ def ffmpeg_for(path: str | Path) -> Any:
 
 
 def _pace(trace: xr.Dataset, ticks: int) -> str:
-    """What a film that shows so many ticks a second says of its speed."""
+    """The speed of a film with so many ticks per second, as text."""
     if "tick_seconds" not in trace.attrs:
         return f"{ticks} ticks a second"
     pace = ticks * trace.attrs["tick_seconds"]
@@ -208,15 +209,16 @@ def _pace(trace: xr.Dataset, ticks: int) -> str:
 def _drawn(
     arena: Arena, ticks: range, dpi: int, progress: Callable[[int, int], None] | None
 ) -> Generator[Frame, None, None]:
+    """Draw the ticks one by one; the still parts are drawn once and then copied."""
     canvas: Any = arena.figure.canvas  # an Agg canvas, some of whose functions have no types
     arena.figure.set_dpi(dpi)
     for artist in arena.moving:
-        artist.set_animated(True)  # the canvas leaves them out
+        artist.set_animated(True)  # `canvas.draw` leaves them out
     canvas.draw()
     still = canvas.copy_from_bbox(arena.figure.bbox)
     renderer = canvas.get_renderer()
     for done, tick in enumerate(ticks, start=1):
-        if arena.paint(tick):  # what stands still is another
+        if arena.paint(tick):  # the still parts have changed
             canvas.draw()
             still = canvas.copy_from_bbox(arena.figure.bbox)
         arena.show(tick)
@@ -242,7 +244,7 @@ def _write_mp4(ffmpeg: Any, temporary: Path, frames: Iterator[Frame], count: int
                 writer.send(frame)
             except OSError:
                 raise OSError("ffmpeg stopped") from None
-    # The writer does not tell whether its last frames went down well, as where a disk is full.
+    # The writer does not report whether its last frames were written, for instance to a full disk.
     try:
         written, _ = ffmpeg.count_frames_and_secs(temporary)
     except RuntimeError:
@@ -252,7 +254,7 @@ def _write_mp4(ffmpeg: Any, temporary: Path, frames: Iterator[Frame], count: int
 
 
 def _palette() -> Image.Image:
-    """The colours of a GIF: chosen, as those found in a frame would leave out the few dots that matter."""
+    """The colours of a GIF. They are fixed, as colours computed from a frame would leave out those of small robots."""
     greys = np.concatenate([np.linspace(0.0, BLACK_TILE, 12), np.linspace(BLACK_TILE, WHITE_TILE, 8)[1:], [1.0]])
     robots = ESTIMATES(np.linspace(0.0, 1.0, 48))[:, :3]
     lines = np.array([to_rgb(LINK), to_rgb(RANGE)])
@@ -266,7 +268,7 @@ def _palette() -> Image.Image:
 def _write_gif(temporary: Path, frames: Iterator[Frame], fps: int) -> None:
     palette = _palette()
     reduced = (Image.fromarray(f[..., :3]).quantize(palette=palette, dither=Image.Dither.NONE) for f in frames)
-    # `optimize` leaves out the dots that do not change: a tenth of the size
+    # `optimize` leaves out pixels that do not change, which makes the file ten times smaller
     with temporary.open("wb") as file:
         next(reduced).save(
             file, format="GIF", save_all=True, append_images=reduced, duration=10 * round(100 / fps), loop=0,

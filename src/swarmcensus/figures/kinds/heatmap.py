@@ -1,4 +1,4 @@
-"""Medians in a grid of two coordinates: sensor accuracies and fill ratios, or others."""
+"""Heatmap: medians in a grid of two coordinates, such as sensor accuracy and fill ratio."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ from swarmcensus.results.selecting import TooMuch
 from swarmcensus.vocabulary.coordinates import title_of
 
 Z = Literal["convergence_error", "convergence_round"]
-LARGEST = (9.0, 7.0)  # inches: a panel of more cells than fit has smaller ones, without their numbers
-LINE = 0.16  # inches: a row that has a name, or a number
-NAMED = 34.0  # points: a name under a column, of which longer ones slant
-ABOVE = 0.3  # inches over a panel for the bar of its colours
-MOST_NAMED = 8  # values of a coordinate, in a message
+LARGEST = (9.0, 7.0)  # inches: the largest panel; if it has too many cells, they are smaller and have no numbers
+LINE = 0.16  # inches: the height of a row that has a name or a number
+NAME_WIDTH = 34.0  # points: of a name under a column; longer names slant
+ABOVE = 0.3  # inches over a panel for the colour bar
+MOST_NAMED = 8  # values of a coordinate in a message
 
 
 def heatmap(
@@ -50,21 +50,26 @@ def heatmap(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw medians over robots and trials for every value of two coordinates, `x` in columns and `y` in rows.
+    """Draw medians over robots and trials in a grid of two coordinates.
 
-    Left the error |x^K - f|, right the convergence in rounds, or ticks of robots that move; or one of both, `z`. The
-    bar over a panel says which colours are best; each cell says its number, where there are no more than fit; grey is a
-    cell without a finished trial. It extends the paper's Figs. 2 to 5 to all f. Axes of your own, `ax`, hold a panel
-    each.
+    The left panel shows the error |x^K - f|, and the right one the convergence K in communication rounds, or in ticks
+    if robots move. The colour bar over a panel says which colours are best. Cells contain their numbers if these fit.
+    Grey cells have no finished trial. A heatmap extends the paper's Figs. 2 to 5 to all fill ratios f.
 
-    Raises InputError if there is no such coordinate, another one varies too, or there is no finished trial.
+    - `x`, `y`: the coordinates in columns and in rows.
+    - `z`: draw one panel only, "convergence_error" or "convergence_round".
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each panel.
+
+    Raises InputError for an unknown coordinate, if another coordinate varies too, and for results without a finished
+    trial.
     """
     check_coordinates(results, x=x, y=y)
     if x == y:
         raise InputError(f"x and y are both {x!r}: a heatmap needs two coordinates")
     if varying := varies(results, apart_from={x, y}):
-        several = ", ".join(f"{name} ({_some(values)})" for name, values in varying.items())
-        vary = f"{several} {'varies' if len(varying) == 1 else 'vary'} too"
+        listed = ", ".join(f"{name} ({_first_values(values)})" for name, values in varying.items())
+        vary = f"{listed} {'varies' if len(varying) == 1 else 'vary'} too"
         raise TooMuch(f"a heatmap shows {y} and {x}, but {vary}", select_some(results, {x, y}, 1))
     texts = texts_of(results, x)
     across = looks_of(texts.tolist(), "o", x)
@@ -83,7 +88,7 @@ def heatmap(
     if not drawn:
         raise InputError(f"z {z!r}: should be one of {', '.join(get_args(Z))}")
     widest = max(width_of(look.name, SMALL) for look in across.values())
-    cell = max(0.4, ((widest if places_of(across)[1] else min(widest, NAMED)) + SMALL) / 72)  # inches
+    cell = max(0.4, ((widest if places_of(across)[1] else min(widest, NAME_WIDTH)) + SMALL) / 72)  # inches
     size = (max(cell * len(across), 2.4), max(0.25 * len(looks), 0.75))
     numbered = size[0] <= LARGEST[0] and size[1] <= LARGEST[1]
     size = min(size[0], LARGEST[0]), min(size[1], LARGEST[1])
@@ -98,7 +103,7 @@ def heatmap(
         numbered = size[0] >= cell * len(across) and size[1] >= LINE * len(looks)
         under = names_of(across, 72 * size[0])
     styles = ".3f" if np.nanmax(medians[0]) >= 0.1 else ".4f", ",.0f"
-    columns, rows = _some_of(len(across), size[0] / cell), _some_of(len(names), size[1] / LINE)
+    columns, rows = _labelled(len(across), size[0] / cell), _labelled(len(names), size[1] / LINE)
     for k, place in zip(drawn, axes, strict=True):
         _draw_cells(place, medians[k], (0.01, 1.0)[k], styles[k], numbered)
         place.set_xticks(columns, [under.texts[k] for k in columns], parse_math=False, **under.style)
@@ -114,13 +119,14 @@ def heatmap(
     return drawn_on(axes, ax)
 
 
-def _some(values: list[Any]) -> str:
+def _first_values(values: list[Any]) -> str:
+    """The first distinct values of a coordinate, for a message."""
     distinct = [str(value) for value in dict.fromkeys(values) if value is not None]
     return ", ".join(distinct[:MOST_NAMED]) + (", ..." if len(distinct) > MOST_NAMED else "")
 
 
-def _some_of(count: int, room: float) -> NDArray[np.int64]:
-    """The places of as many of `count` names as have room, evenly chosen."""
+def _labelled(count: int, room: float) -> NDArray[np.int64]:
+    """Which of `count` rows or columns are labelled, evenly chosen, if there is room for `room` labels."""
     return np.arange(0, count, max(1, int(np.ceil(count / max(room, 1.0)))))
 
 
@@ -139,7 +145,7 @@ def _number(value: float, style: str) -> str:
 
 
 def _draw_scale(axes: Axes, norm: Normalize, colours: Colormap, style: str) -> None:
-    """A bar of all colours over the panel, with the numbers at its ends and which of them is best."""
+    """Draw the colour bar over a panel, with the best and the worst number at its ends."""
     wide, high = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     bar = axes.inset_axes((0, 1 + 6 / high, min(1.0, 170 / wide), 5 / high))
     bar.imshow(np.linspace(0, 1, 256)[np.newaxis], cmap=colours, aspect="auto", extent=(0, 1, 0, 1))

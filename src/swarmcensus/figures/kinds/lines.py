@@ -1,4 +1,4 @@
-"""Anything that is measured against anything that varies: a line for each value of another coordinate."""
+"""Line plot: any measured variable against any coordinate, with one line per value of another coordinate."""
 
 from __future__ import annotations
 
@@ -41,14 +41,41 @@ from swarmcensus.results.values import bounds_in, robots_in
 from swarmcensus.statistics.intervals import estimate_pooled
 from swarmcensus.vocabulary.coordinates import title_of
 
-SIZE = 5.0  # points: a dot
-WIDTH = 1.0  # points: a line
-ENDLESS = r"$\infty$"
-BESIDE = 5.0  # points between dots of one x: of many lines less
-ROOM = 60.0  # points that all dots of one x take together at the most where x has names, and of
-NEAR = 9.0  # numbers
-WIDE, HIGH = 310.0, 230.0  # points: a panel that is alone
-NARROW, LOW = 180.0, 137.0  # and the smallest of several
+SIDES = {"setting", "checkpoint", "trial", "robot"}  # the dimensions that a drawn variable may have
+ENDLESS = r"$\infty$"  # the marker of an infinite statistic
+SOLID = "-"
+# All lengths are in points.
+SIZE = 5.0  # of a dot
+WIDTH = 1.0  # of a line
+DASH = 6.0
+BESIDE = 5.0  # between dots with the same x; less if there are many lines
+ROOM = 60.0  # the most that all dots with the same x span, if the values of x are names
+NEAR = 9.0  # the same if they are numbers
+WIDE, HIGH = 310.0, 230.0  # a single panel
+NARROW, LOW = 180.0, 137.0  # the smallest of several panels
+
+Statistic = Literal["median", "mean"]
+Piece = tuple[float, float, float, float]  # x and y of a point, then x and y of the next point
+
+
+class Point(NamedTuple):
+    """A value of the x coordinate as text, the statistic of the variable there, and the ends of its 95 % interval.
+
+    The statistic may be infinite. It is NaN if nothing has been run. The ends are NaN if too few trials have been run.
+    """
+
+    x: str
+    value: float
+    low: float
+    high: float
+
+
+class Stretch(NamedTuple):
+    """A part of a line, from point to point, and its matplotlib line style."""
+
+    x: NDArray[np.float64]
+    y: NDArray[np.float64]
+    style: Any
 
 
 def lines(
@@ -62,21 +89,26 @@ def lines(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw what a variable comes to against a coordinate, a line for each value of another, with 95 % intervals.
+    """Draw a variable against a coordinate: one line for each value of another coordinate, with 95 % intervals.
 
-    `y` is any variable that is measured in every trial, or a measure of `compare` as "final_error"; its `statistic`,
-    "median" or "mean" (by default of shares and of what is sent), is over robots and trials. `x` and `color` are
-    coordinates, by default the number with the most values, and what else varies, the accuracy first; against `liars`
-    it is the `adversary`, and each one's line begins where nobody lies. For a variable of checkpoints `checkpoint` is
-    one too, and otherwise the last that a setting reaches is meant. There is a panel for each combination of the
-    coordinates `panels`, by default of all others that vary; settings that differ in nothing else are pooled. A thin
-    upright line is the 95 % interval over trials, where there are 6 or more. A sign of infinity at the top says that
-    the statistic is infinite, as where half of the robots never do what is measured. Lines join numbers, not names,
-    break where nothing has been run, and are dashed where they would hide others. Axes of your own, `ax`, hold a panel
-    each: leave room for the key on their right.
+    Each dot is the median or mean over robots and trials. A thin vertical line is its 95 % interval over trials; it
+    needs at least 6 trials. Lines join the dots if `x` has numbers. They break where nothing has been run, and are
+    dashed where they would hide other lines. An infinity sign at the top means that the statistic is infinite, for
+    instance because half of the robots never do what is measured. Settings that differ in no drawn coordinate are
+    pooled, and the foot of the figure says so.
 
-    Raises InputError for a variable or coordinate that is not there, if there is no finished trial, and for more than
-    24 panels.
+    - `y`: a variable measured in every trial, or a measure of `sc.compare`, such as "final_error". A variable measured
+      at checkpoints is taken at the last checkpoint of each setting, unless `x`, `color` or `panels` is "checkpoint".
+    - `x`: a coordinate; by default the numeric one with the most values.
+    - `color`: the coordinate with one line for each value; by default another one that varies, the accuracy first. If
+      `x` is "liars", it is the adversary, and each line begins at the setting without liars.
+    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
+    - `statistic`: "median" or "mean". By default it is the mean for shares and for what is sent, else the median.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+
+    Raises InputError for an unknown variable or coordinate, for results without a finished trial, and for more than 24
+    panels.
     """
     results = with_measure(results, y)
     check_coordinates(results, also=("checkpoint",), x=x, color=color, panels=panels)
@@ -91,13 +123,13 @@ def lines(
         raise InputError(f"statistic {statistic!r}: should be one of {', '.join(get_args(Statistic))}")
     parts = panels_of(data, (x, *([color] if color else [])), panels)
     series = [_series(part.results, y, x, color, statistic) for part in parts]
-    every = [point for found in series for points in found.values() for point in points]
+    every = [point for panel_series in series for points in panel_series.values() for point in points]
     if all(np.isnan(point.value) for point in every):
         raise InputError(NOTHING)
     across = looks_of((point.x for point in every), "o", x)
     looks = {"": Look("", "", palette(11)[3], "o")}
     if color:
-        looks = looks_of((value for found in series for value in found), "o", color)
+        looks = looks_of((value for panel_series in series for value in panel_series), "o", color)
     under = names_of(across, NARROW if len(parts) > 1 else WIDE)
     beside = name_of(results, y, statistic, LOW if len(parts) > 1 else HIGH)
     left = LEFT + 0.17 * beside.count("\n")
@@ -108,15 +140,16 @@ def lines(
     apart = min(BESIDE, room)
     are_numbers = places_of(across)[1]
     step = min(apart, NEAR / max(len(looks) - 1, 1)) if are_numbers else apart
-    for found, place in zip(series, axes, strict=True):
-        if all(np.isnan(point.value) for points in found.values() for point in points):
+    for panel_series, place in zip(series, axes, strict=True):
+        if all(np.isnan(point.value) for points in panel_series.values() for point in points):
             say_empty(place, f"no trial has numbers of {y}")
             continue
         coordinate_axis(place, x, across, under, step * middle)
-        numbers = {value: _numbers(found.get(value, []), across) for value in looks}
-        joined = stretches({value: (one[0], _finite(one[1])) for value, one in numbers.items()}, _hider(place, step))
+        numbers = {value: _numbers(panel_series.get(value, []), across) for value in looks}
+        points = {value: (columns[0], _finite(columns[1])) for value, columns in numbers.items()}
+        joined = stretches(points, _hider(place, step))
         for k, (value, look) in enumerate(looks.items()):
-            aside = k - middle if x != color else 0.0  # else no two dots are of one x
+            aside = k - middle if x != color else 0.0  # if they are equal, no two dots have the same x
             _draw(
                 place,
                 numbers[value],
@@ -139,6 +172,7 @@ def lines(
 
 
 def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequence[str]) -> tuple[str, str | None]:
+    """The coordinates of the x axis and of the colour: the given ones, or the defaults that `lines` documents."""
     varying = varies(data, [*panels, *(name for name in (x, color) if name)])
     if x is None:
         free = [name for name in varying if name != color]
@@ -151,7 +185,7 @@ def _axes_of(data: xr.Dataset, x: str | None, color: str | None, panels: Sequenc
 
 
 def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Statistic) -> dict[str, list[Point]]:
-    """The points of each line, by its value of `color`."""
+    """The points of each line by its value of `color`; by "" if there is no `color`."""
     if color is None:
         return {"": points_of(part, y, x, statistic, share=is_share(y))}
     texts = texts_of(part, color)
@@ -162,7 +196,7 @@ def _series(part: xr.Dataset, y: str, x: str, color: str | None, statistic: Stat
 
 
 def _numbers(points: Sequence[Point], across: dict[str, Look]) -> NDArray[np.float64]:
-    """Where points are, what they come to and the ends of their intervals (4, point), from left to right."""
+    """x, value and the ends of the interval of each point, (4, point), from left to right."""
     places, _ = places_of(across)
     ordered = sorted(points, key=lambda point: places[point.x])
     return np.array([(places[p.x], *p[1:]) for p in ordered]).reshape(-1, 4).T
@@ -173,7 +207,7 @@ def _finite(value: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
-    """Whether a line hides one of the same points that is drawn `aside` points beside it."""
+    """A function that says whether a piece of a line hides a second line that is drawn `aside` points beside it."""
 
     def hides(piece: Piece) -> bool:
         (x, y), (next_x, next_y) = axes.transData.transform(np.reshape(piece, (2, 2)))
@@ -185,7 +219,7 @@ def _hider(axes: Axes, aside: float) -> Callable[[Piece], bool]:
 def _draw(
     axes: Axes, numbers: NDArray[np.float64], joined: Sequence[Stretch], look: Look, aside: float, apart: float
 ) -> None:
-    """Draw one line, `aside` points beside where it belongs, to hide no other, and `apart` what is infinite."""
+    """Draw one line, moved sideways so that it hides no other: by `aside` points, infinite values by `apart` points."""
     x, value, low, high = numbers
     shift: Transform = ScaledTranslation(aside / 72, 0, axes.figure.dpi_scale_trans)
     upright, label = axes.transData + shift, look.name
@@ -225,38 +259,26 @@ def _say_marks(entries: dict[str, Artist], points: Sequence[Point], statistic: S
         )
 
 
-Piece = tuple[float, float, float, float]  # x and y of one point, and of the next
-SOLID = "-"
-DASH = 6.0  # points
-
-
-class Stretch(NamedTuple):
-    """A part of a line, from point to point, and matplotlib's style of it."""
-
-    x: NDArray[np.float64]
-    y: NDArray[np.float64]
-    style: Any
-
-
 def stretches(
     lines: Mapping[str, tuple[NDArray[np.float64], NDArray[np.float64]]], hides: Callable[[Piece], bool]
 ) -> dict[str, list[Stretch]]:
-    """Cut lines, x and y of their points from left to right, where they come to lie upon others or leave them.
+    """Cut lines where they begin or cease to lie on each other, so that shared parts can be dashed.
 
-    `hides` says of a piece, from one point to the next, whether a line there would hide another. The first of those
-    that share a stretch is solid. A line that shares none is one stretch.
+    `lines` are x and y of the points, from left to right. `hides` says of a piece, from one point to the next, whether
+    a line there would hide another one. Of the lines that share a stretch, the first is solid. A line that shares none
+    is one stretch.
     """
-    here: dict[Piece, list[str]] = {}
+    sharing: dict[Piece, list[str]] = {}
     pieces = {name: list(zip(x, y, x[1:], y[1:], strict=False)) for name, (x, y) in lines.items()}
-    for name, some in pieces.items():
-        for piece in some:
-            here.setdefault(piece, []).append(name)
-    found = {}
+    for name, pieces_of_line in pieces.items():
+        for piece in pieces_of_line:
+            sharing.setdefault(piece, []).append(name)
+    cut = {}
     for name, (x, y) in lines.items():
-        shared = [here[piece] if hides(piece) else [name] for piece in pieces[name]]
-        styles = [_style(several.index(name), len(several)) for several in shared]
+        names = [sharing[piece] if hides(piece) else [name] for piece in pieces[name]]
+        styles = [_style(together.index(name), len(together)) for together in names]
         ends = [0, *(k for k in range(1, len(styles)) if styles[k] != styles[k - 1]), len(styles)]
-        found[name] = (
+        cut[name] = (
             [
                 Stretch(x[first : last + 1], y[first : last + 1], styles[first])
                 for first, last in itertools.pairwise(ends)
@@ -264,79 +286,64 @@ def stretches(
             if any(style != SOLID for style in styles)
             else [Stretch(x, y, SOLID)]
         )
-    return found
+    return cut
 
 
-def _style(place: int, several: int) -> Any:
-    return SOLID if place == 0 else (place * DASH, (DASH, (several - 1) * DASH))
-
-
-Statistic = Literal["median", "mean"]
-SIDES = {"setting", "checkpoint", "trial", "robot"}
-
-
-class Point(NamedTuple):
-    """A value of the x coordinate as text, what the variable comes to there, and the ends of its 95 % interval.
-
-    The value is infinite where that is what the statistic is, and NaN where nothing has been run; the ends are NaN
-    where too few trials have been.
-    """
-
-    x: str
-    value: float
-    low: float
-    high: float
+def _style(place: int, count: int) -> Any:
+    """The style of one of `count` lines that lie on each other."""
+    return SOLID if place == 0 else (place * DASH, (DASH, (count - 1) * DASH))
 
 
 def variables_of(results: xr.Dataset) -> list[str]:
-    """The names of all that is measured in every trial, in numbers."""
+    """The names of all numeric variables that are measured in every trial."""
     return [
         str(name)
-        for name, one in results.data_vars.items()
-        if {"setting", "trial"} <= {*one.dims} <= SIDES and one.dtype.kind in "biuf"
+        for name, variable in results.data_vars.items()
+        if {"setting", "trial"} <= {*variable.dims} <= SIDES and variable.dtype.kind in "biuf"
     ]
 
 
 def measured(results: xr.Dataset, name: str, at_checkpoints: bool) -> xr.Dataset:
-    """A variable alone, as float64 (setting, trial, robot), NaN where nothing was run, with the settings' coordinates.
+    """One variable with the coordinates of the settings, as float64 (setting, trial, robot), NaN where nothing was run.
 
-    One that is recorded at checkpoints is taken at the last that its setting reaches, or `at_checkpoints` at each: a
-    setting is then repeated, with another coordinate `checkpoint`. Raises InputError for a name that is not there.
+    A variable recorded at checkpoints is taken at the last one that its setting reaches. With `at_checkpoints`, it is
+    taken at each: settings are then repeated, with the additional coordinate `checkpoint`. Raises InputError for an
+    unknown name.
     """
     require(results)
     known = variables_of(results)
     if name not in known:
         raise InputError(f"y {name!r}: {did_you_mean(name, known)}what is measured here is {', '.join(known)}")
     whole = results[name].dtype.kind == "i"
-    found = results[name].astype(float)
-    found = found.where(found >= 0) if whole else found
+    variable = results[name].astype(float)
+    variable = variable.where(variable >= 0) if whole else variable
     if name == "correct":  # a share of robots: larger swarms weigh more
         exists = xr.DataArray(np.arange(results.sizes["robot"]), dims="robot") < robots_in(results)
-        found = found.where(exists)
-    elif "robot" not in found.dims:
-        found = found.expand_dims("robot")
+        variable = variable.where(exists)
+    elif "robot" not in variable.dims:
+        variable = variable.expand_dims("robot")
     settings = results[coordinates_of(results)].drop_vars("checkpoint", errors="ignore")
-    if "checkpoint" in found.dims:
+    if "checkpoint" in variable.dims:
         rounds, recorded = results["rounds"].values, results["checkpoint"].values
         setting, place = np.nonzero(recorded <= rounds[:, np.newaxis])
         if not at_checkpoints:
             last = np.append(setting[1:] != setting[:-1], True)[: setting.size]
             setting, place = setting[last], place[last]
         at = {"setting": xr.DataArray(setting, dims="setting"), "checkpoint": xr.DataArray(place, dims="setting")}
-        found = found.isel(at)
+        variable = variable.isel(at)
         settings = settings.isel(setting=setting)
         if at_checkpoints:
             settings = settings.assign_coords(checkpoint=("setting", recorded[place]))
-    values = found.transpose("setting", "trial", "robot").values
+    values = variable.transpose("setting", "trial", "robot").values
     return xr.Dataset({name: (("setting", "trial", "robot"), values)}, settings.coords, results.attrs)
 
 
 def points_of(part: xr.Dataset, name: str, x: str, statistic: Statistic, share: bool) -> list[Point]:
-    """What a variable of `measured` comes to for every value of a coordinate; settings alike in it are pooled."""
+    """The point of a variable of `measured` for each value of a coordinate; settings with the same value are pooled."""
     texts, points = texts_of(part, x), []
     for text in dict.fromkeys(texts.tolist()):
-        mine = part.isel(setting=texts == text)
-        value, low, high = estimate_pooled(mine[name].values, statistic, share)
-        least, most = bounds_in(mine, name)
+        settings = part.isel(setting=texts == text)
+        value, low, high = estimate_pooled(settings[name].values, statistic, share)
+        least, most = bounds_in(settings, name)
         points.append(Point(text, value, max(low, least), min(high, float(np.max(most)))))
     return points

@@ -1,4 +1,4 @@
-"""Quality against what it costs, in each world, and the front of brains that none is both better and cheaper than."""
+"""Quality against cost in each world, with the Pareto front: the brains that no other brain beats on both."""
 
 from __future__ import annotations
 
@@ -25,6 +25,14 @@ from swarmcensus.figures.panels import MOST_PANELS
 from swarmcensus.figures.sheets import Drawn, Own, add_key, drawn_on, name_axes, say_lacking, sheet, show_range
 from swarmcensus.vocabulary.quantities import QUANTITIES
 
+SIZE = 6.0  # points: a dot
+NEAR = 0.01  # costs closer than this share of the axis count as one cost,
+BESIDE = 5.0  # and their dots are drawn so many points apart
+SPREAD = 8.0  # ratio of the costs from which on their axis is logarithmic
+COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
+
+Floats = NDArray[np.float64]
+
 
 def pareto(
     results: xr.Dataset,
@@ -34,27 +42,28 @@ def pareto(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw a measure of `sc.compare` against a cost, a panel for each world, with its Pareto front.
+    """Draw a measure of `sc.compare` against a cost, one panel for each world, with the Pareto front.
 
-    `cost` is "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes". Upright lines are 95 % intervals over
-    trials. Raises InputError as `sc.compare` does, for a cost that is not there and for more than 24 worlds.
+    Full dots are on the front: no other brain is both better and cheaper. A stepped line joins them. Vertical lines are
+    95 % intervals over trials. An arrow at the top is an infinite value. Dots at the same cost stand side by side.
+
+    - `metric`: a measure.
+    - `cost`: "bytes_sent", "messages_sent", "memory_bytes" or "message_bytes".
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each world. Leave room for the key on their right.
+
+    Raises InputError as `sc.compare` does, for an unknown cost and for more than 24 worlds.
     """
     return draw_pareto(compare(results, metric), cost, title, ax, [results])
 
 
-SIZE = 6.0  # points: a dot
-NEAR, BESIDE = 0.01, 5.0  # what counts as one cost, of an axis' length, and how far dots are drawn apart, in points
-SPREAD = 8.0  # from there on the axis of costs is logarithmic
-COSTS = {name: QUANTITIES[name].axis for name in ("bytes_sent", "messages_sent", "memory_bytes", "message_bytes")}
-Floats = NDArray[np.float64]
-
-
 def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
-    """Which of (contender,) are on the front: no other is as cheap and as good, and cheaper or better. NaN never is.
+    """Which contenders are on the front, (contender,); low values are better if `low`. NaN is never on it.
 
-    Costs that agree to three digits are the same: means over trials differ by chance.
+    A contender is on the front if no other is at least as cheap and as good, and cheaper or better. Costs that agree to
+    three digits count as equal, since means over trials differ by chance.
     """
-    cost = np.array([float(f"{one:.3g}") for one in cost.tolist()])
+    cost = np.array([float(f"{each:.3g}") for each in cost.tolist()])
     worse = value if low else -value
     cheaper = cost[:, np.newaxis] <= cost
     better = worse[:, np.newaxis] <= worse
@@ -64,35 +73,34 @@ def front(cost: Floats, value: Floats, low: bool) -> NDArray[np.bool_]:
 
 
 def draw_pareto(
-    found: Standings,
+    standings: Standings,
     cost: str = "bytes_sent",
     title: str | None = None,
     ax: Own = None,
     results: Sequence[xr.Dataset] = (),
 ) -> Drawn:
-    """Draw a comparison's first measure against what contenders cost, a panel for each world.
+    """Draw the first measure of a comparison against a cost; see `pareto`.
 
-    Full dots are on the front, which a line of steps joins; upright lines are 95 % intervals over trials. What never
-    came is an arrow at the edge. The foot says what `results` lack.
-
-    Raises InputError for a cost that is not there and for more than 24 worlds.
+    The foot of the figure says how many trials `results` lack. Raises InputError for an unknown cost and
+    for more than 24 worlds.
     """
-    known = found.costs | found.sizes
+    known = standings.costs | standings.sizes
     if cost not in known:
-        told = f"these results have no such cost; {did_you_mean(cost, known)}there are {', '.join(known) or 'none'}"
-        raise InputError(f"cost {cost!r}: {told}")
-    if len(found.field.worlds) > MOST_PANELS:
         raise InputError(
-            f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(found.field.worlds)}: select some settings"
+            f"cost {cost!r}: these results have no such cost; {did_you_mean(cost, known)}"
+            f"there are {', '.join(known) or 'none'}"
         )
-    measure, contest = found.measures[0], found.contests[0]
+    worlds = standings.field.worlds
+    if len(worlds) > MOST_PANELS:
+        raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
+    measure, contest = standings.measures[0], standings.contests[0]
     times = 100.0 if measure.share else 1.0
     values, low, high = (times * part for part in (contest.values, *contest.value_ends))
     costs = known[cost]
     if not (np.isfinite(values) & np.isfinite(costs)).any():
         raise InputError(f"there is nothing to draw: no contender has both {measure.name} and {cost}")
-    looks = looks_of(found.contenders, "o", "brain")
-    captions = [caption_of(world) for world in found.field.worlds]
+    looks = looks_of(standings.contenders, "o", "brain")
+    captions = [caption_of(world) for world in worlds]
     axes = sheet(ax, captions, title)
     measured_axis(axes, values.ravel().tolist(), [*low.ravel().tolist(), *high.ravel().tolist()])
     for k, place in enumerate(axes):
@@ -120,6 +128,7 @@ def _dot(look: Look, on_front: bool) -> Line2D:
 
 
 def _cost_axis(axes: Axes, costs: Floats) -> None:
+    """Give the axes an x axis for these costs, logarithmic if they differ much."""
     least, most = float(costs.min()), float(costs.max())
     if least > 0 and most >= SPREAD * least:
         axes.set_xscale("log")
@@ -134,7 +143,7 @@ def _cost_axis(axes: Axes, costs: Floats) -> None:
 
 
 def _beside(axes: Axes, cost: Floats) -> Floats:
-    """How far, in points, contenders are drawn beside their cost, that those at one cost do not hide one another."""
+    """How many points each contender is moved sideways, so that dots at the same cost do not hide each other."""
     across = axes.transAxes.inverted().transform(axes.transData.transform(np.column_stack([cost, 0.0 * cost + 1.0])))
     out, order = np.zeros(len(cost)), np.argsort(across[:, 0], kind="stable")
     order = order[np.isfinite(across[order, 0])]
@@ -144,10 +153,12 @@ def _beside(axes: Axes, cost: Floats) -> Floats:
 
 
 def _draw(
-    axes: Axes, cost: Floats, value: Floats, low: Floats, high: Floats, first: NDArray[np.bool_], looks: list[Look]
+    axes: Axes, cost: Floats, value: Floats, low: Floats, high: Floats, on_front: NDArray[np.bool_], looks: list[Look]
 ) -> None:
+    """Draw the contenders of one world and the line of the front."""
     bottom, top = axes.get_ylim()
-    order = np.flatnonzero(first & np.isfinite(value))[np.argsort(cost[first & np.isfinite(value)], kind="stable")]
+    joined = np.flatnonzero(on_front & np.isfinite(value))
+    order = joined[np.argsort(cost[joined], kind="stable")]
     axes.step(cost[order], value[order], where="post", color="0.4", linewidth=1, zorder=2)
     points = axes.figure.dpi_scale_trans
     for k, (look, beside) in enumerate(zip(looks, _beside(axes, cost), strict=True)):
@@ -163,7 +174,7 @@ def _draw(
                 [cost[k]] * 2, [max(low[k], bottom), min(high[k], top)], color=look.colour, linewidth=0.9, zorder=3,
                 transform=shifted,
             )  # fmt: skip
-        dot = _dot(look, bool(first[k]))
+        dot = _dot(look, bool(on_front[k]))
         dot.set_data([cost[k]], [value[k]])
         dot.set_zorder(4)
         axes.add_line(dot)

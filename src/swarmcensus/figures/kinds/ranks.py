@@ -1,4 +1,4 @@
-"""Average ranks of brains over trials and worlds, with bars over those that are not told apart."""
+"""Critical-difference diagram: average ranks of brains, with bars over brains that do not differ significantly."""
 
 from __future__ import annotations
 
@@ -32,45 +32,53 @@ from swarmcensus.figures.sheets import (
 )
 from swarmcensus.statistics.significance import groups
 
+WIDE = 6.4  # inches: the figure
+NAMES = 1.75  # inches on either side for the names
+NUMBER = 0.36  # inches of these for a rank
+MOST_LINES = 3  # of a name
+LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
+OVER, UNDER = 0.62, 0.12  # inches for the caption and the numbers, and under the last name
+FOOT = 0.25  # inches under all panels
+MOST = 40  # contenders
+GREY = "0.35"  # of the lines to the names
+
 
 def ranks(results: xr.Dataset, *, metric: Names = None, title: str | None = None, ax: Own = None) -> Drawn:
-    """Draw the critical-difference diagram of `sc.compare`: a line for each measure, the best brain on its left.
+    """Draw the critical-difference diagram of `sc.compare`: the average ranks of brains, one line for each measure.
 
-    `metric` names measures, as "correct" or ["final_error", "my_metric:low"], by default the usual ones: all of them
-    are corrected for. Raises InputError as `sc.compare` does, and where no world has been met by all contenders.
+    The best brain is on the left. Ranks are means over the trials and worlds in which all contenders have run. A bar
+    joins contenders that do not differ significantly over all these worlds.
+
+    - `metric`: measures, such as "correct" or ["final_error", "my_metric:low"]; by default the usual ones. Tests are
+      corrected for all of them together.
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each measure.
+
+    Raises InputError as `sc.compare` does, if there is no world in which all contenders have run, and for more than 40
+    contenders.
     """
     return draw_ranks(compare(results, metric or ()), title, ax, [results])
 
 
-WIDE = 6.4  # inches: the figure
-NAMES = 1.75  # inches on either side for the names
-NUMBER = 0.36  # inches of them for a rank
-MOST_LINES = 3  # of a name
-LINE, BAR = 0.17, 0.09  # inches from name to name, and from bar to bar
-OVER, UNDER = 0.62, 0.12  # inches for a caption and the numbers, and under the last name
-FOOT = 0.25  # inches under all panels
-MOST = 40  # contenders that have room
-HELD_BACK = "0.35"
+def draw_ranks(
+    standings: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()
+) -> Drawn:
+    """Draw a panel for each measure of a comparison; see `ranks`.
 
-
-def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, results: Sequence[xr.Dataset] = ()) -> Drawn:
-    """Draw a panel for each measure of a comparison, the best contender on the left of its line.
-
-    Ranks are means over the trials and worlds that all contenders have met. A bar joins contenders no two of which are
-    told apart over all these worlds, by the tests of the comparison. Raises InputError where all have met in none, for
-    more contenders than have room, and for several measures in one `ax`. The foot says what `results` lack.
+    The foot of the figure says how many trials `results` lack. Raises InputError if there is no world in which all
+    contenders have run, for more than 40 contenders, and if `ax` has not one axes for each measure.
     """
-    drawn = [k for k, one in enumerate(found.contests) if len(one.ranks)]
+    drawn = [k for k, contest in enumerate(standings.contests) if len(contest.ranks)]
     if not drawn:
         raise InputError("ranks: there is no world in which all contenders have finished the same trials")
-    if len(found.contenders) > MOST:
+    if len(standings.contenders) > MOST:
         raise InputError(
-            f"ranks: a line has room for {MOST:,} contenders, not {len(found.contenders)}: select some settings"
+            f"ranks: a line has room for {MOST:,} contenders, not {len(standings.contenders)}: select some settings"
         )
-    joined = [_joined(found, found.contests[k]) for k in drawn]
-    names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in found.contenders]
+    joined = [_joined(standings, standings.contests[k]) for k in drawn]
+    names = [wrapped(name, 72 * (NAMES - 0.45), SMALL, MOST_LINES) for name in standings.contenders]
     tall = LINE * (0.3 + 0.7 * max(map(len, names)))  # inches from name to name
-    captions = [_caption(found, k, bars) for k, bars in zip(drawn, joined, strict=True)]
+    captions = [_caption(standings, k, bars) for k, bars in zip(drawn, joined, strict=True)]
     over = [OVER + LINE * (len(wrapped(caption, 72 * (WIDE - 0.4), CAPTION)) - 1) for caption in captions]
     high = [
         above + UNDER + BAR * (len(bars) + 1) + tall * ((len(names) + 1) // 2)
@@ -83,31 +91,35 @@ def draw_ranks(found: Standings, title: str | None = None, ax: Own = None, resul
         captions = [title] if len(captions) == 1 else [f"{title}: {caption}" for caption in captions]
     caption_panels(panels, captions, 0.3, WIDE - 0.3)
     for k, bars, panel, inches, above in zip(drawn, joined, panels, high, over, strict=True):
-        _draw(panel, names, found.contests[k].average_ranks, bars, inches - above, tall)
+        _draw(panel, names, standings.contests[k].average_ranks, bars, inches - above, tall)
     say_lacking(panels[-1:], results)
     return drawn_on(panels, ax)
 
 
-def _joined(found: Standings, contest: Contest) -> list[list[int]]:
+def _joined(standings: Standings, contest: Contest) -> list[list[int]]:
+    """The contenders that each bar joins."""
     order = np.argsort(contest.average_ranks, kind="stable").tolist()
-    return groups(order, found.apart_overall(contest))
+    return groups(order, standings.apart_overall(contest))
 
 
-def _caption(found: Standings, k: int, bars: list[list[int]]) -> str:
-    """What a panel shows; and why, where contenders differ overall and one bar joins all of them."""
-    contest = found.contests[k]
-    told = f"{found.measures[k].label}: average rank over {_over(contest)}"
-    if contest.differ and bars and len(bars[0]) == len(found.contenders):
-        told += f"; they differ (Friedman's test: p {p_equals(contest.friedman_corrected)}), but no two are told apart"
-    return told
+def _caption(standings: Standings, k: int, bars: list[list[int]]) -> str:
+    """The measure and its trials; and Friedman's test, if contenders differ although one bar joins all of them."""
+    contest = standings.contests[k]
+    caption = f"{standings.measures[k].label}: average rank over {_over(contest)}"
+    if contest.differ and bars and len(bars[0]) == len(standings.contenders):
+        p = p_equals(contest.friedman_corrected)
+        caption += f"; they differ (Friedman's test: p {p}), but no two are told apart"
+    return caption
 
 
 def _over(contest: Contest) -> str:
+    """The numbers of trials and worlds that the ranks are means over."""
     worlds, trials = int(contest.met.sum()), len(contest.ranks)
     return f"{counted(trials, 'trial')}" + (f" in {counted(worlds, 'world')}" if worlds > 1 else "")
 
 
 def _panels(high: list[float], over: list[float], room: float, title: list[str]) -> list[Axes]:
+    """Panels on a new figure, `high` inches each with `over` of these for the caption; `room` inches for the title."""
     total = sum(high) + room + FOOT
     figure = Figure(figsize=(WIDE, total))
     FigureCanvasAgg(figure)
@@ -125,7 +137,7 @@ def _panels(high: list[float], over: list[float], room: float, title: list[str])
 def _draw(
     axes: Axes, names: list[list[str]], ranks: np.ndarray, bars: list[list[int]], inches: float, tall: float
 ) -> None:
-    """One line: x are ranks, y inches below it, `tall` of them for each of the names, which have lines."""
+    """Draw one panel: x are ranks, y inches below the line of ranks. `tall` is the height of a name, given as lines."""
     count = len(names)
     wide = (axes.bbox.width / axes.figure.dpi - 2 * NAMES) / max(count - 1, 1)  # inches from rank to rank
     left, right = 1 - NAMES / wide, count + NAMES / wide
@@ -150,8 +162,8 @@ def _draw(
         for k, contender in enumerate(side):
             y = BAR * (len(bars) + 1) + tall * (k + 0.5)
             end = edge + 0.05 / wide * (-1 if far < edge else 1)
-            axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=HELD_BACK, linewidth=0.7)
+            axes.plot([ranks[contender], ranks[contender], end], [0, y, y], color=GREY, linewidth=0.7)
             away = -1 if far < edge else 1
-            says: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": SMALL, "parse_math": False}
-            axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **says)
-            axes.text(end + (0.04 + NUMBER) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **says)
+            style: dict[str, Any] = {"ha": ha, "va": "center", "fontsize": SMALL, "parse_math": False}
+            axes.text(end + 0.04 / wide * away, y, f"{ranks[contender]:.2f}", **style)
+            axes.text(end + (0.04 + NUMBER) / wide * away, y, "\n".join(names[contender]), linespacing=0.95, **style)

@@ -1,4 +1,4 @@
-"""How fast and how well robots estimate: a dot for each."""
+"""Scatter plot of convergence and error: one dot per robot and trial."""
 
 from __future__ import annotations
 
@@ -38,12 +38,14 @@ from swarmcensus.figures.sheets import (
     say_pooled,
     sheet,
 )
-from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, shared, told
+from swarmcensus.figures.theory_lines import GREY, STYLES, THIN, Curves, curves_of, say_no_theory, shared
 from swarmcensus.figures.theory_lines import entries as theory_entries
 
-LABELS = 0.25  # inches over a scatter panel for the names of its medians, if they are short
-TURNS = 6
-EARLY = 0.05  # of the dots: if what is left of them spans less than half a decade, the axis is linear
+LABELS = 0.25  # inches over a panel for the names of its medians, if they are short
+NAME_SIZE = SMALL - 1.5  # points: names of medians over a panel
+MOST_NAMED = 24  # medians of a panel
+TURNS = 6  # in which the dots are drawn
+EARLY = 0.05  # share of the dots that may lie further left: x is linear if the others span less than half a decade
 
 
 def scatter(
@@ -58,22 +60,29 @@ def scatter(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw how fast and how well robots estimate: one dot a robot and trial, and the medians.
+    """Draw how fast and how well robots estimate: one dot per robot and trial, and the medians.
 
-    The paper's Figs. 2, 3 and 5. x is the convergence K in communication rounds, or in ticks of robots that move
-    (`local`: of the local estimate, in observations), y the error |x^K - f|; outlined dots, named above the panel, are
-    the medians of the values of the coordinate `color`: rings where robots' accuracies differ, so that they hide no
-    other. A thin cross through a median is its 95 % interval over trials on both axes, where there are 6 trials or
-    more, of swarms of one size. Of too many medians the panel names some, and the key says so. There is a panel for
-    each combination of the coordinates `panels`, by default of all others that vary; those of one unit share their
-    axes. With `scale` "log" both axes are logarithmic, above 1 and 0.01, and x begins where the data do (and is linear
-    where all but the earliest 5 % span less than half a decade); with "log-y" the error alone is, and x begins at 0;
-    "linear" is the paper's. With `theory`, dots lie at the median error that is expected of robots alone after the last
-    round, and dashes at that of the bound of all readings of the swarm (not with `local`). Dots above `error_limit` are
-    counted instead of drawn. Axes of your own, `ax`, hold a panel each: leave room for the key on their right.
+    x is the convergence K in communication rounds, or in ticks if robots move. y is the error |x^K - f|. Outlined dots
+    are the medians for each value of `color`; their names stand above the panel. Medians are rings where accuracies
+    differ between robots. If a panel has too many medians, it names some of them, and the key says so. A thin cross
+    through a median is its 95 % interval over trials on both axes. It needs at least 6 trials and swarms of one size.
+    The paper's Figs. 2, 3 and 5 are such plots.
 
-    Raises InputError if there is no such coordinate, `results` lacks a variable or holds no finished trial, and for
-    more than 24 panels.
+    - `color`: the coordinate shown by colour.
+    - `panels`: coordinates; each combination of their values has a panel. By default all other coordinates that vary.
+      Panels with the same unit share their axes.
+    - `local`: draw local instead of informed estimates, with K in observations.
+    - `error_limit`: the highest error drawn. Dots above it are counted instead.
+    - `scale`: "log" makes both axes logarithmic, x above 1 and y above 0.01; x begins where the data begin, and is
+      linear if all but the earliest 5 % of the dots span less than half a decade. "log-y" makes only y logarithmic.
+      "linear" makes neither logarithmic, as in the paper. In both, x begins at 0.
+    - `theory`: add the median error expected after the last round: dotted for robots alone, dashed for the bound of all
+      readings of the swarm (not with `local`).
+    - `title`: the title of the figure.
+    - `ax`: axes of your own, one for each panel. Leave room for the key on their right.
+
+    Raises InputError for an unknown coordinate, for results that lack a variable or a finished trial, and for more than
+    24 panels.
     """
     check_coordinates(results, color=color, panels=panels)
     parts = [p._replace(local=local, error_limit=error_limit) for p in panels_of(results, (color,), panels)]
@@ -89,11 +98,10 @@ def scatter_grid(
     title: str | None = None,
     ax: Own = None,
 ) -> Drawn:
-    """Draw `scatter` panels of one's own choice, (a), (b), ..., with one key.
+    """Draw `scatter` panels that the caller chooses, (a), (b), ..., with one key.
 
-    A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). So that panels compare, those
-    of one unit have the same x axis, and those without an `error_limit` of their own the same y axis. A panel
-    without finished trials says so.
+    A panel is a `Panel` or a tuple (caption, results[, local[, error_limit]]). Panels with the same unit have the same
+    x axis. Panels without an `error_limit` have the same y axis. A panel without finished trials says so.
 
     Raises InputError if there are no panels or more than 24, or if none holds a finished trial.
     """
@@ -108,9 +116,9 @@ def scatter_grid(
         for k, panel in enumerate(drawn):
             names = (ALONE,) if panel.local else (ALONE, SWARM)
             expected[k], why = curves_of(panel.results, color, None, names)
-            drawn[k] = told(panel, why)
+            drawn[k] = say_no_theory(panel, why)
     captions = [panel.caption for panel in drawn]
-    above = max([LABELS, *((width_of(look.short, NAMES) + 5) / 72 for look in looks.values())])
+    above = max([LABELS, *((width_of(look.short, NAME_SIZE) + 5) / 72 for look in looks.values())])
     axes = sheet(ax, captions, title, above=above, fewer=POOLED)
     free = [cloud for panel, cloud in zip(drawn, clouds, strict=True) if panel.error_limit is None]
     highest = max((error.max() for cloud in free for _, error in cloud.values()), default=0.0)
@@ -119,7 +127,7 @@ def scatter_grid(
         if not cloud:
             say_empty(place)
             continue
-        alike = [i for i, other in enumerate(units) if other == unit and clouds[i]]
+        alike = [i for i in range(len(units)) if units[i] == unit and clouds[i]]
         low = min(when.min() for i in alike for when, _ in clouds[i].values())
         early = float(np.quantile(np.concatenate([when for i in alike for when, _ in clouds[i].values()]), EARLY))
         count_axis(place, low, max(_horizon(drawn[i]) for i in alike), scale, early)
@@ -129,15 +137,7 @@ def scatter_grid(
         crosses = crosses_of(panel.results, panel.local, color)
         crossed = crossed or bool(crosses)
         all_named &= _draw_cloud(place, cloud, crosses, looks)
-        same = shared(curves)
-        apart = {text: {n: line for n, line in lines.items() if n not in same} for text, lines in curves.items()}
-        for text, lines in ({"": same} | apart).items():
-            for name, line in lines.items():
-                place.axhline(
-                    line.median_error[-1], color=looks[text].colour if text else GREY, linewidth=THIN,
-                    linestyle=STYLES[name], zorder=3.2, label=f"theory {name} {text}".rstrip(),
-                    path_effects=halo(THIN + 0.8),
-                )  # fmt: skip
+        _draw_theory(place, curves, looks)
     heading, named = keyed(looks, color)
     entries: dict[str, Artist] = {look.name: median_dot(look, 6, 0.8) for look in named.values()}
     median = "median, named\nat the top" if all_named else "median; some are\nnamed at the top"
@@ -147,9 +147,9 @@ def scatter_grid(
     entries["one robot, one trial"] = Line2D([], [], linestyle="", marker="o", markersize=2.4, color="0.6")
     entries |= theory_entries(expected)
     if scale != "linear":
-        from_0 = any(one.get_xscale() == "asinh" and one.get_xlim()[0] < 1 for one in axes)
-        bent = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
-        entries[f"{bent}, then\nlogarithmic"] = Line2D([], [], linestyle="")
+        from_0 = any(place.get_xscale() == "asinh" and place.get_xlim()[0] < 1 for place in axes)
+        linear_part = "axes are linear to\n1 and 0.01" if from_0 else "errors are linear to\n0.01"
+        entries[f"{linear_part}, then\nlogarithmic"] = Line2D([], [], linestyle="")
     add_key(axes, heading, entries)
     say_lacking(axes, [panel.results for panel in drawn])
     say_pooled(axes, [panel.results for panel in drawn], [color])
@@ -157,19 +157,33 @@ def scatter_grid(
 
 
 def _horizon(panel: Panel) -> float:
+    """The largest possible convergence."""
     rounds = panel.results["rounds"]
     return float((rounds * panel.results["observations_per_round"] if panel.local else rounds).max())
 
 
+def _draw_theory(axes: Axes, curves: Curves, looks: dict[str, Look]) -> None:
+    """Draw the expected errors after the last round; lines that all values of the colour share are grey."""
+    same = shared(curves)
+    different = {text: {n: line for n, line in lines.items() if n not in same} for text, lines in curves.items()}
+    for text, lines in ({"": same} | different).items():
+        for name, line in lines.items():
+            axes.axhline(
+                line.median_error[-1], color=looks[text].colour if text else GREY, linewidth=THIN,
+                linestyle=STYLES[name], zorder=3.2, label=f"theory {name} {text}".rstrip(),
+                path_effects=halo(THIN + 0.8),
+            )  # fmt: skip
+
+
 def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict[str, Look]) -> bool:
-    """Draw what a panel holds; returns whether all of its medians are named."""
+    """Draw the dots and medians of a panel. Returns whether all of its medians are named."""
     drawn = [text for text in looks if text in cloud]
     total = sum(when.size for when, _ in cloud.values())
     alpha = float(np.clip(25 / np.sqrt(total), 0.12, 0.6))
     distinct = {text: np.unique(np.stack(cloud[text]).round(9), axis=1, return_counts=True) for text in drawn}
-    # In turns, a share of each accuracy's dots at a time, so that none lies on top of all others, and those of
-    # spread accuracies below them. Equal dots (fully connected robots agree) are drawn once, as opaque as all of
-    # them: their soft edges would add up to squares.
+    # Colours take turns, each drawing a share of its dots, so that no colour covers all others; spread accuracies lie
+    # below the rest. Equal dots (fully connected robots agree) are drawn once, with the opacity of all of them, since
+    # their soft edges would add up to squares.
     for turn in range(TURNS):
         for text in drawn:
             (when, error), copies = (values[..., turn::TURNS] for values in distinct[text])
@@ -200,30 +214,26 @@ def _draw_cloud(axes: Axes, cloud: Cloud, crosses: dict[str, Cross], looks: dict
     return all_named
 
 
-MOST_NAMED = 24  # dots of a panel
-NAMES = SMALL - 1.5  # points: names of dots over a panel
-
-
 class _Leaders(LineCollection):
-    """Lines from names over the axes down to dots, wherever these are when they are drawn."""
+    """Lines from names over the axes down to dots. They are computed when drawn, as the axes' limits may change."""
 
     def __init__(self, axes: Axes, starts: NDArray[np.float64], dots: NDArray[np.float64]) -> None:
         super().__init__([], linewidths=0.35, colors="0.3", zorder=3, transform=axes.transAxes, clip_on=False)
         self.starts, self.dots = starts, dots
-        self.lead(axes)
+        self.connect(axes)
 
-    def lead(self, axes: Axes) -> None:
+    def connect(self, axes: Axes) -> None:
         self.set_segments(list(np.stack([self.starts, _ends_of(axes, self.dots)], axis=1)))
 
     def draw(self, renderer: RendererBase) -> None:
-        # Limits that are shared, or zoomed, may be others than they were.
+        # Shared or zoomed axes may have new limits.
         assert isinstance(self.axes, Axes)
-        self.lead(self.axes)
+        self.connect(self.axes)
         super().draw(renderer)
 
 
 def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float64]) -> NDArray[np.float64]:
-    """Where dots are upon the axes, those beyond at their edge."""
+    """The positions of dots in coordinates of the axes; dots outside are moved to the edge."""
     ends = axes.transAxes.inverted().transform(axes.transData.transform(dots))
     return np.asarray(np.clip(ends, 0, 1), np.float64)
 
@@ -231,21 +241,20 @@ def _ends_of(axes: Axes, dots: Sequence[tuple[float, float]] | NDArray[np.float6
 def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[str]) -> bool:
     """Write texts[i] above the axes, upright, with a thin line down to dots[i] (data coordinates).
 
-    There they cover no data, and stand in the order of the dots, as straight above them as their size allows.
-    Of more than fit some are named, evenly chosen, and far apart: their lines would hide what is below. The axes must
-    have their final limits and size. Returns whether all are named.
+    Names cover no data there. They stand in the order of the dots, as straight above them as their size allows. If not
+    all fit, a few evenly chosen dots are named, far apart, because their lines would hide the data. The axes must have
+    their final limits and size. Returns whether all dots are named.
     """
-    size = NAMES
     width, height = np.array([axes.bbox.width, axes.bbox.height]) * 72 / axes.figure.dpi
     ends = _ends_of(axes, dots)
     order = np.argsort(ends[:, 0], kind="stable")
-    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * size)):
-        few = int(1 + width / (4 * size))
+    if len(order) > min(MOST_NAMED, 1 + width / (1.2 * NAME_SIZE)):
+        few = int(1 + width / (4 * NAME_SIZE))
         order = order[np.linspace(0, len(order) - 1, few).round().astype(int)]
     ends, texts = ends[order], [texts[i] for i in order]
-    # Neighbours stand at least a line apart: pushing all to the right does it, so does pushing all to the
-    # left, and so does the mean of both.
-    steps = np.arange(len(ends)) * 1.2 * size / width
+    # Neighbours must stand at least a line apart. Pushing all to the right achieves this, and so does pushing all to
+    # the left; the mean of both does too, and is closest to the dots.
+    steps = np.arange(len(ends)) * 1.2 * NAME_SIZE / width
     wanted = ends[:, 0] - steps
     right, left = np.maximum.accumulate(wanted), np.minimum.accumulate(wanted[::-1])[::-1]
     places = np.clip((right + left) / 2, 0, max(0, 1 - steps[-1])) + steps
@@ -253,7 +262,7 @@ def label_dots(axes: Axes, dots: Sequence[tuple[float, float]], texts: Sequence[
     axes.add_collection(_Leaders(axes, starts, np.array(dots)[order]), autolim=False)
     for place, text in zip(places, texts, strict=True):
         axes.text(
-            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=size,
+            place, 1 + 3 / height, text, rotation=90, ha="center", va="bottom", fontsize=NAME_SIZE,
             transform=axes.transAxes,
         )  # fmt: skip
     return len(order) == len(dots)

@@ -1,4 +1,4 @@
-"""The leaderboard as a picture: a row a contender, a column a kind of world, the darker the worse."""
+"""Picture of the leaderboard: one row per contender, one column per kind of world; darker is worse."""
 
 from collections.abc import Collection, Sequence
 
@@ -10,14 +10,14 @@ from numpy.typing import NDArray
 
 from swarmcensus.figures.lettering import write_numbers
 
-LEAST = 1e-3  # errors below it look alike
-SIZE = 7.0
+LEAST = 1e-3  # smaller errors have the same colour
+SIZE = 7.0  # points: the numbers
 
 
 def draw_board(
     names: Sequence[str], columns: Sequence[str], values: NDArray[np.float64], marked: Collection[str] = ()
 ) -> Figure:
-    """Errors (contender, column), the best contender first; those `marked` are written in bold."""
+    """Draw errors (contender, column), the best contender first. The names in `marked` are bold."""
     rows, count = values.shape
     figure = Figure(figsize=(2.6 + 0.72 * count, 1.5 + 0.215 * rows), layout="constrained")
     axes = figure.add_subplot()
