@@ -9,9 +9,9 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.results import shards, store
+from swarmcensus.results import shards
 from swarmcensus.results import values as rooms
-from swarmcensus.results.values import Room, Values
+from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools, tasks
 from swarmcensus.runs.running import run
 from swarmcensus.simulation.trials import record_estimates, record_trial
@@ -66,8 +66,8 @@ def test_arrays_in_files_grow_and_are_written_like_others(small_rooms, tmp_path)
     study = crowds(2, 70_000, 2)
     settings, marks = study.settings(), ["a", "b"]
     written = []
-    for room in (Room(tmp_path), Room()):
-        values = Values(study, settings, 1, room=room)
+    for store in (ArrayStore(tmp_path), ArrayStore()):
+        values = Values(study, settings, 1, store=store)
         random = np.random.default_rng(1)
         for trial in (0, 1):
             values.grow(trial + 1)

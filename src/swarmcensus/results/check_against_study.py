@@ -81,25 +81,25 @@ def _together(parts: Sequence[xr.Dataset]) -> xr.Dataset:
     coordinates: dict[Any, Any] = {name: np.arange(n) for name, n in sizes.items()}
     coordinates["checkpoint"] = ("checkpoint", checkpoints, parts[0]["checkpoint"].attrs)
     variables: dict[Any, Any] = {}
-    for name, one in ((name, one) for part in parts for name, one in part.variables.items()):
+    for name, variable in (item for part in parts for item in part.variables.items()):
         if name in sizes:
             continue
-        if "trial" in one.dims:
-            shape = [sizes[str(d)] for d in one.dims]
-            variables[name] = (one.dims, np.zeros(shape, one.dtype), one.attrs, one.encoding)
-        elif one.dims == ("setting",):
+        if "trial" in variable.dims:
+            shape = [sizes[str(d)] for d in variable.dims]
+            variables[name] = (variable.dims, np.zeros(shape, variable.dtype), variable.attrs, variable.encoding)
+        elif variable.dims == ("setting",):
             column = column_of(filled([value for part in parts for value in _values_of(part, str(name))], str(name)))
             ours = next(part for part in parts if name in part.variables)
-            (coordinates if name in ours.coords else variables)[name] = ("setting", column[kept], one.attrs)
-        elif name in variables and not one.equals(variables[name]):  # type: ignore[no-untyped-call]
+            (coordinates if name in ours.coords else variables)[name] = ("setting", column[kept], variable.attrs)
+        elif name in variables and not variable.equals(variables[name]):  # type: ignore[no-untyped-call]
             raise InputError(f"two of the studies have two different {name}")
         else:
-            variables[name] = one
+            variables[name] = variable
     keys = ("brains", "adversaries", "metrics", "additions")
     sources = {key: text for key in keys if (text := _sources(parts, key)) is not None}
     parameters = [json.loads(part.attrs.get("parameters", "{}")) for part in parts]
     if any(parameters):
-        sources["parameters"] = json.dumps({k: v for one in parameters for k, v in one.items()}, sort_keys=True)
+        sources["parameters"] = json.dumps({k: v for of_part in parameters for k, v in of_part.items()}, sort_keys=True)
     return xr.Dataset(variables, coordinates, parts[0].attrs | sources)
 
 
@@ -107,8 +107,8 @@ def _values_of(part: xr.Dataset, name: str) -> list[Any]:
     """The values of a variable that a part may lack: without liars, all robots are honest."""
     if name not in part.variables:
         return part["robots"].values.tolist() if name == "honest" else [None] * part.sizes["setting"]
-    found: list[Any] = part[name].values.tolist()
-    return found
+    values: list[Any] = part[name].values.tolist()
+    return values
 
 
 def _sources(parts: Sequence[xr.Dataset], key: str) -> str | None:
@@ -128,23 +128,24 @@ def unlike(data: xr.Dataset, studies: Sequence[Study], *, whole: bool = True) ->
     want = outline(studies, "merged" in data.attrs)
     size = _size(data, studies, want) if whole else ()
     trials = _trials(data, studies, "merged" in data.attrs)
-    changed = (said for study in studies if (said := edited(data, study)))
+    changed = (sentence for study in studies if (sentence := edited(data, study)))
     return [*changed, *_names(data, want), *_settings(data, want), *_rest(data, want), *trials, *size]
 
 
 def unchecked(data: xr.Dataset) -> list[str]:
     """What in a dataset cannot be checked, and why, as phrases."""
-    said = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKED]
-    return [*(f"{', '.join(names)}: {why}" for names, why in said if names), BOOKKEEPING]
+    present = [([name for name in names if name in data.attrs], why) for names, why in UNCHECKED]
+    return [*(f"{', '.join(names)}: {why}" for names, why in present if names), BOOKKEEPING]
 
 
 def _names(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
-    mine, due = ({str(name) for name in one.variables} for one in (data, want))
-    for name in sorted(mine - due):
+    """Differences in the names of variables and coordinates."""
+    stored, expected = ({str(name) for name in dataset.variables} for dataset in (data, want))
+    for name in sorted(stored - expected):
         yield f"{name} is in the file, and no run of its study writes it"
-    for name in sorted(due - mine):
+    for name in sorted(expected - stored):
         yield f"{name} is not in the file"
-    for name in sorted(mine & due):
+    for name in sorted(stored & expected):
         if (name in data.coords) != (name in want.coords):
             yield f"{name} should be a {'coordinate' if name in want.coords else 'variable, and no coordinate'}"
 
@@ -161,83 +162,87 @@ def _settings(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     for name in ("setting", *coordinates, *BRAIN_FACTS, "honest"):
         if name not in data or data.variables[name].dims != ("setting",):
             continue
-        mine, due = data.variables[name].values[known], want.variables[name].values[place[known]]
-        wrong = np.flatnonzero(~same_bits(mine, due))
+        stored, expected = data.variables[name].values[known], want.variables[name].values[place[known]]
+        wrong = np.flatnonzero(~same_bits(stored, expected))
         if wrong.size:
             k = wrong[0]
             more = f" ({counted(wrong.size, 'setting')} differ)" if wrong.size > 1 else ""
             yield (
-                f"setting {numbers[known[k]]}: {name} is {_plain(mine[k])!r} in the file and {_plain(due[k])!r} by its "
-                f"study{more}"
+                f"setting {numbers[known[k]]}: {name} is {_plain(stored[k])!r} in the file and "
+                f"{_plain(expected[k])!r} by its study{more}"
             )
 
 
 def _rest(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     """Differences in other variables, in attributes of variables, and in attributes of the dataset."""
     ours = data.attrs["swarmcensus_version"] == __version__  # then every text must be equal
-    for name, due in want.variables.items():
+    for name, expected in want.variables.items():
         if name not in data.variables:
             continue
-        mine = data.variables[name]
-        if mine.dims != due.dims:
-            yield f"{name} has the dimensions {', '.join(map(str, mine.dims))}, not {', '.join(map(str, due.dims))}"
-        elif name != "trial" and "trial" not in due.dims and "setting" not in due.dims and not _alike(mine, due):
+        stored = data.variables[name]
+        if stored.dims != expected.dims:
+            dims, expected_dims = (", ".join(map(str, each.dims)) for each in (stored, expected))
+            yield f"{name} has the dimensions {dims}, not {expected_dims}"
+        elif name != "trial" and not {"trial", "setting"} & {*expected.dims} and not _alike(stored, expected):
             yield f"{name} is not what its study says"
-        elif mine.dtype != due.dtype and due.dtype.kind != "O":
-            yield f"{name} is {mine.dtype} in the file, and should be {due.dtype}"
-        for key in sorted({*mine.attrs, *due.attrs} if ours else {"units"} & {*mine.attrs, *due.attrs}):
-            if not _same(mine.attrs.get(key), due.attrs.get(key)):
-                yield f"{name}: {key} is {mine.attrs.get(key)!r} in the file, and should be {due.attrs.get(key)!r}"
+        elif stored.dtype != expected.dtype and expected.dtype.kind != "O":
+            yield f"{name} is {stored.dtype} in the file, and should be {expected.dtype}"
+        for key in sorted({*stored.attrs, *expected.attrs} if ours else {"units"} & {*stored.attrs, *expected.attrs}):
+            in_file, by_study = stored.attrs.get(key), expected.attrs.get(key)
+            if not _same(in_file, by_study):
+                yield f"{name}: {key} is {in_file!r} in the file, and should be {by_study!r}"
     for key in sorted({*want.attrs} - {*MAKERS, "format", "additions"}):
-        mine_said, due_said = data.attrs.get(key), want.attrs[key]
+        in_file, by_study = data.attrs.get(key), want.attrs[key]
         if key in SOURCES and key in data.attrs and not ours:
-            mine_said, due_said = json.loads(data.attrs[key]), json.loads(want.attrs[key])
-        if not _same(mine_said, due_said):
-            yield f"the attribute {key} is {_short(mine_said)} in the file and {_short(due_said)} by its study"
+            in_file, by_study = json.loads(data.attrs[key]), json.loads(want.attrs[key])
+        if not _same(in_file, by_study):
+            yield f"the attribute {key} is {_short(in_file)} in the file and {_short(by_study)} by its study"
     yield from _additions(data, want)
 
 
 def _additions(data: xr.Dataset, want: xr.Dataset) -> Iterator[str]:
     """Differences in additions of other packages, as far as these are installed here."""
-    told, known = additions_in(data), json.loads(want.attrs.get("additions", "{}"))
+    named_in_file, known = additions_in(data), json.loads(want.attrs.get("additions", "{}"))
     named = {"brain": "brains", "adversary": "adversaries", "metric": "metrics"}
     sources = {f"{what} {name}" for what, key in named.items() for name in json.loads(want.attrs.get(key, "{}"))}
-    for name in sorted({*told, *known} - (sources - {*known})):
-        mine, due = (one.get(name, {}).get("package", "no package") for one in (told, known))
-        if mine != due:
-            yield f"the attribute additions says that the {name} is of {mine}, and by its study it is of {due}"
+    for name in sorted({*named_in_file, *known} - (sources - {*known})):
+        stored, expected = (each.get(name, {}).get("package", "no package") for each in (named_in_file, known))
+        if stored != expected:
+            yield f"the attribute additions says that the {name} is of {stored}, and by its study it is of {expected}"
 
 
 def _trials(data: xr.Dataset, studies: Sequence[Study], merged: bool) -> Iterator[str]:
     """Trials that no study asks for, and, in merged results, trials that lack something that their study measures."""
     checkpoints, trials, done = data.variables["checkpoint"].values, data.variables["trial"].values, finished(data)
-    asked: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
+    wanted: dict[str, list[tuple[int, NDArray[np.bool_]]]] = {}
     for study in studies:
         looked = np.isin(checkpoints, study.checkpoints)
         for mark, setting in settings_of(study).items():
             ours = looked & (checkpoints <= setting.rounds)
             watched = np.isin(list(metrics_in(data)), [metric.variable for metric in study.measure.metrics])
             needs = np.array([*ours, *(ours & study.measure.estimates), study.measure.local, *watched])
-            asked.setdefault(mark, []).append((study.trials, needs))
+            wanted.setdefault(mark, []).append((study.trials, needs))
     for k, mark in enumerate(data.variables["fingerprint"].values.tolist()):
-        if mark not in asked:
+        if mark not in wanted:
             continue
         number, there = data.variables["setting"].values[k], trials[done[k]]
-        most = max(trials for trials, _ in asked[mark])
+        most = max(trials for trials, _ in wanted[mark])
         if there.size and there[-1] >= most:
             yield f"setting {number}: trial {there[-1]} is in the file, and its study asks for {most}"
         elif merged:
-            found = _measured(data, k)[done[k]]
-            made = np.zeros_like(found)
-            for most, needs in asked[mark]:
-                made |= needs & ((there < most) & (found >= needs).all(axis=1))[:, np.newaxis]
-            for trial in there[(found != made).any(axis=1) | ~made.any(axis=1)][:1]:
+            measured = _measured(data, k)[done[k]]
+            made = np.zeros_like(measured)
+            for most, needs in wanted[mark]:
+                made |= needs & ((there < most) & (measured >= needs).all(axis=1))[:, np.newaxis]
+            for trial in there[(measured != made).any(axis=1) | ~made.any(axis=1)][:1]:
                 yield f"setting {number}, trial {trial}: some of what its study measures is missing"
 
 
 def _measured(data: xr.Dataset, k: int) -> NDArray[np.bool_]:
-    """What a setting's trials have, (trial, what): decisions and estimates at each checkpoint, local estimates, metric
-    files."""
+    """What the trials of a setting have, (trial, what).
+
+    The second axis is decisions and estimates at each checkpoint, then local estimates, then metric files.
+    """
     nothing = np.zeros((data.sizes["trial"], data.sizes["checkpoint"]), np.bool_)
     decisions = ~is_missing(data.variables["correct"].values[k].T)
     kept = ~is_missing(data.variables["estimates"].values[k, :, :, 0].T) if "estimates" in data else nothing
@@ -274,15 +279,15 @@ def most_trials(studies: Sequence[Study], want: xr.Dataset) -> list[int]:
     return list(most.values())
 
 
-def _alike(one: xr.Variable, other: xr.Variable) -> bool:
-    same = one.dtype.kind == other.dtype.kind and one.shape == other.shape
-    return same and bool(same_bits(one.values, other.values).all())
+def _alike(first: xr.Variable, second: xr.Variable) -> bool:
+    same = first.dtype.kind == second.dtype.kind and first.shape == second.shape
+    return same and bool(same_bits(first.values, second.values).all())
 
 
-def _same(one: Any, other: Any) -> bool:
+def _same(first: Any, second: Any) -> bool:
     """Whether two attributes are equal and of one type; a file returns Python's numbers as NumPy's."""
-    one, other = _plain(one), _plain(other)
-    return type(one) is type(other) and bool(np.all(one == other))
+    first, second = _plain(first), _plain(second)
+    return type(first) is type(second) and bool(np.all(first == second))
 
 
 def _plain(value: Any) -> Any:

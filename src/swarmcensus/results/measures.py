@@ -61,9 +61,9 @@ WAYS = {"low": True, "high": False}
 
 def known(data: xr.Dataset) -> dict[str, Measure]:
     """The measures that these results have, by name; metric files that do not say BETTER are left out."""
-    found = {name: one for name, one in OURS.items() if not lacks(data, name)}
+    shipped = {name: measure for name, measure in OURS.items() if not lacks(data, name)}
     metrics = {name: metric_of(data, name) for name in metrics_in(data)}
-    return found | {name: _of_file(data, name, one.low) for name, one in metrics.items() if one.low is not None}
+    return shipped | {name: _of_file(data, name, file.low) for name, file in metrics.items() if file.low is not None}
 
 
 def statistic_of(name: str) -> Statistic:
@@ -78,7 +78,7 @@ def is_share(name: str) -> bool:
 
 def lacks(data: xr.Dataset, name: str) -> list[str]:
     """The variables that a quantity needs and these results lack."""
-    return [one for one in inputs_of(name) if one not in data]
+    return [variable for variable in inputs_of(name) if variable not in data]
 
 
 def inputs_of(name: str) -> tuple[str, ...]:
@@ -86,7 +86,7 @@ def inputs_of(name: str) -> tuple[str, ...]:
     known = QUANTITIES.get(name)
     if known is None or not known.inputs:
         return (name,)
-    return (*(one for one in known.inputs if one != TRUTH), *filter(None, [known.factor]))
+    return (*(variable for variable in known.inputs if variable != TRUTH), *filter(None, [known.factor]))
 
 
 def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], list[str]]:
@@ -117,12 +117,12 @@ def chosen(data: xr.Dataset, asked: Iterable[str] = ()) -> tuple[list[Measure], 
     if measures:
         return list(measures.values()), []
     cautions = [
-        f"{name} is not compared, as nobody has told which way is better: {_either(name)}"
+        f"{name} is not compared, as its file does not say whether low or high is better: {_either(name)}"
         for name in files
         if name not in there
     ]
     usual = [there[name] for name in USUAL if name in there and not np.isnan(numbers(data, name)).all()]
-    return usual + [one for name, one in there.items() if name in files], cautions
+    return usual + [measure for name, measure in there.items() if name in files], cautions
 
 
 def _either(name: str) -> str:
@@ -147,8 +147,8 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
     """The number of each trial, (setting, trial); NaN for trials that failed or have not run."""
     if "checkpoint" in data[inputs_of(name)[0]].dims:
         last = np.searchsorted(data["checkpoint"].values, data["rounds"].values, side="right") - 1
-        found = data[name].transpose("setting", "checkpoint", "trial").values
-        values = found[np.arange(len(last)), last]
+        at_checkpoints = data[name].transpose("setting", "checkpoint", "trial").values
+        values = at_checkpoints[np.arange(len(last)), last]
         return np.asarray(np.where(last[:, np.newaxis] < 0, np.nan, values), np.float64)
     if name == "consensus_round" and "consensus_right" in data:  # agreeing on a wrong option does not count as fast
         sound = data["consensus_right"].transpose("setting", "trial").values  # NaN if no option is right
@@ -166,9 +166,9 @@ def numbers(data: xr.Dataset, name: str) -> Floats:
     step = max(1, BLOCK // max(1, values[0].size))
     for first in range(0, len(values), step):
         rows = slice(first, first + step)
-        some = _made(data, name, rows)
-        mine = np.arange(some.shape[2]) < robots[rows, np.newaxis, np.newaxis]
-        out[rows] = centres(np.where(mine, some, np.nan), statistic)
+        made = _made(data, name, rows)
+        exists = np.arange(made.shape[2]) < robots[rows, np.newaxis, np.newaxis]
+        out[rows] = centres(np.where(exists, made, np.nan), statistic)
     return out
 
 
@@ -177,10 +177,10 @@ def with_measure(data: xr.Dataset, name: str) -> xr.Dataset:
     if name in data or name not in QUANTITIES or not QUANTITIES[name].inputs or lacks(data, name):
         return data
     robots = robots_in(data).values[:, np.newaxis, np.newaxis]
-    found = _made(data, name, slice(None))
-    found = np.where(np.arange(found.shape[2]) < robots, found, np.nan)
+    made = _made(data, name, slice(None))
+    made = np.where(np.arange(made.shape[2]) < robots, made, np.nan)
     about = {"units": OURS[name].unit, "long_name": OURS[name].meaning}
-    return data.assign({name: (("setting", "trial", "robot"), found, about)})
+    return data.assign({name: (("setting", "trial", "robot"), made, about)})
 
 
 def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
@@ -188,9 +188,9 @@ def _made(data: xr.Dataset, name: str, rows: slice) -> Floats:
     quantity = QUANTITIES.get(name)
     if quantity is None or not quantity.inputs:
         return _input(data, name, rows)
-    inputs = [_input(data, one, rows) for one in quantity.inputs]
-    found = quantity.derive(*inputs) if quantity.derive else inputs[0]
-    return found * _input(data, quantity.factor, rows) if quantity.factor else found
+    inputs = [_input(data, variable, rows) for variable in quantity.inputs]
+    values = quantity.derive(*inputs) if quantity.derive else inputs[0]
+    return values * _input(data, quantity.factor, rows) if quantity.factor else values
 
 
 def _input(data: xr.Dataset, name: str, rows: slice) -> Floats:

@@ -18,7 +18,7 @@ from swarmcensus.results.check_against_study import MAKERS, most_trials, outline
 from swarmcensus.results.shards import Identity, Parts, listed
 from swarmcensus.results.source_study import studies_of
 from swarmcensus.results.store import load, save
-from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, same_bits, told
+from swarmcensus.results.values import EVERY, blank, is_missing, kinds_in, metrics_in, metrics_label, same_bits
 from swarmcensus.studies.study import Study
 
 ALIKE = ("seed", "delta", "bins", "truth", "swarmcensus_version")  # attributes in which results must agree
@@ -33,8 +33,8 @@ def merge(results: Sequence[xr.Dataset | str | Path]) -> xr.Dataset:
     results have must be the same to the last bit, and each dataset must match its study. Raises InputError otherwise,
     and if the results cannot go together.
     """
-    names = [str(one) if isinstance(one, str | Path) else f"results {k + 1}" for k, one in enumerate(results)]
-    datasets = [one if isinstance(one, xr.Dataset) else load(one) for one in results]
+    names = [str(given) if isinstance(given, str | Path) else f"results {k + 1}" for k, given in enumerate(results)]
+    datasets = [given if isinstance(given, xr.Dataset) else load(given) for given in results]
     if not datasets:
         raise InputError("nothing to merge")
     studies: dict[object, Study] = {}  # each once
@@ -66,7 +66,7 @@ def write(out: Path, results: Sequence[str | Path], *, fresh: bool = False) -> x
     check_writable(out, *map(Path, results))
     data = merge(results)
     about = data.attrs
-    version, watched = about["swarmcensus_version"], told(metrics_in(data))
+    version, watched = about["swarmcensus_version"], metrics_label(metrics_in(data))
     identity = Identity(about["title"], about["seed"], version, about["delta"], about["bins"], about["truth"], watched)
     with Parts(out, identity, data["checkpoint"].values.tolist(), data["fingerprint"].values.tolist()) as parts:
         if not fresh and listed(parts.folder):
@@ -124,9 +124,9 @@ def _together(
     arrays = {}
     names_of_all = dict.fromkeys((*EVERY, *(name for data in datasets for name in kinds_in(data))))
     for name in (name for name in names_of_all if any(name in data for data in datasets)):
-        one = next(data[name] for data in (want, *datasets) if name in data)
-        room = np.full([sizes[str(d)] for d in one.dims], blank(one.dtype), one.dtype)
-        arrays[name] = (one.dims, room, one.attrs, one.encoding)
+        variable = next(data[name] for data in (want, *datasets) if name in data)
+        missing = np.full([sizes[str(d)] for d in variable.dims], blank(variable.dtype), variable.dtype)
+        arrays[name] = (variable.dims, missing, variable.attrs, variable.encoding)
     merged = merged.drop_dims("trial").assign(arrays).assign_coords(trial=np.arange(sizes["trial"]))
     rows = {mark: k for k, mark in enumerate(merged["fingerprint"].values.tolist())}
     origin = np.full((sizes["setting"], sizes["trial"]), -1)
@@ -135,14 +135,16 @@ def _together(
         place = np.array([rows[mark] for mark in data["fingerprint"].values.tolist()])
         _put(merged, data, place, origin, k, names)
         row_of = dict(zip(data["setting"].values.tolist(), place.tolist(), strict=True))
-        for one in json.loads(data.attrs.get("failed", "[]")):
-            failed[row_of[one["setting"]], one["trial"]] = one
+        for failure in json.loads(data.attrs.get("failed", "[]")):
+            failed[row_of[failure["setting"]], failure["trial"]] = failure
     total = sum(max(each.get(mark, 0) for each in planned) for mark in rows)
     merged.attrs |= {"trials_done": int((origin >= 0).sum()), "trials_total": total}
     numbers = merged["setting"].values.tolist()
-    still = [one | {"setting": numbers[k], "trial": t} for (k, t), one in sorted(failed.items()) if origin[k, t] < 0]
-    if still:
-        merged.attrs["failed"] = json.dumps(still)
+    still_failed = [
+        failure | {"setting": numbers[k], "trial": t} for (k, t), failure in sorted(failed.items()) if origin[k, t] < 0
+    ]
+    if still_failed:
+        merged.attrs["failed"] = json.dumps(still_failed)
     merged.attrs |= _making_of(datasets, origin)
     return merged
 
@@ -175,10 +177,10 @@ def _put(
             at = dict(zip(dims, differ[0].tolist(), strict=True))
             setting, trial = int(place[at["setting"]]), int(trials[at["trial"]])
             before = names[origin[setting, trial]]
-            mine, other = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
+            new_value, old_value = new[tuple(differ[0])].item(), old[tuple(differ[0])].item()
             raise InputError(
                 f"{names[number]} and {before} disagree: setting {data['setting'].values[at['setting']]} of "
-                f"{names[number]}, trial {trial}: {name} is {mine!r} and {other!r}"
+                f"{names[number]}, trial {trial}: {name} is {new_value!r} and {old_value!r}"
             )
         array[where] = np.where(nothing, old, new)
     own = np.ix_(place, trials)

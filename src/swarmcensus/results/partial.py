@@ -70,13 +70,13 @@ def _filled(sketch: xr.Dataset, paths: list[Path]) -> xr.Dataset:
     numbers = {str(mark): k for k, mark in enumerate(sketch["fingerprint"].values)}
     checkpoints = sketch["checkpoint"].values.tolist()
     for shard in filter(None, map(shards.read, paths)):
-        for one in shard.found:
-            columns = {name: taken for name, taken in one.columns.items() if name in values.arrays}
-            fits = shard.about["checkpoints"] == checkpoints or one.local
-            if one.setting in numbers and columns and fits:
+        for part in shard.found:
+            columns = {name: taken for name, taken in part.columns.items() if name in values.arrays}
+            fits = shard.about["checkpoints"] == checkpoints or part.local
+            if part.setting in numbers and columns and fits:
                 trial = values.kinds[next(iter(columns))][0].index("trial") - 1
-                values.grow(one.first + next(iter(columns.values())).shape[trial])
-                values.put(numbers[one.setting], one.first, columns)
+                values.grow(part.first + next(iter(columns.values())).shape[trial])
+                values.put(numbers[part.setting], part.first, columns)
     data = sketch.drop_dims("trial").assign_coords(trial=np.arange(values.trials))
     for name, array in values.arrays.items():
         data[name] = (values.kinds[name][0], array, sketch[name].attrs, sketch[name].encoding)

@@ -32,24 +32,23 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     """
     delta = None if delta == results.attrs.get("delta") else delta
     bins = None if bins == results.attrs.get("bins") else bins
-    asked = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
-    if not asked:
+    changed = {k: v for k, v in (("delta", delta), ("bins", bins)) if v is not None}
+    if not changed:
         return results
     if "estimates" not in results:
         raise InputError(
-            f"{' and '.join(asked)} can be asked anew of kept estimates alone, and these results hold none: "
+            f"{' and '.join(changed)} can be changed only if estimates are stored, and these results have none: "
             "set estimates = true under [measure] and run again"
         )
-    _check(asked)
+    _check(changed)
     sources = metrics_in(results)
-    looked = {"delta"} & {*asked} | ({"low", "high"} if "bins" in asked else set())
+    looked = {"delta"} & {*changed} | ({"low", "high"} if "bins" in changed else set())
     lost = [v for v, s in sources.items() if parse(s["source"], s["name"], Path(s["name"])).uses & looked]
     new = results.drop_vars([*DERIVED, *lost], errors="ignore")
     kept = {"metrics": json.dumps({v: s for v, s in sources.items() if v not in lost})} if lost else {}
     before = str(results.attrs.get("asked_anew", "")).split(", ")
-    new.attrs = (
-        results.attrs | asked | kept | {"asked_anew": ", ".join(k for k in ("bins", "delta") if k in (*before, *asked))}
-    )
+    ever_changed = ", ".join(k for k in ("bins", "delta") if k in (*before, *changed))
+    new.attrs = results.attrs | changed | kept | {"asked_anew": ever_changed}
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
     truth, then = _truth(results), _then(results, bins)
@@ -81,15 +80,15 @@ def _converge(
     new["convergence_error"].values[k, trials, :robots] = np.abs(value - truth[trials, np.newaxis])
 
 
-def _check(asked: dict[str, float]) -> None:
+def _check(changed: dict[str, float]) -> None:
     from pydantic import ValidationError
 
     try:
-        Measure.model_validate(asked)
+        Measure.model_validate(changed)
     except ValidationError as error:
         first = error.errors()[0]
         key = str(first["loc"][0])
-        raise InputError(f"{key} = {asked[key]!r}: {pydantic_message(first['msg'])}") from None
+        raise InputError(f"{key} = {changed[key]!r}: {pydantic_message(first['msg'])}") from None
 
 
 def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
@@ -101,8 +100,8 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
         return {}
     if bins is not None and results.attrs["truth"] == "floor":
         raise InputError(
-            f"bins = {bins}: decisions are held against the floor as it is at each checkpoint, and of floors that "
-            "change these results know the last round's alone: set bins under [measure] and run again"
+            f"bins = {bins}: decisions are compared with the floor at each checkpoint, and these results store a "
+            "changing floor only at the last round: set bins under [measure] and run again"
         )
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}

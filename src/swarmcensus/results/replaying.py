@@ -34,14 +34,14 @@ def replay(
     `results` is a dataset or a results file; `setting` and `trial` are its coordinates. A brain that is not shipped
     must be given as a file. Estimates equal those of the run to the last bit. Raises InputError.
     """
-    study, found = _find(results, setting, trial, brain)
-    if found.body is not None:
-        trace = _moving_trace(found, study.seed, trial, links)
+    study, chosen = _find(results, setting, trial, brain)
+    if chosen.body is not None:
+        trace = _moving_trace(chosen, study.seed, trial, links)
     else:
-        fields, estimates, blacks = record_trial(found, study.seed, trial)
-        trace = trace_of(fields, estimates, found.brain)
+        fields, estimates, blacks = record_trial(chosen, study.seed, trial)
+        trace = trace_of(fields, estimates, chosen.brain)
         trace["blacks"] = (("round", "robot"), blacks, {"long_name": "black readings in this round"})
-    return _labelled(trace, results, study, found, trial, setting)
+    return _labelled(trace, results, study, chosen, trial, setting)
 
 
 def estimates(
@@ -51,29 +51,29 @@ def estimates(
 
     This needs no compilation if the trial was run on this machine. Raises InputError.
     """
-    study, found = _find(results, setting, trial, brain)
-    if found.body is not None:
-        trace = _moving_trace(found, study.seed, trial, False)
+    study, chosen = _find(results, setting, trial, brain)
+    if chosen.body is not None:
+        trace = _moving_trace(chosen, study.seed, trial, False)
     else:
-        trace = trace_of({}, record_estimates(found, study.seed, trial), found.brain)
-    return _labelled(trace, results, study, found, trial, setting)
+        trace = trace_of({}, record_estimates(chosen, study.seed, trial), chosen.brain)
+    return _labelled(trace, results, study, chosen, trial, setting)
 
 
 def _labelled(
-    trace: xr.Dataset, results: xr.Dataset | str | Path, study: Study, found: Setting, trial: int, setting: int
+    trace: xr.Dataset, results: xr.Dataset | str | Path, study: Study, chosen: Setting, trial: int, setting: int
 ) -> xr.Dataset:
-    """Add what the setting says, and check the trace against the results. Raises InputError."""
-    if found.change:
+    """Add the attributes of the setting, and check the trace against the results. Raises InputError if they differ."""
+    if chosen.change:
         says = {"long_name": "black share of the floor, as it changes"}
-        trace[free("fill_ratio", trace)] = ("round", found.fill_ratios(trace["round"].values), says)
-    honest = _name_members(trace, found, study.seed, trial) if found.members else np.ones(found.robots, np.bool_)
+        trace[free("fill_ratio", trace)] = ("round", chosen.fill_ratios(trace["round"].values), says)
+    honest = _name_members(trace, chosen, study.seed, trial) if chosen.members else np.ones(chosen.robots, np.bool_)
     _check_same(results if isinstance(results, xr.Dataset) else load(results), setting, trial, trace, honest)
     trace.attrs |= {
-        "title": f"{study.name}, setting {setting}, trial {trial}: {found.brain.name}, {found}",
+        "title": f"{study.name}, setting {setting}, trial {trial}: {chosen.brain.name}, {chosen}",
         "setting": setting,
         "trial": trial,
         "seed": study.seed,
-        "fill_ratio": found.fill_ratio,
+        "fill_ratio": chosen.fill_ratio,
         "bins": study.measure.bins,
         "delta": study.measure.delta,
         "truth": study.measure.truth,
@@ -83,17 +83,19 @@ def _labelled(
 
 def honest_in(trace: xr.Dataset) -> np.ndarray:
     """A mask of the honest robots of a trace, which metrics count (robot,)."""
-    said = [one for name, one in trace.data_vars.items() if str(name).startswith("honest") and one.dims == ("robot",)]
-    return np.asarray(said[0].values == 1) if said else np.ones(trace.sizes["robot"], np.bool_)
+    for name, variable in trace.data_vars.items():
+        if str(name).startswith("honest") and variable.dims == ("robot",):
+            return np.asarray(variable.values == 1)
+    return np.ones(trace.sizes["robot"], np.bool_)
 
 
-def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> np.ndarray:
+def _name_members(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """Add the number of each robot's table of members, and who is honest; return the latter (robot,)."""
-    who = found.who(seed, trial, 1)[0]
-    told = "; ".join(f"{number}: {member}" for number, member in enumerate(found.members, start=1))
-    trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {told}"})
-    honest = np.array([True, *(member.honest for member in found.members)])[who]
-    if found.honest < found.robots:
+    who = chosen.who(seed, trial, 1)[0]
+    meanings = "; ".join(f"{number}: {member}" for number, member in enumerate(chosen.members, start=1))
+    trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {meanings}"})
+    honest = np.array([True, *(member.honest for member in chosen.members)])[who]
+    if chosen.honest < chosen.robots:
         trace[free("honest", trace)] = (
             "robot",
             honest.astype(np.int8),
@@ -103,7 +105,7 @@ def _name_members(trace: xr.Dataset, found: Setting, seed: int, trial: int) -> n
 
 
 def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, honest: np.ndarray) -> None:
-    """Raise InputError if the run of this trial ended differently, as in results put together by hand."""
+    """Raise InputError if the run of this trial ended differently, as in results assembled by hand."""
     last = trace["estimate"].values[-1][honest]
     stored = data["final_estimate"].sel(setting=setting, trial=trial).values[: last.size]
     ran = np.isfinite(stored).all() and len(stored) == last.size
@@ -114,11 +116,11 @@ def _check_same(data: xr.Dataset, setting: int, trial: int, trace: xr.Dataset, h
         )
 
 
-def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
-    assert found.body is not None
-    assert found.density is not None
-    ride = record_ride(found, seed, trial)
-    trace = trace_of(ride.fields, ride.estimates, found.brain)
+def _moving_trace(chosen: Setting, seed: int, trial: int, links: bool) -> xr.Dataset:
+    assert chosen.body is not None
+    assert chosen.density is not None
+    ride = record_ride(chosen, seed, trial)
+    trace = trace_of(ride.fields, ride.estimates, chosen.brain)
     dims = ("round", "robot")
     trace["position"] = ((*dims, "axis"), ride.poses[..., :2], {"units": "m", "long_name": "from the arena's centre"})
     trace["heading"] = (dims, ride.poses[..., 2], {"units": "rad"})
@@ -131,11 +133,11 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace["neighbours"] = (dims, heard, {"long_name": "robots in reach and sight"})
     if links:
         trace["link"] = (("link", "end"), ride.links, {"long_name": "tick, robot, robot"})
-    if found.change:
+    if chosen.change:
         says = {"long_name": "black share of the floor that robots can reach, as it changes"}
         trace[free("true_fill_ratio", trace)] = ("round", ride.true_fill_ratio, says)
-    if found.faults:
-        stops = found.stops(seed, trial)
+    if chosen.faults:
+        stops = chosen.stops(seed, trial)
         says = {"units": "ticks", "long_name": "first tick without moving, sensing, talking; -1: never"}
         name, part = free("stops", trace), free("part", trace)
         shown = np.where(stops == NEVER, -1, stops)
@@ -148,11 +150,11 @@ def _moving_trace(found: Setting, seed: int, trial: int, links: bool) -> xr.Data
     trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
     trace.attrs |= {
         "true_fill_ratio": float(ride.true_fill_ratio[-1]),
-        "side": arena.side(found.robots, found.density, found.body),
-        "radio_range": found.body.radio_range,
-        "radius": found.body.radius,
-        "tile_side": found.body.tile,
-        "tick_seconds": found.body.tick,
+        "side": arena.side(chosen.robots, chosen.density, chosen.body),
+        "radio_range": chosen.body.radio_range,
+        "radius": chosen.body.radius,
+        "tile_side": chosen.body.tile,
+        "tick_seconds": chosen.body.tick,
     }
     return trace
 
@@ -165,37 +167,37 @@ def recording(
     Returns readings (step, robot), 1 for black, and undirected edges (edge, 2). For robots that move and for directed
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
-    study, found = _find(results, setting, trial, brain)
-    if len(found.crew) > 1:
+    study, chosen = _find(results, setting, trial, brain)
+    if len(chosen.crew) > 1:
         raise InputError("a recording is for one brain, and the robots of this setting have several")
-    if found.brain.is_oracle and found.body is not None:
+    if chosen.brain.is_oracle and chosen.body is not None:
         raise InputError("a recording holds the messages between neighbours, and an oracle hears all robots")
-    if found.link_success < 1.0 or found.faults or found.message_delay > 0:
+    if chosen.link_success < 1.0 or chosen.faults or chosen.message_delay > 0:
         raise InputError("a recording holds no lost messages, no delays and no faults, and this setting has some")
-    if found.body is not None:
-        ride = record_ride(found, study.seed, trial)
+    if chosen.body is not None:
+        ride = record_ride(chosen, study.seed, trial)
         tick, i, j = ride.links.T
         messages = np.concatenate([np.stack([tick - 1, i, j], axis=1), np.stack([tick - 1, j, i], axis=1)])
         return ride.readings[1:], messages[np.lexsort(messages.T[::-1])]
-    links = found.links(study.seed, trial, 1)
-    if links.mode == LISTED or found.robots == 1:
+    links = chosen.links(study.seed, trial, 1)
+    if links.mode == LISTED or chosen.robots == 1:
         pairs = np.stack([links.senders, links.receivers], axis=1).astype(np.int64)
         if not np.array_equal(pairs[np.lexsort(pairs.T)], pairs[np.lexsort(pairs.T[::-1])][:, ::-1]):
-            steps = np.arange(1, found.rounds + 1) * found.observations_per_round - 1
+            steps = np.arange(1, chosen.rounds + 1) * chosen.observations_per_round - 1
             messages = np.column_stack([np.repeat(steps, len(pairs)), np.tile(pairs, (len(steps), 1))])
-            return _readings(found, study.seed, trial), messages
+            return _readings(chosen, study.seed, trial), messages
         edges = pairs[pairs[:, 0] > pairs[:, 1], ::-1]
     else:
-        edges = np.array(list(itertools.combinations(range(found.robots), 2)))
-    return _readings(found, study.seed, trial), edges
+        edges = np.array(list(itertools.combinations(range(chosen.robots), 2)))
+    return _readings(chosen, study.seed, trial), edges
 
 
-def _readings(found: Setting, seed: int, trial: int) -> np.ndarray:
+def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """The single readings of a trial (observation, robot), NaN for robots that are done."""
-    readings = record_readings(found, seed, trial)
-    if any(brain.ends for brain in found.crew):
-        done = ended(found.crew, record_trial(found, seed, trial)[0])
-        readings[np.repeat(done, found.observations_per_round, axis=0)] = np.nan
+    readings = record_readings(chosen, seed, trial)
+    if any(brain.ends for brain in chosen.crew):
+        done = ended(chosen.crew, record_trial(chosen, seed, trial)[0])
+        readings[np.repeat(done, chosen.observations_per_round, axis=0)] = np.nan
     return readings
 
 

@@ -43,7 +43,7 @@ AT_LEAST, AT_MOST, OF_ELAPSED = 0.25, 30.0, 0.002  # seconds between shards, whi
 
 @dataclass(frozen=True)
 class Identity:
-    """What two runs must have in common for their trials to be put together."""
+    """What two runs must have in common for their trials to be combined."""
 
     study: str
     seed: int
@@ -55,13 +55,13 @@ class Identity:
 
     def check(self, other: Mapping[str, Any], where: str, hint: str) -> None:
         """Raise InputError with the differences, if `other` is the identity of another run."""
-        mine = asdict(self)
-        differ = [k for k, v in mine.items() if other.get(k) != v]
+        ours = asdict(self)
+        differ = [k for k, v in ours.items() if other.get(k) != v]
         if other.get("study") == UNNAMED and "study" in differ:  # the run began before the study had a name
             differ.remove("study")
         if differ:
-            said = "; ".join(f"{k} is {other.get(k)!r} there and {mine[k]!r} here" for k in differ)
-            raise InputError(f"{where} is of another run: {said}. {hint}")
+            differences = "; ".join(f"{k} is {other.get(k)!r} there and {ours[k]!r} here" for k in differ)
+            raise InputError(f"{where} is of another run: {differences}. {hint}")
 
 
 @dataclass
@@ -103,9 +103,9 @@ def read(path: Path) -> Shard | None:
 
 def checksum(data: bytes) -> str:
     """The hash in the name of a shard."""
-    found = blank_hash()
-    found.update(data)
-    return found.hexdigest()
+    hashed = blank_hash()
+    hashed.update(data)
+    return hashed.hexdigest()
 
 
 def blank_hash() -> hashlib.blake2b:

@@ -70,9 +70,9 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
         place = adversary.find(path) if adversary.exists(str(path), None) else brains.find(path)
         given = brains.read_source("brain", place)
         names, theirs = (
-            [n for n, s in some.items() if s["sha256"] == brains.digest(given)] for some in (sources, lying)
+            [n for n, s in stored.items() if s["sha256"] == brains.digest(given)] for stored in (sources, lying)
         )
-        if any(one["sha256"] == brains.digest(given) for one in metrics_in(data).values()):
+        if any(metric["sha256"] == brains.digest(given) for metric in metrics_in(data).values()):
             continue
         if not names and not theirs:
             made_with = ", ".join([*sources, *lying])
@@ -88,7 +88,7 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
             liars[name] = (adversary.parse if here else adversary.unloaded)(source["source"], name, Path(name))
     edges = {v.attrs["source"]: v.values.tolist() for n, v in data.data_vars.items() if str(n).startswith("edges_")}
     images = {v.attrs["source"]: v.values for n, v in data.data_vars.items() if str(n).startswith("floor_")}
-    watched = [metrics.parse(one["source"], one["name"], Path(one["name"])) for one in metrics_in(data).values()]
+    watched = [metrics.parse(m["source"], m["name"], Path(m["name"])) for m in metrics_in(data).values()]
     named = {metric.name: metric for metric in watched}  # read and not run
     context = {"base": None, "edges": edges, "brains": known, "adversaries": liars, "images": images, "metrics": named,
                "kept": True}  # fmt: skip
@@ -107,11 +107,11 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
 def _lacking(data: xr.Dataset) -> str:
     """A phrase with the packages that the results need and that are not installed here."""
     absent = set()
-    for one in additions_in(data).values():
+    for addition in additions_in(data).values():
         try:
-            distribution(one["package"])
+            distribution(addition["package"])
         except PackageNotFoundError:
-            absent.add(f"{one['package']} {one['version']}".strip())
+            absent.add(f"{addition['package']} {addition['version']}".strip())
     return f": these results were made with {', '.join(sorted(absent))}, not installed here" if absent else ""
 
 
@@ -131,11 +131,11 @@ def round_of(data: xr.Dataset, value: int | Time | None, key: str) -> int | None
 
 def must_be_read(setting: Setting) -> None:
     """Raise InputError for a brain or adversary file that was neither given nor found."""
-    theirs = (member.brain for member in setting.members if member.brain)
-    for one in (one for one in (setting.brain, *theirs) if not one.is_loaded):
+    of_members = (member.brain for member in setting.members if member.brain)
+    for brain in (brain for brain in (setting.brain, *of_members) if not brain.is_loaded):
         raise InputError(
-            f"the {one.kind} {one.name!r} is a file. Files named in results are run only if they lie below the current "
-            f"folder, unchanged: give it with {option('brain')}, as it was"
+            f"the {brain.kind} {brain.name!r} is a file. Files named in results are run only if they lie below the "
+            f"current folder, unchanged: give it with {option('brain')}, as it was"
         )
 
 

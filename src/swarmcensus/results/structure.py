@@ -33,9 +33,9 @@ from swarmcensus.vocabulary.quantities import PER_ROBOT, PER_TRIAL, stored
 from swarmcensus.worlds.networks import MOVING
 
 FORMAT = "swarmcensus results 3"
-TEXTS = tuple(name for name, one in COORDINATES.items() if one.always and one.type == "text")
-NUMBERS = tuple(name for name, one in COORDINATES.items() if one.always and one.type != "text")
-BRAIN_FACTS = tuple(name for name, one in stored("setting").items() if one.kind is np.int64)
+TEXTS = tuple(name for name, kind in COORDINATES.items() if kind.always and kind.type == "text")
+NUMBERS = tuple(name for name, kind in COORDINATES.items() if kind.always and kind.type != "text")
+BRAIN_FACTS = tuple(name for name, quantity in stored("setting").items() if quantity.kind is np.int64)
 ATTRIBUTES: dict[str, Any] = {
     "title": str, "study": str, "brains": str, "swarmcensus_version": str, "truth": str, "delta": float | np.floating,
     **dict.fromkeys(("seed", "bins", "trials_done", "trials_total"), int | np.integer),
@@ -52,8 +52,10 @@ ALTERS = ("scale_factor", "add_offset", "missing_value", "valid_min", "valid_max
 
 def wrong_format(data: xr.Dataset) -> str | None:
     """Why the format of a dataset cannot be read, as a sentence; None if it can."""
-    found = data.attrs.get("format")
-    return None if found == FORMAT else f"its format is {found!r}, and this version of swarmcensus reads {FORMAT!r}"
+    stored_format = data.attrs.get("format")
+    if stored_format == FORMAT:
+        return None
+    return f"its format is {stored_format!r}, and this version of swarmcensus reads {FORMAT!r}"
 
 
 def unmask(data: xr.Dataset) -> str | None:
@@ -67,7 +69,7 @@ def unmask(data: xr.Dataset) -> str | None:
         if fills:
             array.encoding["_FillValue"] = fill
         masked = key in EVERY and array.dtype.kind == "i"
-        if fills != [MISSING] if masked else any(one == one for one in fills):
+        if fills != [MISSING] if masked else any(fill == fill for fill in fills):
             return f"{key} should have {'the' if masked else 'no'} _FillValue{f' {MISSING}' if masked else ''}"
         altered = [name for name in ALTERS if name in array.attrs]
         if altered:
@@ -77,8 +79,8 @@ def unmask(data: xr.Dataset) -> str | None:
 
 def wrong(data: xr.Dataset) -> str | None:
     """What is wrong in a dataset that no run or merge could have made, as a sentence; None if nothing is."""
-    if said := wrong_format(data):
-        return said
+    if wrong := wrong_format(data):
+        return wrong
     lacking = [name for name in (*VARIABLES, "fingerprint") if name not in data]
     if lacking:
         return f"{lacking[0]} is missing"
@@ -187,7 +189,7 @@ def finished(data: xr.Dataset) -> NDArray[np.bool_]:
 
 def failures(data: xr.Dataset) -> set[tuple[int, int]]:
     """The failed trials, as numbers of setting and trial."""
-    return {(int(one["setting"]), int(one["trial"])) for one in json.loads(data.attrs.get("failed", "[]"))}
+    return {(int(failure["setting"]), int(failure["trial"])) for failure in json.loads(data.attrs.get("failed", "[]"))}
 
 
 def _missing(data: xr.Dataset) -> str | None:
@@ -201,26 +203,26 @@ def _missing(data: xr.Dataset) -> str | None:
         there = _there(array)
         lead = LEADS.get(name)
         if lead in data:
-            due = _of_trial(_there(data.variables[lead]))
-            due = due if name in LOCAL else due & done
+            expected = _of_trial(_there(data.variables[lead]))
+            expected = expected if name in LOCAL else expected & done
         else:  # merged studies may measure different things: a trial has all or nothing of each
-            due = _of_trial(there) if merged and name not in VARIABLES else done
+            expected = _of_trial(there) if merged and name not in VARIABLES else done
         if name == "true_fill_ratio":
-            due = due & xr.Variable("setting", data.variables["topology"].values == MOVING)
+            expected = expected & xr.Variable("setting", data.variables["topology"].values == MOVING)
         if "robot" in dims:
-            due = due & exists
+            expected = expected & exists
         if "checkpoint" in dims:  # in merged results, at the checkpoints of the study that ran the trial
-            due = due & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
+            expected = expected & reached & (_any(there, set(dims) & {"robot"}) if merged else True)
         if name == "right_option":
-            due = due & there
+            expected = expected & there
         elif name in ONLY_WHERE and ONLY_WHERE[name][0] in data:
-            other, says = ONLY_WHERE[name]
-            due = due & says(data.variables[other])
-        places = _place(data, dims, there != due)
+            variable, allows = ONLY_WHERE[name]
+            expected = expected & allows(data.variables[variable])
+        places = _place(data, dims, there != expected)
         if places:
             at, where = places
-            lacks = "is missing, though the trial ran" if due.isel(at, missing_dims="ignore") else "should be missing"
-            return f"{name} of {where} {lacks}"
+            ran = expected.isel(at, missing_dims="ignore")
+            return f"{name} of {where} {'is missing, though the trial ran' if ran else 'should be missing'}"
         places = _place(data, dims, _malformed(name, array))
         if places:
             at, where = places
@@ -260,19 +262,19 @@ def _malformed(name: str, array: xr.Variable) -> xr.Variable:
 
 def _place(data: xr.Dataset, dims: tuple[str, ...], wrong: xr.Variable) -> tuple[dict[str, int], str] | None:
     """The indices of the first wrong value, and its name for a message."""
-    found = np.argwhere(wrong.transpose(*dims).values)
-    if not found.size:
+    indices = np.argwhere(wrong.transpose(*dims).values)
+    if not indices.size:
         return None
-    at = dict(zip(dims, found[0].tolist(), strict=True))
+    at = dict(zip(dims, indices[0].tolist(), strict=True))
     return at, ", ".join(f"{d} {data.variables[d].values[k]}" for d, k in at.items())
 
 
 def selected(data: xr.Dataset) -> dict[str, Any]:
     """The attributes of a selection of a dataset, with trials counted anew."""
     left = [
-        one
-        for one in json.loads(data.attrs.get("failed", "[]"))
-        if one["setting"] in data.variables["setting"].values and one["trial"] in data.variables["trial"].values
+        failure
+        for failure in json.loads(data.attrs.get("failed", "[]"))
+        if all(failure[key] in data.variables[key].values for key in ("setting", "trial"))
     ]
     counted = {"trials_done": int(finished(data).sum())} if "trials_done" in data.attrs else {}
     kept = {k: v for k, v in data.attrs.items() if k != "failed"} | counted
@@ -286,7 +288,7 @@ def made_from(data: xr.Dataset) -> tuple[dict[str, dict[str, str]], list[str]]:
         texts = [str(text) for text in json.loads(data.attrs["merged"])] if "merged" in data.attrs else []
         return sources, texts or [str(data.attrs["study"])]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise _untold("brains", error) from None
+        raise _unknown_origin("brains", error) from None
 
 
 def adversaries_in(data: xr.Dataset) -> dict[str, dict[str, str]]:
@@ -296,15 +298,15 @@ def adversaries_in(data: xr.Dataset) -> dict[str, dict[str, str]]:
 
 def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]:
     try:
-        said = json.loads(data.attrs[key]).items()
-        sources = {str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])} for n, s in said}
+        items = json.loads(data.attrs[key]).items()
+        sources = {str(n): {"sha256": str(s["sha256"]), "source": str(s["source"])} for n, s in items}
         changed = [n for n, s in sources.items() if brains.digest(s["source"]) != s["sha256"]]
     except (KeyError, TypeError, ValueError, AttributeError, RecursionError) as error:
-        raise _untold(key, error) from None
+        raise _unknown_origin(key, error) from None
     if changed:
         raise InputError(f"the source of the {what} {changed[0]!r} is not the one that the hash beside it is of")
     return sources
 
 
-def _untold(key: str, error: Exception) -> InputError:
+def _unknown_origin(key: str, error: Exception) -> InputError:
     return InputError(f"these results do not say how they were made (attributes study and {key}): {error!r}")

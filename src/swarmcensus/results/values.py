@@ -30,7 +30,7 @@ def kind_of(quantity: Quantity) -> Kind:
 
 
 def _group(name: str) -> dict[str, Kind]:
-    return {one: kind_of(quantity) for one, quantity in stored(name).items()}
+    return {variable: kind_of(quantity) for variable, quantity in stored(name).items()}
 
 
 VARIABLES = _group("always") | _group("messages")  # of every run; counts are real, as R has no large whole numbers
@@ -53,10 +53,10 @@ BLOCK = 2_000_000  # numbers that are written at once
 FRESH_BYTES = 16_000_000  # written bytes after which unused memory is returned
 
 
-class Room:
-    """Makes arrays of missing numbers; large ones are mapped to unnamed files in a folder, if one is given.
+class ArrayStore:
+    """Allocates arrays of missing numbers. Large arrays are mapped to unnamed files in a folder, if it has one.
 
-    The operating system keeps as much of them in memory as fits. The files vanish when the process ends.
+    The operating system keeps as much of these arrays in memory as fits. The files vanish when the process ends.
     """
 
     def __init__(self, folder: Path | None = None) -> None:
@@ -104,11 +104,11 @@ def is_missing(array: NDArray[Any]) -> NDArray[np.bool_]:
     return np.asarray(array == MISSING if array.dtype.kind == "i" else np.isnan(array))
 
 
-def same_bits(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+def same_bits(first: NDArray[Any], second: NDArray[Any]) -> NDArray[np.bool_]:
     """A mask of the values that are equal to the last bit (same shape): 0 differs from -0, and two NaN may differ."""
-    if one.dtype.kind == other.dtype.kind == "f" and one.dtype.itemsize == other.dtype.itemsize == 8:
-        one, other = one.view(np.uint64), other.view(np.uint64)
-    return np.asarray(one == other)
+    if first.dtype.kind == second.dtype.kind == "f" and first.dtype.itemsize == second.dtype.itemsize == 8:
+        first, second = first.view(np.uint64), second.view(np.uint64)
+    return np.asarray(first == second)
 
 
 def _place(kind: Kind) -> tuple[int, bool]:
@@ -151,8 +151,8 @@ def metrics_in(data: Any) -> dict[str, dict[str, Any]]:
 
 @functools.lru_cache(maxsize=16)
 def _read(text: str) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads(text)
-    return found
+    content: dict[str, Any] = json.loads(text)
+    return content
 
 
 def metric_of(data: Any, name: str) -> Metric:
@@ -178,17 +178,17 @@ def bounds_in(data: Any, name: str) -> tuple[float, float | NDArray[np.float64]]
 def additions_in(data: Any) -> dict[str, dict[str, str]]:
     """The additions of other packages that a dataset used, as `Study.additions`; empty if they cannot be read."""
     try:
-        said = json.loads(data.attrs.get("additions", "{}"))
-        return {str(name): {k: str(one[k]) for k in ("package", "version", "sha256")} for name, one in said.items()}
+        stored_additions = json.loads(data.attrs.get("additions", "{}")).items()
+        return {str(name): {k: str(a[k]) for k in ("package", "version", "sha256")} for name, a in stored_additions}
     except (ValueError, TypeError, KeyError, AttributeError, RecursionError):
         return {}
 
 
 def edited(data: Any, study: Study) -> str:
     """A sentence that names an addition which has changed since the results were made; empty if none has."""
-    for name, one in additions_in(data).items():
-        if study.additions.get(name, one)["sha256"] != one["sha256"]:
-            return f"the {name} of {one['package']} was changed since these results were made"
+    for name, addition in additions_in(data).items():
+        if study.additions.get(name, addition)["sha256"] != addition["sha256"]:
+            return f"the {name} of {addition['package']} was changed since these results were made"
     return ""
 
 
@@ -197,9 +197,9 @@ def sources_of(metrics: Iterable[Metric]) -> dict[str, dict[str, Any]]:
     return {m.variable: {"name": m.name, "sha256": m.sha256, "source": m.source} for m in metrics}
 
 
-def told(sources: Mapping[str, Mapping[str, Any]]) -> str:
+def metrics_label(sources: Mapping[str, Mapping[str, Any]]) -> str:
     """Metric files as one line, with the start of each hash."""
-    return ", ".join(f"{variable} ({one['sha256'][:8]})" for variable, one in sorted(sources.items()))
+    return ", ".join(f"{variable} ({source['sha256'][:8]})" for variable, source in sorted(sources.items()))
 
 
 @dataclass(frozen=True)
@@ -226,12 +226,12 @@ def shapes(
     sizes = {"trial": trials, "robot": robots, "checkpoint": checkpoints}
     if local:
         return {name: tuple(sizes[d] for d in dims[1:]) for name, (dims, *_) in LOCAL.items()}
-    found = {}
+    by_name = {}
     for name in names:
         if name not in LOCAL:
             dims = EVERY[name][0] if name in EVERY else PER_TRIAL if name in of_swarm else PER_ROBOT
-            found[name] = tuple(sizes[d] for d in dims[1:])
-    return found
+            by_name[name] = tuple(sizes[d] for d in dims[1:])
+    return by_name
 
 
 class Values:
@@ -243,25 +243,25 @@ class Values:
         settings: Sequence[Setting],
         trials: int,
         local: bool | None = None,
-        room: Room | None = None,
+        store: ArrayStore | None = None,
     ) -> None:
         """Allocate arrays for `trials` trials of each setting; `local` overrides the study's `measure.local`.
 
-        `room` allocates the arrays, by default in memory. Raises InputError if it is full.
+        `store` allocates the arrays, by default in memory. Raises InputError if the disk is full.
         """
         self.robots = [s.honest for s in settings]
         sizes = {
             "setting": len(settings), "trial": trials, "robot": max(self.robots), "checkpoint": len(study.checkpoints)
         }  # fmt: skip
         local = study.measure.local if local is None else local
-        asked = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
-        asked |= DECISIONS if any(brain.decides for brain in study.brains) else {}
-        asked |= ENDINGS if any(brain.ends for brain in study.brains) else {}
-        asked |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
-        self.kinds = VARIABLES | asked | kinds_of(study.measure.metrics)
-        self.room = room or Room()
+        optional = (LOCAL if local else {}) | (ESTIMATES if study.measure.estimates else {})
+        optional |= DECISIONS if any(brain.decides for brain in study.brains) else {}
+        optional |= ENDINGS if any(brain.ends for brain in study.brains) else {}
+        optional |= INTERVALS if any(brain.has_interval for brain in study.brains) else {}
+        self.kinds = VARIABLES | optional | kinds_of(study.measure.metrics)
+        self.store = store or ArrayStore()
         self.arrays: Columns = {
-            name: self.room.full(tuple(sizes[d] for d in dims), blank(kind), kind)
+            name: self.store.full(tuple(sizes[d] for d in dims), blank(kind), kind)
             for name, (dims, kind, *_) in self.kinds.items()
         }
 
@@ -269,7 +269,7 @@ class Values:
     def of(cls, data: Mapping[Any, Any]) -> Self:
         """The arrays of a dataset, without copying."""
         values = cls.__new__(cls)
-        values.room = Room()
+        values.store = ArrayStore()
         values.robots = robots_in(data).values.tolist()
         values.kinds = kinds_in(data)
         values.arrays = {name: data[name].values for name in values.kinds}
@@ -287,7 +287,7 @@ class Values:
         for name, array in self.arrays.items():
             axis = self.kinds[name][0].index("trial")
             shape = (*array.shape[:axis], trials, *array.shape[axis + 1 :])
-            wider = self.room.full(shape, blank(array.dtype), array.dtype)
+            wider = self.store.full(shape, blank(array.dtype), array.dtype)
             wider[tuple(map(slice, array.shape))] = array
             self.arrays[name] = wider
 
@@ -299,7 +299,7 @@ class Values:
             last = first + values.shape[axis]
             where = array[:, first:last] if axis else array[first:last]
             (where[..., : values.shape[-1]] if by_robot else where)[...] = values
-            self.room.wrote(values.nbytes)
+            self.store.wrote(values.nbytes)
 
     def forget_halves(self) -> None:
         """Clear trials that Ctrl-C interrupted while they were stored."""

@@ -28,8 +28,8 @@ from swarmcensus.results.values import (
     edited,
     kinds_in,
     metrics_in,
+    metrics_label,
     sources_of,
-    told,
 )
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
@@ -43,7 +43,7 @@ def hint() -> str:
 def identity_of(study: Study) -> Identity:
     """What results must agree in to belong to the same run of a study."""
     measure = study.measure
-    metrics = told(sources_of(measure.metrics))
+    metrics = metrics_label(sources_of(measure.metrics))
     return Identity(study.name, study.seed, __version__, measure.delta, measure.bins, measure.truth, metrics)
 
 
@@ -141,7 +141,7 @@ class HeldOutput:
         about = {
             "study": old.attrs.get("title"), "seed": old.attrs.get("seed"), "delta": old.attrs.get("delta"),
             "version": old.attrs.get("swarmcensus_version"), "bins": old.attrs.get("bins"),
-            "truth": old.attrs.get("truth"), "metrics": told(metrics_in(old)),
+            "truth": old.attrs.get("truth"), "metrics": metrics_label(metrics_in(old)),
         }  # fmt: skip
         self.parts.identity.check(about, str(self.out), hint())
         if problem := edited(old, self.study):

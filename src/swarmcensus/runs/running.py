@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError, Interrupted
 from swarmcensus.basics.formatting import counted
 from swarmcensus.results import store
-from swarmcensus.results.values import Room, Values
+from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools
 from swarmcensus.runs.collect import Progress, State, run_bundles
 from swarmcensus.runs.forecasts import announce_length
@@ -72,14 +72,15 @@ def run(
     LOG.debug("%s: %s settings, %s trials each, %s", study.name, f"{len(settings):,}", f"{study.trials:,}", where)
     first = next(study.stages())
     with contextlib.ExitStack() as stack:
-        report, output, room = progress if callable(progress) else _no_report, None, Room()
+        report, output, arrays = progress if callable(progress) else _no_report, None, ArrayStore()
         if progress is True:
             report = stack.enter_context(bar_or_nothing(study.name))
         if out is not None:
             output = stack.enter_context(hold_output(Path(out), study, settings, marks, fresh, say or (lambda _: None)))
-            room = Room(output.parts.folder.parent)
+            arrays = ArrayStore(output.parts.folder.parent)
         state = State(
-            study, settings, Values(study, settings, first, room=room), report, output, np.full(len(settings), np.nan),
+            study, settings, Values(study, settings, first, store=arrays), report, output,
+            np.full(len(settings), np.nan),
             slice(*(study.trials * k // share[1] for k in (share[0] - 1, share[0]))) if share else slice(None),
         )  # fmt: skip
         if state.output is not None:
