@@ -66,8 +66,8 @@ def test_arrays_in_files_grow_and_are_written_like_others(small_rooms, tmp_path)
     study = crowds(2, 70_000, 2)
     settings, marks = study.settings(), ["a", "b"]
     written = []
-    for store in (ArrayStore(tmp_path), ArrayStore()):
-        values = Values(study, settings, 1, store=store)
+    for array_store in (ArrayStore(tmp_path), ArrayStore()):
+        values = Values(study, settings, 1, store=array_store)
         random = np.random.default_rng(1)
         for trial in (0, 1):
             values.grow(trial + 1)

@@ -94,17 +94,17 @@ def coordinate_axis(axes: Axes, name: str, looks: dict[str, Look], names: Letter
 
 def measured_axis(axes: Sequence[Axes], values: Sequence[float], ends: Sequence[float]) -> None:
     """Give all axes the same y axis for these values and the ends of their intervals; infinite ones are left out."""
-    found = np.array([value for value in values if np.isfinite(value)])
-    reach = np.concatenate([found, [end for end in ends if np.isfinite(end)]])
+    finite = np.array([value for value in values if np.isfinite(value)])
+    reach = np.concatenate([finite, [end for end in ends if np.isfinite(end)]])
     for ax in axes:
-        if not found.size:
+        if not finite.size:
             show_range(ax, "y", 0.0, 1.0)
             ax.yaxis.set_major_locator(NullLocator())
             continue
         low, high = float(reach.min()), float(reach.max())
-        if found.min() > 0 and found.max() >= WIDE * found.min():
+        if finite.min() > 0 and finite.max() >= WIDE * finite.min():
             ax.set_yscale("log")
-            positive = reach[reach > 0.3 * found.min()]  # an interval may reach down to 0
+            positive = reach[reach > 0.3 * finite.min()]  # an interval may reach down to 0
             show_range(ax, "y", 0.8 * positive.min(), 1.25 * high)
             few = high < 300 * positive.min()
             ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,)))

@@ -29,12 +29,12 @@ def save(figure: Figure, path: str | Path, formats: Sequence[str] = ()) -> list[
     suffix = path.suffix.lower().lstrip(".")
     if not formats and suffix.isalpha():
         path, formats = path.with_suffix(""), (suffix,)
-    for one in formats:
-        if one not in known:
-            raise InputError(f"cannot write {one!r} files, only {', '.join(sorted(known))}")
-    paths = {path.with_name(f"{path.name}.{one}"): one for one in formats or ("png", "svg")}
-    for place, one in paths.items():
-        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(one)
+    for extension in formats:
+        if extension not in known:
+            raise InputError(f"cannot write {extension!r} files, only {', '.join(sorted(known))}")
+    paths = {path.with_name(f"{path.name}.{extension}"): extension for extension in formats or ("png", "svg")}
+    for place, extension in paths.items():
+        undated = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension)
         with atomic_write(place) as temporary, _settings, mpl.rc_context({"svg.hashsalt": "swarmcensus"}):
-            figure.savefig(temporary, format=one, dpi=150, metadata=undated)
+            figure.savefig(temporary, format=extension, dpi=150, metadata=undated)
     return list(paths)

@@ -79,16 +79,16 @@ def scene_of(
     too many tiles for a picture. Raises InputError, also if the setting's robots do not move.
     """
     data = results if isinstance(results, xr.Dataset) else load(results)
-    setting, found = find_moving(data, setting, trial, brain)
-    assert found.body is not None
+    setting, chosen = find_moving(data, setting, trial, brain)
+    assert chosen.body is not None
     trace = replaying.replay(data, setting, trial, brain, links=True)
-    trace.attrs["tick_seconds"] = found.body.tick
-    drawn = tiles_across(trace.attrs["side"], found.body.tile) <= MOST_TILES
+    trace.attrs["tick_seconds"] = chosen.body.tick
+    drawn = tiles_across(trace.attrs["side"], chosen.body.tile) <= MOST_TILES
     if not drawn:
         return trace, None
-    ground = found.ground(trace.attrs["seed"], trial)
+    ground = chosen.ground(trace.attrs["seed"], trial)
     tiles = ground.all_tiles()
-    return trace, ChangingFloor(tiles, ground.turns()) if found.change else tiles
+    return trace, ChangingFloor(tiles, ground.turns()) if chosen.change else tiles
 
 
 def drawn_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | Path | None) -> Scene:
@@ -106,9 +106,9 @@ def clock_of(results: xr.Dataset, setting: int | None, trial: int, brain: str | 
         ticks, robots = results["round"].values, results.sizes["robot"]
         clock = Clock(int(ticks[0]), int(ticks[-1]), results.attrs.get("tick_seconds"))
     else:
-        _, found = find_moving(results, setting, trial, brain)
-        assert found.body is not None
-        robots, clock = found.robots, Clock(0, found.rounds, found.body.tick)
+        _, chosen = find_moving(results, setting, trial, brain)
+        assert chosen.body is not None
+        robots, clock = chosen.robots, Clock(0, chosen.rounds, chosen.body.tick)
     check_robot(robot, robots)
     return clock
 
@@ -139,8 +139,8 @@ def find_moving(
     if number in data["setting"].values and number not in moving:
         several = ", ".join(map(str, moving[:8])) + (", ..." if moving.size > 8 else "")
         raise InputError(f"setting {number} is a fixed network, without an arena; those of moving robots: {several}")
-    _, found = setting_of(data, number, brain)
+    _, chosen = setting_of(data, number, brain)
     trials = data["trial"].values
     if trial not in trials:
         raise InputError(f"trial {trial}: these results hold trial {trials.min()} to {trials.max()}")
-    return number, found
+    return number, chosen

@@ -60,7 +60,7 @@ def film(
     - `first`, `last`: the first and the last tick, or times such as "5 min"; by default 600 ticks from the first one.
     - `every`: the number of ticks from one frame to the next.
     - `fps`: frames per second. A GIF rounds the time of a frame to hundredths of a second.
-    - `progress`: a function called after each frame with the number of finished frames and of all frames.
+    - `progress`: a function called after each frame with the numbers of finished and of all frames.
     - `ax`: axes of your own. No file is written then, and the film is returned as a matplotlib `FuncAnimation`. A
       notebook shows it by `HTML(film.to_jshtml())`. Keep a reference to it as long as it should run.
 

@@ -75,7 +75,7 @@ def scatter(
     - `error_limit`: the highest error drawn. Dots above it are counted instead.
     - `scale`: "log" makes both axes logarithmic, x above 1 and y above 0.01; x begins where the data begin, and is
       linear if all but the earliest 5 % of the dots span less than half a decade. "log-y" makes only y logarithmic.
-      "linear" makes neither logarithmic, as in the paper. In both, x begins at 0.
+      "linear" makes neither logarithmic, as in the paper. With "log-y" and "linear", x begins at 0.
     - `theory`: add the median error expected after the last round: dotted for robots alone, dashed for the bound of all
       readings of the swarm (not with `local`).
     - `title`: the title of the figure.
