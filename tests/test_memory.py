@@ -9,7 +9,7 @@ import pytest
 import swarmcensus as sc
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine import compiler
-from swarmcensus.results import shards
+from swarmcensus.results import shards, store
 from swarmcensus.results import values as rooms
 from swarmcensus.results.values import ArrayStore, Values
 from swarmcensus.runs import pools, tasks
