@@ -347,3 +347,19 @@ def test_a_reader_that_goes_away_is_no_error(here):
         shell=True, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert "Traceback" not in pipe.stderr
+
+
+def test_a_study_and_its_results_are_told_apart(tmp_path, monkeypatch, capsys):
+    """Who gives one for the other reads which command takes it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text("trials = 1\n")
+    (tmp_path / "a.nc").write_bytes(b"\x89HDF\r\n")
+    assert main(["show", "a.toml"]) == 2
+    assert (
+        capsys.readouterr().err
+        == "swarmcensus: a.toml is a study, not results: first run it with swarmcensus run a.toml\n"
+    )
+    assert main(["run", "a.nc"]) == 2
+    assert (
+        capsys.readouterr().err == "swarmcensus: a.nc holds results, not a study: see them with swarmcensus show a.nc\n"
+    )

@@ -40,7 +40,7 @@ def test_options_replace_what_the_file_says(here, capsys):
     assert main(["plan", "m.toml", "--right", "majority", "--brain", "voter", "--minutes", "9"]) == 0
     out = capsys.readouterr().out
     assert "in the right half" in out
-    assert "are they enough?" in out
+    assert "whether these are enough;" in out
     assert "voter " in out
     assert "commons" not in out
     assert main([*YARD, "--side", "1", "--body", "speed=0.2", "--trials", "40", "--fill-ratio", ".5:.6"]) == 0

@@ -11,7 +11,7 @@ HEADS = {
     "how long": "the shortest time",
     "how many": "the smallest swarm",
     "trade-off": "robots against minutes",
-    "enough": "are they enough?",
+    "enough": "whether these are enough",
 }
 OF_THEORY = [("theory: all", True), ("mixed", True), ("alone", True)]
 

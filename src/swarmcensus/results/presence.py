@@ -15,6 +15,8 @@ def folder_of(out: Path) -> Path:
 
 def check_there(path: Path) -> None:
     """Raise InputError if there is neither a results file nor the shards of its run."""
+    if path.suffix == ".toml" and path.is_file():
+        raise InputError(f"{path} is a study, not results: first run it with swarmcensus run {path}")
     if path.is_file() or (path.name and folder_of(path).is_dir()):
         return
     what = "it is a folder" if path.is_dir() else "it is no file" if path.exists() else "there is no such file"

@@ -88,6 +88,8 @@ class Study:
         If it has no `name`, it gets the name of its file, as a new first line of its text. Raises InputError.
         """
         where, name = f"study file {path}", Path(path).stem
+        if Path(path).suffix == ".nc" and Path(path).is_file():
+            raise InputError(f"{path} holds results, not a study: see them with swarmcensus show {path}")
         text = text_of_file(path, where)
         if "name" not in read_toml(text, where) and name.isprintable():
             text = f"name = {to_toml_value(name)}\n{text}"
