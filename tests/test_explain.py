@@ -1,5 +1,6 @@
 """`sc.explain`, `explain` and theory's curves in figures, also where theory does not hold."""
 
+import json
 import re
 from pathlib import Path
 
@@ -236,7 +237,7 @@ def test_where_nobody_errs_nothing_limits(tmp_path, monkeypatch, capsys):
     for number in range(4):
         assert main(["explain", "some.nc", "--setting", str(number)]) == 0
         out = capsys.readouterr().out
-        assert "which nothing limits" in out
+        assert "nothing limits it" in out
         assert "efficiency" not in out
 
 
@@ -327,3 +328,14 @@ def test_the_shell_lays_theory_over_three_kinds(results, tmp_path, monkeypatch, 
     assert Path("d.svg").read_bytes() == Path("python.svg").read_bytes()
     assert main(["plot", "some.nc", "--kind", "heatmap", "--theory"]) == 2
     assert "--theory goes with --kind curves or decisions or scatter, not with heatmap" in capsys.readouterr().err
+
+
+def test_intervals_are_lists_in_json(file, capsys):
+    """Of three numbers, in every part of the document alike; and it is said whether the numbers are the run's own."""
+    assert main(["explain", str(file), "--setting", "0", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    for name in ("convergence_round", "median_error", "squared_error", "efficiency"):
+        assert len(document[name]) == 3
+        assert isinstance(document[name], list)
+    assert all(isinstance(interval, list) and len(interval) == 3 for interval in document["right"])
+    assert document["asked_anew"] == []

@@ -186,7 +186,7 @@ def test_show_sorts(file, many, capsys):
         (["--where", "robots == 99"], "no setting is so"),
         (["--checkpoint", "7"], "checkpoint 7: decisions were recorded after round 2, 5, 8"),
         (["--sort", "eror"], "--sort eror: did you mean 'error'? known are K, error, final error, right, setting"),
-        (["--reverse"], "--reverse goes with --sort"),
+        (["--reverse"], "--reverse needs --sort"),
     ],
 )
 def test_what_cannot_be_shown(options, said, file, capsys):

@@ -43,6 +43,7 @@ def explain(options: argparse.Namespace) -> int:
     from swarmcensus.basics.errors import InputError
     from swarmcensus.explaining import one_setting
     from swarmcensus.results.partial import say_partial
+    from swarmcensus.results.summaries import asked_anew
 
     if options.setting is None:
         return _all(options)
@@ -53,7 +54,7 @@ def explain(options: argparse.Namespace) -> int:
     explanation = one_setting.explain(data, options.setting)
     say_partial(data, options.results)
     if options.json:
-        answer("explanation", explanation._asdict())
+        answer("explanation", explanation._asdict() | {"asked_anew": asked_anew(data)})
     else:
         show(explanation, str(options.results))
     return 0
@@ -64,13 +65,14 @@ def _all(options: argparse.Namespace) -> int:
     from swarmcensus.cli import explain_table
     from swarmcensus.cli.tables import head
     from swarmcensus.explaining.agreement import agreement
+    from swarmcensus.results.summaries import asked_anew
 
     if options.json and options.limit is not None:
         raise InputError(f"--limit {options.limit} does not go with --json, which has all settings")
     stored, data = read(options)
     result = agreement(data)
     if options.json:
-        answer("agreement", result._asdict())
+        answer("agreement", result._asdict() | {"asked_anew": asked_anew(data)})
         return 0
     limit = MOST_ROWS if options.limit is None else options.limit
     explain_table.show(result, data, head(stored, options.results), again(options, "explain"), limit)

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 from swarmcensus.cli.options import from_zero
+from swarmcensus.cli.output import say
 
 RESULTS_HELP = "a results file, as 'run' writes it"
 MOST_ROWS = 40  # of a table, unless --limit asks for more
@@ -49,8 +50,12 @@ def read(options: argparse.Namespace) -> Source:
     from swarmcensus.results.partial import opened
     from swarmcensus.results.remeasuring import remeasure
     from swarmcensus.results.selecting import where
+    from swarmcensus.results.summaries import asked_anew
 
     stored = remeasure(opened(options.results), delta=options.delta, bins=options.bins)
+    if changed := asked_anew(stored):
+        values = " and ".join(f"{key} = {stored.attrs[key]:g}" for key in changed)
+        say(f"{options.results}: measured again from its estimates, with {values}")
     return Source(stored, where(stored, options.where))
 
 

@@ -211,6 +211,9 @@ def _cautions(
             )
         if "delta" in asked_anew(data):
             cautions.append("K was computed again from stored estimates, so it is always one of the checkpoints")
+    if asked_anew(data):
+        changed = " and ".join(f"{key} = {data.attrs[key]:g}" for key in asked_anew(data))
+        cautions.append(f"computed with {changed}, which is not the study's own")
     return cautions
 
 

@@ -124,7 +124,9 @@ def _check_sums(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict
     try:
         hear(brain, where, mind, [message for message, _ in heard])
     except Fault as fault:
-        raise Fault(f"{fault}, in a mind {_fields(before)}: by SUMS it may only depend on the message") from None
+        raise Fault(
+            f"{fault}, in a mind {_fields(before)}: with SUMS, what it adds depends on the message alone"
+        ) from None
     for name, was in numbers_in(brain, before):
         grown = number_at(mind, name) - was
         parts = [added[name] for _, added in heard]
@@ -134,7 +136,7 @@ def _check_sums(brain: Brain, where: str, mind: Any, heard: list[tuple[Any, dict
             what = f"of {counted(len(heard), 'message')} in a row " if len(heard) > 1 else ""
             raise Fault(
                 f"{line_of(brain, 'receive')} adds {grown!r} to me.{name} {what}in a mind {_fields(before)}, and "
-                f"{expected!r} in a blank one that assumes b = 0.8, w = 0.7: by SUMS it may only add to "
+                f"{expected!r} in a blank one that assumes b = 0.8, w = 0.7: with SUMS it may only add to "
                 f"{', '.join(brain.sums)}, and what it adds depends on the message alone ({where})"
             )
 

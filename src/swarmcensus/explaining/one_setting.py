@@ -14,7 +14,7 @@ from swarmcensus.results.store import load
 from swarmcensus.results.summaries import done
 from swarmcensus.results.values import robots_in
 from swarmcensus.statistics import bootstrap
-from swarmcensus.statistics.intervals import estimate
+from swarmcensus.statistics.intervals import Estimate, estimate
 
 Interval = tuple[float, float, float]  # a value and the ends of its 95 % interval; NaN with fewer than 6 trials
 NONE: Interval = (np.nan, np.nan, np.nan)
@@ -83,11 +83,11 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
         rounds=rounds,
         checkpoints=checkpoints,
         convergence_round=(k, max(low, 0.0), min(high, float(rounds))),
-        median_error=estimate(np.abs(errors), "median"),
+        median_error=_interval(estimate(np.abs(errors), "median")),
         sd=float(errors.std()),
         bias=float(errors.mean()),
         squared_error=squared,
-        right=[estimate(share[:, np.newaxis], "mean", share=True) for share in correct],
+        right=[_interval(estimate(share[:, np.newaxis], "mean", share=True)) for share in correct],
         theory=expectation.lines,
         absent=expectation.absent,
         efficiency=efficiency_of(expectation, squared),
@@ -95,6 +95,11 @@ def explain(results: xr.Dataset | str | Path, setting: int) -> Explanation:
         relaxation=expectation.relaxation,
         limit=_limit_text(expectation, terms),
     )
+
+
+def _interval(of: Estimate) -> Interval:
+    """An estimate as a plain tuple, which JSON has as a list."""
+    return of.value, of.low, of.high
 
 
 def errors_of(selected: xr.Dataset, ran: NDArray[np.bool_], robots: int) -> NDArray[np.float64]:
