@@ -27,15 +27,15 @@ from swarmcensus.engine.random import block, counter, unit
 
 STAND, STRAIGHT, LEFT, RIGHT = 0, 1, 2, 3
 RAYS = 8
-AHEAD = tuple(np.arange(4))  # the first of two opposite rays: for each literal number all would be compiled apart
+AHEAD = tuple(np.arange(4))  # the first ray of each opposite pair; a tuple, as literals would each be compiled anew
 DIAGONAL = math.sqrt(0.5)
 RAY_X = np.array([1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL, 0.0, DIAGONAL])
 RAY_Y = np.array([0.0, DIAGONAL, 1.0, DIAGONAL, 0.0, -DIAGONAL, -1.0, -DIAGONAL])
-CONTACT = 1e-6  # metres of overlap that contact leaves, or, of small bodies,
+CONTACT = 1e-6  # metres of overlap that contact may leave; for small bodies,
 CONTACT_OF_RADIUS = 2e-5
-TINY = 1e-12  # keeps a ray along a wall from dividing by zero
+TINY = 1e-12  # avoids a division by zero for a ray along a wall
 SWEEPS = 400
-STRAIGHT_SWEEPS = 100  # after these, pushes are tilted by 45 degrees: so a row that is jammed along a wall bends
+STRAIGHT_SWEEPS = 100  # then pushes are tilted by 45 degrees, so that a row jammed along a wall bends
 
 
 @compiled
@@ -51,7 +51,7 @@ def walls_along(k, dx, dy, x, y, half, rays):
 
 @compiled
 def disc_along(k, along, across, radius, rays):
-    """Shorten rays k and k + 4, on one line, to a disc that lies so far along it and across."""
+    """Shorten rays k and k + 4, on one line, to a disc at the distances `along` and across that line."""
     under = radius * radius - across * across
     hit = abs(along) - math.sqrt(max(under, 0.0))
     hit = hit if under >= 0.0 else np.inf
@@ -106,7 +106,7 @@ def obstacle(state, i, body, half, first, last, gaps, rays, which):
 
 @compiled
 def decide(state, i, body, half, first, last, gaps, rays, which, key, trial, tick):
-    """What robot i does in this tick, and whether it avoids an obstacle (and so makes no observation)."""
+    """The action of robot i in this tick, and whether it avoids an obstacle (and so makes no observation)."""
     ahead, aside = obstacle(state, i, body, half, first, last, gaps, rays, which)
     square = ahead * ahead + aside * aside
     if square >= body.avoid_above * body.avoid_above and ahead > body.cos_within * math.sqrt(square):
@@ -140,7 +140,7 @@ def turn_by(turn, lag, out):
 
 @compiled
 def set_wheels(state, i, body, turns, speed, turn):
-    """From now on robot i goes `speed` metres and turns by `turn` radians a tick.
+    """Set the motion of robot i: `speed` metres and `turn` radians per tick.
 
     `turns` (which, 4) holds what `turn_by` says of the turn that most make, to the left and to the right: these take
     as long as all else that a wheel does.
@@ -159,10 +159,10 @@ def set_wheels(state, i, body, turns, speed, turn):
 
 @compiled
 def go(state, i, share, cosine, sine):
-    """Robot i moves on for a share of a tick, in which its turn has this cosine and sine."""
+    """Move robot i for a part of a tick; `c` and `s` are the cosine and sine of its turn in that part."""
     c = state[COS, i] * cosine - state[SIN, i] * sine
     s = state[SIN, i] * cosine + state[COS, i] * sine
-    stretch = 1.5 - 0.5 * (c * c + s * s)  # a step of Newton's: rounding must not grow
+    stretch = 1.5 - 0.5 * (c * c + s * s)  # one Newton step keeps the heading a unit vector
     state[COS, i] = c * stretch
     state[SIN, i] = s * stretch
     state[X, i] += state[SPEED, i] * share * state[COS, i]
@@ -185,7 +185,7 @@ def part(state, body, limit, close, pairs, pushed, sweep):
     returns the number of the next sweep.
     """
     apart = 2.0 * body.radius
-    most = body.step + 0.1 * body.radius  # a bit less than what `Body.touched` allows for
+    most = body.step + 0.1 * body.radius  # slightly less than `Body.touched` allows
     bearable = min(CONTACT, CONTACT_OF_RADIUS * body.radius)
     pushed[:] = 0.0
     while sweep < SWEEPS:
@@ -201,7 +201,7 @@ def part(state, body, limit, close, pairs, pushed, sweep):
             if square < apart * apart:
                 d = math.sqrt(square)
                 worst = max(worst, apart - d)
-                if d < 1e-9 * apart:  # in one place, such as a corner: each pair in a direction of its own
+                if d < 1e-9 * apart:  # at one place, such as a corner: each pair is pushed in its own direction
                     dx, dy, d = math.cos(float(i)), math.sin(float(i)), 1.0
                     push = 0.5 * apart
                 else:

@@ -10,12 +10,12 @@ import numpy as np
 from swarmcensus.engine.compiling import compiled, loop
 from swarmcensus.engine.constants import ALL_PAIRS, X, Y
 
-SURE = 0.99  # of the squared skin: rounding must not lose a neighbour
+SURE = 0.99  # share of the squared skin, so that rounding loses no neighbour
 
 
 @compiled
 def cell(x, half, size, side):
-    """Which of `side` cells of a grid a coordinate lies in."""
+    """The cell of a grid with `side` cells that a coordinate lies in."""
     return min(max(int((x + half) / size), 0), side - 1)
 
 
@@ -126,7 +126,7 @@ def measure(state, reach2, close2, neighbours):
 
 @compiled
 def have_strayed(state, anchors, skin):
-    """Whether any robot has gone nearly half the skin since the lists were made.
+    """Whether any robot has moved nearly half the skin since the lists were made.
 
     `anchors` (2, robot) is where robots were then; infinity before the first lists.
     """

@@ -200,7 +200,7 @@ def judge(memory, rows, start, verdicts, now, first, last):
 
 @phase(ARRAY, ARRAY, WHOLE, WHOLE, WHOLE, ARRAY)
 def ask(memory, wishes, robots, first, last, luck):
-    """Ask where robots want to go; `wishes` (3, robot) get whether anywhere, metres and radians a second."""
+    """Ask robots where to go; `wishes` (3, robot) get whether they steer, metres and radians per second."""
     minds = seen_as(memory, last, record)
     wanted = seen_as(wishes, (3, robots), np.float64)
     for i in range(first, last):

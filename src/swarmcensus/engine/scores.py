@@ -1,4 +1,4 @@
-"""What floors are painted by: noise of each tile, and smooth Gaussian fields.
+"""The numbers that floors are painted by: noise for each tile, and smooth Gaussian fields.
 
 Like the kernel, this file is compiled from a copy in the cache folder (see `compiler.py`).
 """
@@ -11,12 +11,12 @@ from swarmcensus.engine.compiling import compiled, entry
 from swarmcensus.engine.constants import TILE_ZERO
 from swarmcensus.engine.random import block, counter, unit
 
-TILES, NODES = 0, 1  # what a draw is for
+TILES, NODES = 0, 1  # the purpose of a random number
 
 
 @entry
 def noise(tiles, key, trial, out):
-    """Fill `out` (tick, robot) with U(0, 1) for tiles (tick, robot, 2): one number a tile, whenever it is met."""
+    """Fill `out` (tick, robot) with U(0, 1) for tiles (tick, robot, 2); a tile has the same number in every tick."""
     for k in range(tiles.shape[0]):
         for i in range(tiles.shape[1]):
             place = counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1])
@@ -26,14 +26,14 @@ def noise(tiles, key, trial, out):
 
 @compiled
 def node(key, trial, column, row):
-    """The N(0, 1) of a lattice node (Box and Muller)."""
+    """The N(0, 1) number of a lattice node (Box and Muller)."""
     a, b = block(key[0], key[1], counter(trial, NODES), counter(TILE_ZERO + column, TILE_ZERO + row))
     return math.sqrt(-2.0 * math.log(1.0 - unit(a))) * math.cos(2.0 * math.pi * unit(b))
 
 
 @entry
 def fill_nodes(key, trial, first, nodes):
-    """Fill `nodes` (row, column) with the lattice's numbers, from node (first, first) on."""
+    """Fill `nodes` (row, column) with the numbers of the lattice, from node (first, first) on."""
     for row in range(nodes.shape[0]):
         for column in range(nodes.shape[1]):
             nodes[row, column] = node(key, trial, first + column, first + row)
@@ -53,7 +53,7 @@ def smooth_near(nodes, row, column, down, across):
 
 @compiled
 def smooth_far(key, trial, row, column, down, across):
-    """The same, to the last bit, of nodes that are not kept."""
+    """The same sum as `smooth_near`, to the last bit, for nodes that are not stored."""
     total = 0.0
     for j in range(down.size):
         line = 0.0

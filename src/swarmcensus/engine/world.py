@@ -1,4 +1,4 @@
-"""Draws that a world makes once a trial: accuracies spread over a swarm, and random trees.
+"""Random numbers that a world draws once per trial: accuracies spread over a swarm, and random trees.
 
 Like the kernel, this file is compiled from a copy in the cache folder (see `compiler.py`).
 """
@@ -60,7 +60,7 @@ def both_ways(parent):
     senders = np.empty(first[robots], np.uint32)
     place = first[:robots].copy()
     for i in range(robots):
-        if i > 0:  # a parent is always an earlier robot, and children come in order
+        if i > 0:  # a parent has a lower number, and children are in order
             receivers[place[i]] = i
             senders[place[i]] = parent[i]
             place[i] += 1
@@ -72,7 +72,7 @@ def both_ways(parent):
 
 @entry
 def random_tree(key, trial, robots):
-    """Barabasi-Albert tree (m = 1): each robot joins one that it picks in proportion to its links.
+    """Barabasi-Albert tree (m = 1): each robot joins one that is picked in proportion to its links.
 
     The pick is a uniform end of a uniform earlier link. Returns directed links (receivers, senders), both
     ways, in order of receiver and sender.
@@ -82,7 +82,7 @@ def random_tree(key, trial, robots):
     words(key, trial, 0, 0, 0, robots, bits)
     for i in range(2, robots):
         end = np.int64(unit(bits[i]) * (2 * (i - 1)))
-        child = 1 + end // 2  # link number `child` joins that robot to its parent
+        child = 1 + end // 2  # link number `child` is between that robot and its parent
         parent[i] = child if end % 2 == 0 else parent[child]
     return both_ways(parent)
 
@@ -91,7 +91,7 @@ def random_tree(key, trial, robots):
 def paint_tiles(tiles, key, trial, fill_ratio, black):
     """Fill `black` (tick, robot) for tiles (tick, robot, 2) that are black independently, with this probability."""
     k0, k1, c0 = key[0], key[1], counter(trial, 0)
-    place = np.empty(tiles.shape[1], np.uint64)  # apart from their ciphers, or these are not made several at a time
+    place = np.empty(tiles.shape[1], np.uint64)  # computed before the ciphers, so that these are vectorised
     for k in range(tiles.shape[0]):
         for i in range(tiles.shape[1]):
             place[i] = counter(TILE_ZERO + tiles[k, i, 0], TILE_ZERO + tiles[k, i, 1])

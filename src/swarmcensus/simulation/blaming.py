@@ -1,4 +1,4 @@
-"""Finds the line at which a brain fails, by running its trial again in CPython: machine code does not tell."""
+"""Finds the line at which a brain fails by running its trial again in CPython, as machine code reports no line."""
 
 from collections.abc import Container, Iterator
 from dataclasses import replace
@@ -16,11 +16,11 @@ from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
 from swarmcensus.studies.settings import Setting
 
-MOST_STEPS = 3_000_000  # of robots and rounds: some ten seconds of CPython
+MOST_STEPS = 3_000_000  # robots times rounds: about ten seconds of CPython
 
 
 def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Container[int] = ()) -> str:
-    """Where the brain fails in this trial, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if that is not found.
+    """The place where the brain fails, as ", at my_brain.py, line 12: x = 1 / me.n"; empty if it is not found.
 
     Readings and links are those of the same trial with a shipped brain: they do not depend on the brain, unless it
     steers. At `checkpoints` robots are asked for intervals.
@@ -49,7 +49,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     b, w = given.first_beliefs
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay
-    first_heard = delay + (setting.body is None)  # robots that move hear what was said before the first tick, too
+    first_heard = delay + (setting.body is None)  # moving robots also hear messages from before the first tick
     looks, threshold, key = setting.observations_per_round, given.radio.threshold, given.radio.key
 
     def luck(tick: int, part: int) -> np.ndarray:
@@ -73,7 +73,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
                 one.functions.observe(me, float(blacks[i]), float(looks))
         said.append(say())
         loud.append(noise())
-        for message in said[-1] if setting.additive else ():  # what it adds is found when it is said
+        for message in said[-1] if setting.additive else ():  # a message is added as it is sent
             if message is not None:
                 setting.brain.functions.receive(setting.brain.robot(0.0, 0.0), message)
         if tick < first_heard:

@@ -1,4 +1,4 @@
-"""Minds after every round, of recorded data: what a brain would have believed, in machine code or in CPython."""
+"""Inference from recorded data: a brain's minds after every round, in machine code or in CPython."""
 
 import itertools
 import warnings
@@ -19,7 +19,7 @@ ROUND = {"units": "rounds", "long_name": "communication round; 0 is before any o
 
 
 def trace_of(fields: dict[str, np.ndarray], estimates: np.ndarray, brain: brains.Brain) -> xr.Dataset:
-    """A trace: fields of memory (round, robot) and estimates (round, robot)."""
+    """Make a trace from fields of the memory (round, robot) and estimates (round, robot)."""
     dims = ("round", "robot")
     trace = xr.Dataset(
         {
@@ -41,14 +41,17 @@ def infer(
     brain: str | Path | brains.Brain = "minimalistic",
     compiled: bool = True,
 ) -> xr.Dataset:
-    """Run a brain on recorded observations and links instead of a simulated world; returns a trace.
+    """Run a brain on recorded observations and links instead of a simulated world, and return a trace.
 
-    `observations`: array (step, robot) of 0 (white) and 1 (black), NaN where a robot made none. `links`: fixed
-    undirected edges (edge, 2) along which all robots exchange at the end of every round, or (message, 3) rows
-    of step, sender and receiver, each heard at its step; None for robots that never talk. `accuracy`: a number
-    or an array (robot) where b = w, or a tuple (b, w) of such. A round is `observations_per_round` steps: by
-    default 10 with edges and 1 with messages. Steps left over end in a last round without an exchange.
-    With compiled=False CPython runs the brain file itself: slow, the same numbers. Raises InputError.
+    - `observations`: array (step, robot) of 0 (white) and 1 (black), NaN for no observation.
+    - `links`: undirected edges (edge, 2) along which robots exchange messages at the end of every round, or rows
+      (message, 3) of step, sender and receiver, each heard at its step; None for robots that never communicate.
+    - `accuracy`: a number or an array (robot,) if b = w, or a tuple (b, w) of these.
+    - `observations_per_round`: steps in a round, by default 10 with edges and 1 with messages. Steps left over form a
+      last round without messages.
+    - `compiled=False`: CPython runs the brain file itself, slowly and with the same numbers.
+
+    Raises InputError.
     """
     readings = _readings(observations)
     robots = readings.shape[1]

@@ -1,4 +1,4 @@
-"""The reference: a brain file as CPython runs it, robot by robot and step by step. Slow, and trusted."""
+"""The reference implementation: CPython runs the brain file itself, robot by robot and step by step."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -23,7 +23,7 @@ def follow(
     messages: Iterable[np.ndarray],
     luck: np.ndarray,
 ) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """Minds that make recorded observations and hear recorded messages.
+    """Run minds on recorded observations and messages.
 
     `blacks` (step, robot) counts the black ones of `looks` readings, NaN where a robot made none. A round ends
     every `every` steps and at the last. `messages` has (receiver, sender) rows for each step; with `periodic`
@@ -40,8 +40,8 @@ def follow(
         estimates.append([functions.estimate(me) for me in minds])
 
     keep()
-    number = 0  # of the message, among all
-    ended: list[bool] = []  # who makes no reading in this round
+    number = 0  # of the message among all messages
+    ended: list[bool] = []  # robots that make no reading in this round
     for step, pairs in zip(range(len(blacks)), messages, strict=True):
         whole = (step + 1) % every == 0
         seen, fused = (own_luck(brain, luck, 0, step + 1, part, len(minds)) for part in (LUCK_OBSERVE, LUCK_FUSE))
@@ -72,7 +72,7 @@ def follow(
 
 
 def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
-    """What a trace shows of a mind: its fields, what it decides from the first round on, and its interval."""
+    """The entries of a mind in a trace: its fields, its decision (from the first round on) and its interval."""
     fields = {name: list(v) if isinstance(v := getattr(me, name), list) else v for name in brain.memory}
     if brain.decides:
         fields[free(DECIDED, brain.memory)] = float(brain.functions.decide(me)) if decides else -1.0
@@ -85,24 +85,24 @@ def kept_of(brain: Brain, me: Any, decides: bool) -> dict[str, Any]:
 
 
 def is_done(brain: Brain, me: Any) -> bool:
-    """Whether a robot has seen enough."""
+    """Whether a robot is done."""
     return brain.ends and bool(brain.functions.done(me))
 
 
 def said_by(brain: Brain, me: Any) -> Any:
-    """What a robot says; nothing where it makes noise."""
+    """The message of a robot; None if it sends none or jams."""
     return None if brain.jams and brain.functions.jam(me) else fixed(brain.functions.broadcast(me))
 
 
 def fixed(message: Any) -> Any:
-    """A message as it was said: a vector in it is the robot's own, and changes."""
-    if not isinstance(message, tuple):  # silence, or what is no message, which is another's to say
+    """A copy of a message, since the robot may change its vectors later."""
+    if not isinstance(message, tuple):  # no message, or an invalid one, which is reported elsewhere
         return message
     return tuple(tuple(part) if isinstance(part, list) else part for part in message)
 
 
 def own_luck(brain: Brain, luck: np.ndarray, trial: int, tick: int, part: int, robots: int) -> np.ndarray:
-    """A word for each robot's call of `observe`, `fuse` or `steer`; none where the brain asks for none."""
+    """A random word for each robot's call of `observe`, `fuse` or `steer`; empty if the brain uses none."""
     out = np.zeros(robots if brain.uses.luck else 0, np.uint64)
     if out.size:
         words(luck, trial, tick, part, 0, robots, out)
@@ -110,6 +110,6 @@ def own_luck(brain: Brain, luck: np.ndarray, trial: int, tick: int, part: int, r
 
 
 def give(brain: Brain, me: Any, luck: np.ndarray, robot: int) -> None:
-    """Set what is fresh at each call."""
+    """Set the random number of a call."""
     if brain.uses.luck:
         me.luck = chance(luck[robot])
