@@ -166,7 +166,7 @@ def test_bad_studies(change, said, here, capsys):
         *[([name, "folder.nc"], "results file folder.nc: it is a folder") for name in ("show", "status", "verify")],
         (["merge", "good.nc", "folder.nc", "--out", "x.nc"], "results file folder.nc: it is a folder"),
         (["plot", "cut.nc"], "results file cut.nc: not a readable netCDF-4 file"),
-        (["plot", "hello.toml"], "results file hello.toml: not a readable"),
+        (["plot", "hello.toml"], "hello.toml is a study, not results"),
         (["plot", "none.nc"], "there is no such file"),
         (["plot", "good.nc", "--where", "robots == 99"], "no setting is so"),
         (["plot", "good.nc", "--out", "x.bmp"], "figures are written as"),
