@@ -1,6 +1,7 @@
 """The command line: parses the options, calls a command, and reports an error in one line."""
 
 import argparse
+import contextlib
 import functools
 import os
 import sys
@@ -58,6 +59,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("swarmcensus: stopped", file=sys.stderr)
         return STOPPED
     except BrokenPipeError:  # the reader of our output has gone, as after `| head`
+        with contextlib.suppress(OSError, ValueError):  # so that no flush at exit fails, which would change the code
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.stderr.close()
         return 0
     except OSError as error:
