@@ -13,7 +13,7 @@ from swarmcensus.studies.schema import schema
 URI, FILE, OF_MISSIONS = "reference/study-schema.md", "reference/study.schema.json", "reference/mission.schema.json"
 TABLES = {
     "Swarm": "[swarm]", "World": "[world]", "Schedule": "[schedule]", "Measure": "[measure]", "Fault": "[[faults]]",
-    "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]", "Until": "trials, as a rule",
+    "Members": "[[members]]", "Case": "[[case]]", "Body": "[world.body]",
 }  # fmt: skip
 KINDS = {"integer": "whole number", "number": "number", "boolean": "`true` or `false`"}
 MANY = 12  # names that a cell lists at the most
@@ -41,6 +41,8 @@ def page(found: dict[str, Any]) -> str:
     parts = [OPENING, "## Top level", "", *_table(found)]
     for name, title in TABLES.items():
         parts += ["", f"## `{title}`", "", found["$defs"][name]["description"], "", *_table(found["$defs"][name])]
+    rule = next(kind for kind in found["properties"]["trials"]["anyOf"] if kind.get("type") == "object")
+    parts += ["", "## `trials, as a rule`", "", rule["description"], "", *_table(rule)]
     return "\n".join(parts) + "\n"
 
 
