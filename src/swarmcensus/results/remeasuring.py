@@ -8,6 +8,7 @@ import xarray as xr
 
 from swarmcensus.basics.errors import InputError, pydantic_message
 from swarmcensus.metrics import parse
+from swarmcensus.results.measures import truth as truth_of
 from swarmcensus.results.values import LOCAL, metrics_in, robots_in
 from swarmcensus.simulation import metrics
 from swarmcensus.studies.tables import Measure
@@ -51,7 +52,7 @@ def remeasure(results: xr.Dataset, *, delta: float | None = None, bins: int | No
     new.attrs = results.attrs | changed | kept | {"asked_anew": ever_changed}
     estimates = results["estimates"].transpose("setting", "checkpoint", "trial", "robot").values
     reached = results["checkpoint"].values <= results["rounds"].values[:, np.newaxis]
-    truth, then = _truth(results), _then(results, bins)
+    truth, then = truth_of(results), _then(results, bins)
     for name in ("correct", "convergence_round", "convergence_error"):
         new[name] = results[name].copy()
     for k in range(results.sizes["setting"]):
@@ -105,14 +106,3 @@ def _then(results: xr.Dataset, bins: int | None) -> dict[int, np.ndarray]:
         )
     changes = {k: read_change(text) for k, text in enumerate(results["fill_ratio_change"].values.tolist())}
     return {k: along(change.course, results["checkpoint"].values) for k, change in changes.items() if change}
-
-
-def _truth(results: xr.Dataset) -> np.ndarray:
-    """The true fill ratio, (setting, trial)."""
-    nominal = np.broadcast_to(
-        results["fill_ratio"].values[:, np.newaxis], (results.sizes["setting"], results.sizes["trial"])
-    )
-    if results.attrs["truth"] != "floor":
-        return nominal
-    on_floor = results["true_fill_ratio"].transpose("setting", "trial").values
-    return np.where(np.isnan(on_floor), nominal, on_floor)
