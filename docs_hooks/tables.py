@@ -25,7 +25,7 @@ METRICS = "<!-- the shipped metrics -->"
 
 def of_coordinates() -> str:
     """The coordinates along `setting`."""
-    rows = [f"| `{one.name}` | {one.type} | {one.page} |" for one in coordinates.ALL]
+    rows = [f"| `{one.name}` | {one.type} | {one.page}{_elsewhere(one)} |" for one in coordinates.ALL]
     return "\n".join(["| coordinate | type | meaning |", "|---|---|---|", *rows])
 
 
@@ -58,6 +58,14 @@ def filled(markdown: str) -> str:
 def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Put the table of metrics into its page."""
     return markdown.replace(METRICS, of_metrics())
+
+
+def _elsewhere(one: coordinates.Coordinate) -> str:
+    """Where a coordinate says nothing, and what it is there."""
+    if one.world == "any":
+        return ""
+    blank = {"text": "empty", "number": "NaN", "whole number": one.blank}[one.type]
+    return f"; {blank} {'on fixed networks' if one.world == 'moving' else 'where robots move'}"
 
 
 def _cell(text: str) -> str:

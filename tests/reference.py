@@ -154,7 +154,7 @@ class Minds:
         self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
         crew = [setting.brain, *(member.brain_in(setting.brain) for member in setting.members)]
-        self.brains = [crew[k] for k in (setting.who(seed, trial, 1)[0] if setting.members else [0] * n)]
+        self.brains = [crew[k] for k in (setting.groups(seed, trial, 1)[0] if setting.members else [0] * n)]
         every = zip(self.brains, np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
         self.minds = [brain.robot(*beliefs, float(i)) for i, (brain, *beliefs) in enumerate(every)]
         self.said = [[self.says(i) for i in range(n)]]

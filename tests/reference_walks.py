@@ -226,7 +226,7 @@ def lives(setting: Setting, seed: int, trial: int, failed: Failures) -> Life:
     side = math.sqrt(n * math.pi * body.radio_range**2 / setting.density)
     walk, floor, reads = setting.walk_key(seed), setting.floor_key(seed), setting.readings_key(seed)
     b, w = (np.broadcast_to(side_of[0], n) for side_of in setting.accuracies(seed, trial, 1)[:2])
-    who = setting.who(seed, trial, 1)[0] if setting.members else [0] * n
+    who = setting.groups(seed, trial, 1)[0] if setting.members else [0] * n
     swarm, minds = placed(n, side, body, walk, trial), Minds(setting, seed, trial, failed)
     begin = [(me.place.real, me.place.imag, math.atan2(me.heading.imag, me.heading.real)) for me in swarm]
     out = Life(begin, [], [], [], minds.estimates, minds)

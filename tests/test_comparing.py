@@ -10,7 +10,7 @@ from scipy import stats
 import swarmcensus as sc
 from swarmcensus import metrics
 from swarmcensus.basics.errors import InputError
-from swarmcensus.comparing.contenders import field_of
+from swarmcensus.comparing.contenders import grid_of
 from swarmcensus.comparing.tables import escaped, latex
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import centres, intervals
@@ -26,21 +26,21 @@ NAMES = ["minimalistic", "bayes-bots prior=1", "bayes-bots prior=10", "voter"]
 
 def test_a_contender_is_a_brain_with_the_parameters_that_vary_among_its_settings():
     data = made_up()
-    assert field_of(data, data)[0].contenders == NAMES
+    assert grid_of(data, data)[0].contenders == NAMES
     few = data.isel(setting=(data["prior"] != 10).values)
-    assert field_of(few, few)[0].contenders == ["minimalistic", "bayes-bots", "voter"]
-    found, cautions = field_of(few, data)  # whoever picks some of the settings finds them under the same names
+    assert grid_of(few, few)[0].contenders == ["minimalistic", "bayes-bots", "voter"]
+    found, cautions = grid_of(few, data)  # whoever picks some of the settings finds them under the same names
     assert found.contenders == ["minimalistic", "bayes-bots prior=1", "voter"]
     assert cautions == [
         "where leaves out 1 contender: p-values are corrected for the others alone, which is valid only if they were "
         "chosen before looking at results"
     ]
     named = data.assign_coords(prior=("setting", ["", "(1, 2)", "(2, 1)", ""] * 2))  # a vector is text
-    assert field_of(named, named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
+    assert grid_of(named, named)[0].contenders[1:3] == ["bayes-bots prior=(1, 2)", "bayes-bots prior=(2, 1)"]
 
 
 def test_a_world_is_all_else_that_settings_are():
-    field, cautions = field_of(made_up(), made_up())
+    field, cautions = grid_of(made_up(), made_up())
     assert field.worlds == [{"topology": "ring"}, {"topology": "full"}]
     assert field.common["fill_ratio"] == 0.55
     assert "assumed_accuracy" not in field.common
@@ -60,7 +60,7 @@ def test_who_never_moved_is_told_beside_k():
 def test_results_without_parameters_have_none():
     data = made_up(brains=2).drop_vars("prior")
     del data.attrs["parameters"]
-    assert field_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
+    assert grid_of(data, data)[0].contenders == ["minimalistic", "bayes-bots"]
 
 
 def test_what_does_not_pair_is_told():
@@ -71,7 +71,7 @@ def test_what_does_not_pair_is_told():
     assert len(lacking.duels) == 0
     alone = sc.compare(data.isel(setting=[0, 1, 2, 3, 4]))
     assert any("1 world has only one contender, and is left out" in one for one in alone.cautions)
-    assert len(alone.field.worlds) == 1
+    assert len(alone.grid.worlds) == 1
 
 
 @pytest.mark.parametrize(

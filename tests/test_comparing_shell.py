@@ -86,10 +86,10 @@ def test_some_worlds_are_shown_and_the_command_for_all_is_named(two, capsys):
 def test_worlds_are_counted_by_what_they_differ_in(against):
     """By hand, from the table of worlds."""
     found = sc.compare(made_up(worlds=("a", "b", "c", "d"), gap=0.4), ["final_error", "correct"], against=against)
-    for w, world in enumerate(found.field.worlds):
+    for w, world in enumerate(found.grid.worlds):
         world["half"] = w // 2
     table = found.table
-    table["half"] = [found.field.worlds[w]["half"] for w in table["world"]]
+    table["half"] = [found.grid.worlds[w]["half"] for w in table["world"]]
     rows = found.by("half")
     assert len(rows) == 2 * (4 if against is None else 3)
     for row in rows.to_dict("records"):

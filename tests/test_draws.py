@@ -178,7 +178,7 @@ def test_counts_follow_the_floor_and_the_sensors_of_the_round(accuracy, members,
     sizes = [PART] * (looks // PART) + [looks % PART]
     for trial in (0, 1):
         b, w = (np.broadcast_to(side[0], 5) for side in setting.accuracies(SEED, trial, 1)[:2])
-        who = setting.who(SEED, trial, 1)[0]
+        who = setting.groups(SEED, trial, 1)[0]
         _, _, blacks = record_trial(setting, SEED, trial)
         readings = record_readings(setting, SEED, trial).reshape(5, looks, 5)
         assert (readings.sum(axis=1) == blacks[1:]).all()

@@ -10,7 +10,7 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus.cli.commands import main
-from swarmcensus.comparing.contenders import field_of
+from swarmcensus.comparing.contenders import grid_of
 from swarmcensus.figures.panels import panels_of
 from swarmcensus.results.merging import merge
 from swarmcensus.results.selecting import where
@@ -93,7 +93,7 @@ def test_liars_shift_what_the_honest_believe(data):
 
 
 def test_settings_that_differ_in_the_swarms_brain_are_pairs(data):
-    field, _ = field_of(data, data)
+    field, _ = grid_of(data, data)
     assert field.contenders == ["minimalistic", "legacy"]
     assert field.place.shape == (11, 2)
     assert list(field.worlds[0]) == ["members"]

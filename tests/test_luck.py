@@ -133,7 +133,7 @@ def test_on_the_move_and_of_robots_that_steer():
 @pytest.mark.interpreted
 def test_in_a_mixed_swarm_all_are_as_lucky_as_alone():
     (mixed,) = fixed(brain(LUCKY), members=[{"robots": 2, "brain": brain(MEANS, "means.py")}])
-    who = mixed.who(SEED, 0, 1)[0]
+    who = mixed.groups(SEED, 0, 1)[0]
     one, other = record_trial(mixed, SEED, 0)[0], record_trial(replace(mixed, members=()), SEED, 0)[0]
     for name in OURS:
         assert (one[name][:, who == 0] == other[name][:, who == 0]).all()

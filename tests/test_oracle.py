@@ -101,7 +101,7 @@ def test_it_hears_no_liar_and_whoever_else_sees(topology, tmp_path, monkeypatch)
     )  # fmt: skip
     results = sc.run(made)
     for trial in range(3):
-        honest = made.settings()[0].who(made.seed, trial, 1)[0] == 0
+        honest = made.settings()[0].groups(made.seed, trial, 1)[0] == 0
         best, trace = pooled(made, results, 0, trial, honest)
         assert (trace["t"].values[-1] > 0).tolist() == honest.tolist()
         assert results["final_estimate"].values[0, trial, :8] == pytest.approx(best, abs=1e-12)

@@ -23,7 +23,7 @@ from swarmcensus.paper import claims, page, report
 from swarmcensus.paper import reproducing as paper
 from swarmcensus.paper.evaluations import PAPER
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
-from swarmcensus.paper.strips import strip
+from swarmcensus.paper.page import strip
 from swarmcensus.results import store as results
 
 CLAIM = claims.CLAIMS[0]

@@ -96,7 +96,7 @@ def test_who_is_counted_is_honest_and_works():
     estimates = sc.run(study)["estimates"].values[0]
     [setting] = study.settings()
     for trial in range(30):
-        honest = np.flatnonzero(setting.who(3, trial, 1)[0] == 0)
+        honest = np.flatnonzero(setting.groups(3, trial, 1)[0] == 0)
         works = setting.stops(3, trial)[1, honest] > 100
         assert (honest.size, works.sum() >= 10) == (16, True)
         right = np.abs(estimates[:, trial] - 0.55) <= 0.05

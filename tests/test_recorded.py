@@ -46,14 +46,14 @@ def worked_out(study, setting, trace):
     out["correct"] = [metrics.correct(curves[c], truths[c], study.measure.bins) for c in points]
     if study.measure.estimates:
         out["estimates"] = curves[points]
-    if any(brain.decides for brain in setting.crew):
+    if any(brain.decides for brain in setting.brains):
         out |= _decided(setting, trace["decided"].values[:, honest], truths[-1])
-    if any(brain.ends for brain in setting.crew):
+    if any(brain.ends for brain in setting.brains):
         done = trace["is_done"].values[:, honest] == 1.0
         first = np.where(done.any(axis=0), done.argmax(axis=0), -1)
         out["done_round"] = np.where(first >= 0, first, np.inf)
         out["done_estimate"] = np.where(first >= 0, curves[first, range(len(first))], np.nan)
-    if any(brain.has_interval for brain in setting.crew):
+    if any(brain.has_interval for brain in setting.brains):
         out |= _sure(trace["interval_low"].values[:, honest], trace["interval_high"].values[:, honest], truths, points)
     for metric in study.measure.metrics:
         out[metric.variable] = _watched(metric, study, setting, curves[1:], truths[1:])
@@ -66,7 +66,7 @@ def _decided(setting, decided, truth):
     ever = changed.any(axis=0)
     rounds = len(changed)
     agreed = (decided[1:] == decided[1:, :1]).all(axis=1) & (decided[1:, 0] >= 0.0)
-    options = next(brain.options for brain in setting.crew if brain.decides)
+    options = next(brain.options for brain in setting.brains if brain.decides)
     right = min(math.floor(truth * options + 1e-12), options - 1)
     neither = options == 2 and truth == 0.5
     option = decided[1 + agreed.argmax(), 0] if agreed.any() else -1.0
@@ -124,7 +124,7 @@ def alone(study, setting, trial, honest):
     b, w = (np.broadcast_to(one[0], setting.robots) for one in given.beliefs)
     group = given.group[0] if given.group.size else np.zeros(setting.robots, int)
     curves = np.empty((len(readings) + 1, setting.robots))
-    for k, brain in enumerate(setting.crew):
+    for k, brain in enumerate(setting.brains):
         lived = sc.infer(readings, None, (b, w), 1, brain)["estimate"].values
         curves[:, group == k] = lived[:, group == k]
     curves = curves[:, honest]
@@ -173,7 +173,7 @@ def _compared(study, results, k, trial):
     trace = sc.replay(results, k, trial)
     found = worked_out(study, setting, trace)
     honest = honest_in(trace)
-    lucky = any(brain.uses.luck for brain in setting.crew)
+    lucky = any(brain.uses.luck for brain in setting.brains)
     if study.measure.local and not lucky:
         found |= alone(study, setting, trial, honest)
     recorded = results.isel(setting=k, trial=trial)

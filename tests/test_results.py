@@ -135,6 +135,7 @@ class TestSelecting:
         ("expression", "said"),
         [
             ("topolgy == 'ring'", "no coordinate 'topolgy': did you mean 'topology'"),
+            ("topology == ring", """no coordinate 'ring': a text is quoted, as "ring\""""),
             ("robots = 5", "robots = 5"),
             ("robots == 6", "no setting is so"),
             ("robots", "should compare"),

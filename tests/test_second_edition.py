@@ -65,7 +65,7 @@ def check(setting, trial, minds, fields, estimates, batch, close):
                 assert np.isnan(here[own.lengths[name] :]).all()
                 here = here[: own.lengths[name]]
             assert here == pytest.approx(getattr(me, name), rel=1e-9, abs=close)
-    honest = np.array([not setting.members or k == 0 for k in setting.who(SEED, trial, 1)[0]])
+    honest = np.array([not setting.members or k == 0 for k in setting.groups(SEED, trial, 1)[0]])
     assert batch.counts[0, SENT].tolist() == np.array(minds.sent)[honest].tolist()
     assert batch.counts[0, HEARD].tolist() == np.array(minds.heard)[honest].tolist()
     decisions, done = np.array(minds.decisions), np.array(minds.done)
@@ -130,6 +130,6 @@ def test_alone(source):
     for setting in fixed(brain(source), robots=5, rounds=4, looks=3, members=SOME if source == ALL else ()):
         curves = local_curves(setting, 1)
         batch = run_batch(setting, SEED, 1, 1, Metrics(0.01, 10, ()), GO, local=True)
-        honest = [not setting.members or k == 0 for k in setting.who(SEED, 1, 1)[0]]
+        honest = [not setting.members or k == 0 for k in setting.groups(SEED, 1, 1)[0]]
         assert (batch.final[0] == curves[-1][honest]).all()
         assert (batch.convergence[0] == metrics.convergence(curves)[honest]).all()

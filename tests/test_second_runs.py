@@ -200,7 +200,9 @@ def test_replayed(here, known, name, step):
     for k in range(0, data.sizes["setting"], step):
         trace = sc.replay(data, k, 2)
         setting = load(here, name).settings()[k]
-        honest = np.array([m == 0 or setting.members[m - 1].honest for m in setting.who(data.attrs["seed"], 2, 1)[0]])
+        honest = np.array(
+            [m == 0 or setting.members[m - 1].honest for m in setting.groups(data.attrs["seed"], 2, 1)[0]]
+        )
         n = int(honest.sum())
         last = trace.isel({trace["estimate"].dims[0]: -1})
         assert (data["final_estimate"].values[k, 2, :n] == last["estimate"].values[honest]).all()

@@ -86,7 +86,7 @@ def test_asdf_mends_a_minority():
     assert setting.brain.name == "asdf"
     off = []
     for trial in range(40):
-        who = setting.who(14, trial, 1)[0] == 1
+        who = setting.groups(14, trial, 1)[0] == 1
         trace = sc.replay(results, 1, trial)
         assert (trace["mended"].values[-1, who] > 0).all()
         off += list(trace["accuracy"].values[-1, who] - 0.75)

@@ -36,10 +36,10 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
     worlds = _fitting(comparison, limit)
     world, contender = rows_of(comparison, worlds)
     first = np.append(True, world[1:] != world[:-1])
-    names = list(comparison.field.worlds[0])
+    names = list(comparison.grid.worlds[0])
     left = {"world": [str(w) if new else "" for w, new in zip(world, first, strict=True)]}
     for name in names:
-        values = [comparison.field.worlds[w][name] for w in world]
+        values = [comparison.grid.worlds[w][name] for w in world]
         texts = ["-" if is_idle(value) else grouped(value) for value in values]
         left[name] = [text if new else "" for text, new in zip(texts, first, strict=True)]
     left["contender"] = [comparison.contenders[c] for c in contender]
@@ -54,9 +54,9 @@ def show(comparison: Comparison, title: str, again: str, limit: int, with_pairs:
         out.print(page)
     for line in _legend(comparison, cells):
         out.print(line, style="dim")
-    if worlds < len(comparison.field.worlds):
+    if worlds < len(comparison.grid.worlds):
         out.print(
-            f"{worlds:,} of {counted(len(comparison.field.worlds), 'world')}; show all: {again} --limit 0",
+            f"{worlds:,} of {counted(len(comparison.grid.worlds), 'world')}; show all: {again} --limit 0",
             soft_wrap=True,
         )
     if with_pairs:
@@ -119,7 +119,7 @@ def _rows(left: dict[str, list[str]], cells: dict[str, list[Cell]]) -> Table:
 def _pairs(comparison: Comparison, worlds: int) -> Table:
     texts = ("measure", "one", "other", "[95 %]", "one is better in", "told apart")
     rows: Sequence[tuple[str, ...]] = pair_rows(comparison, worlds)
-    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or comparison.field.worlds[0]]
+    kept = [k for k, name in enumerate(PAIR_HEADS) if name != "world" or comparison.grid.worlds[0]]
     heads = [(PAIR_HEADS[k], PAIR_HEADS[k] not in texts) for k in kept]
     return table(heads, ([row[k] for k in kept] for row in rows))
 
@@ -139,7 +139,7 @@ def _legend(comparison: Comparison, cells: dict[str, list[Cell]]) -> list[str]:
     ]
     tests = test_count(comparison.contests)
     same = [
-        f"{name} {grouped(value)}" for name, value in comparison.field.common.items()
+        f"{name} {grouped(value)}" for name, value in comparison.grid.common.items()
         if not (is_idle(value) or (name == "link_success" and value == 1.0))
     ]  # fmt: skip
     costs = [name for name in COSTS.values() if name in cells]

@@ -5,6 +5,7 @@ import shlex
 import sys
 import tomllib
 from collections.abc import Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -105,7 +106,7 @@ def coordinates(data: xr.Dataset) -> dict[str, np.ndarray]:
     for name in restated(data):
         columns.pop(name, None)
     columns |= {k: np.where((v == "") | (v == "nan"), NOTHING, v) for k, v in columns.items()}
-    for name in parameters_in(data):
+    for name in dict.fromkeys(chain.from_iterable(parameters_in(data).values())):
         columns[name] = _parameter(data[name].values)
         if len({*columns[name]} - {"-"}) == 1 and "-" in columns[name]:  # the same for all brains that have it
             del columns[name]

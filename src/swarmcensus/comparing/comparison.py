@@ -13,7 +13,7 @@ from swarmcensus.basics.formatting import counted
 from swarmcensus.basics.hints import did_you_mean
 from swarmcensus.basics.options import option
 from swarmcensus.comparing import groups, tables
-from swarmcensus.comparing.contenders import NONE, Field, field_of
+from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import ALPHA, Contest, ContestInput, contests, pairs_of, test_count
 from swarmcensus.comparing.standings import Standings
 from swarmcensus.comparing.verdicts import verdict
@@ -108,12 +108,12 @@ def compare_dataset(
     """Compare as `compare` does; `shown` names, by brain, parameters that appear in contenders' names in any case."""
     data = selecting.where(whole, where)
     selecting.require(data, "convergence_round", "rounds", dimensions=("setting", "trial"))
-    field, cautions = field_of(data, whole, shown)
+    grid, cautions = grid_of(data, whole, shown)
     if not isinstance(against, str | None):
         raise InputError(f"{option('against', against)}: should be the name of a contender")
-    reference = None if against is None else _contender_index(against, field.contenders)
+    reference = None if against is None else _contender_index(against, grid.contenders)
     measured, notes_on_measures = measures.chosen(data, metric)
-    numbers = [field.spread(measures.numbers(data, measure.name)) for measure in measured]
+    numbers = [grid.spread(measures.numbers(data, measure.name)) for measure in measured]
     if all(np.isnan(each).all() for each in numbers):
         labels = ", ".join(measure.label for measure in measured)
         lacking = f"has numbers of {labels}" if done(data).any() else "has been run"
@@ -124,15 +124,15 @@ def compare_dataset(
     ]
     all_contests = contests(inputs, against=reference)
     costs = {
-        name: centres(field.spread(measures.numbers(data, name)), "mean")
+        name: centres(grid.spread(measures.numbers(data, name)), "mean")
         for name in COSTS
         if not measures.lacks(data, name)
     }
-    sizes = {name: field.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
-    settings = np.where(field.place == NONE, NONE, data["setting"].values[field.place])
-    cautions += [*notes_on_measures, *_cautions(data, field, measured, numbers, all_contests, costs)]
+    sizes = {name: grid.spread(data[name].values.astype(np.float64)) for name in SIZES if name in data}
+    settings = np.where(grid.place == NONE, NONE, data["setting"].values[grid.place])
+    cautions += [*notes_on_measures, *_cautions(data, grid, measured, numbers, all_contests, costs)]
     title = str(data.attrs.get("title", ""))
-    return Comparison(title, field, measured, all_contests, costs, sizes, settings, cautions, reference)
+    return Comparison(title, grid, measured, all_contests, costs, sizes, settings, cautions, reference)
 
 
 def _contender_index(name: str, contenders: list[str]) -> int:
@@ -150,7 +150,7 @@ def _contender_index(name: str, contenders: list[str]) -> int:
 
 def _cautions(
     data: xr.Dataset,
-    field: Field,
+    grid: Grid,
     measured: list[Measure],
     numbers_of: list[Floats],
     all_contests: list[Contest],
@@ -161,16 +161,16 @@ def _cautions(
     failed = len(failed_trials(data))
     if failed:
         cautions.append(f"{counted(failed, 'trial')} failed and cannot be compared")
-    counts = all_contests[0].trials[field.place != NONE]
+    counts = all_contests[0].trials[grid.place != NONE]
     if counts.min() < counts.max():
         cautions.append(
             f"contenders have {counts.min()} to {counts.max():,} trials: a pair is compared in the trials that both "
             "have, and over all worlds in the trials that all contenders have in every world"
         )
     for measure, numbers in zip(measured, numbers_of, strict=True):
-        lacking = np.isnan(numbers).all(axis=2) & (field.place != NONE)
+        lacking = np.isnan(numbers).all(axis=2) & (grid.place != NONE)
         if lacking.any():
-            names = [name for name, absent in zip(field.contenders, lacking.any(axis=0), strict=True) if absent]
+            names = [name for name, absent in zip(grid.contenders, lacking.any(axis=0), strict=True) if absent]
             cautions.append(
                 f"{measure.label}: there are no numbers of {', '.join(names)} in {_worlds(lacking.any(axis=1))}"
             )
@@ -181,7 +181,7 @@ def _cautions(
             f"{counted(most, 'trial')} cannot tell anything apart among {counted(tests, 'test')}: run {least} or more, "
             "or compare fewer measures or worlds"
         )
-    pairs = [(field.contenders[i], field.contenders[j]) for i, j in pairs_of(len(field.contenders))]
+    pairs = [(grid.contenders[i], grid.contenders[j]) for i, j in pairs_of(len(grid.contenders))]
     cautions += [
         f"{measure.label}: {first} and {second} are the same in every trial that both have"
         for measure, contest in zip(measured, all_contests, strict=True)
@@ -194,15 +194,15 @@ def _cautions(
     if absent:
         cautions.append(f"these results do not say what brains cost: they have no {', no '.join(absent)}")
     if "anonymous" in data:
-        seen = field.spread(data["anonymous"].values.astype(np.float64))
-        named = [name for k, name in enumerate(field.contenders) if (seen[:, k] == 0).any()]
+        seen = grid.spread(data["anonymous"].values.astype(np.float64))
+        named = [name for k, name in enumerate(grid.contenders) if (seen[:, k] == 0).any()]
         if len(named) == 1:
             cautions.append(f"{named[0]} is not anonymous: it uses its robot's name")
         elif named:
             cautions.append(f"{', '.join(named)} are not anonymous: they use their robots' names")
     if any(measure.name == "convergence_round" for measure in measured):
-        unmoved = np.asarray(field.spread(settled_at_start(data)) >= STILL)
-        named = [name for k, name in enumerate(field.contenders) if unmoved[:, k].any()]
+        unmoved = np.asarray(grid.spread(settled_at_start(data)) >= STILL)
+        named = [name for k, name in enumerate(grid.contenders) if unmoved[:, k].any()]
         if named:
             where = _worlds(np.asarray(unmoved.any(axis=1)))
             cautions.append(

@@ -3,7 +3,6 @@
 A contender is a brain with its parameters. A world is everything else of a setting.
 """
 
-import json
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -17,12 +16,13 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted, distinct_texts
 from swarmcensus.basics.options import option
 from swarmcensus.results.summaries import restated
+from swarmcensus.results.values import parameters_in
 
 NONE = -1
 
 
 @dataclass(frozen=True)
-class Field:
+class Grid:
     """Worlds and contenders; `place` (world, contender) is the position of their setting, -1 if there is none."""
 
     worlds: list[dict[str, Any]]  # each world's coordinates that differ among worlds
@@ -36,23 +36,9 @@ class Field:
         return np.where(there, values[self.place], np.nan)
 
 
-def parameters_in(data: xr.Dataset) -> dict[str, list[str]]:
-    """The names of each brain's parameters, which are coordinates. Raises InputError if they cannot be read."""
-    text = data.attrs.get("parameters", "{}")
-    try:
-        parameters = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
-    except (ValueError, TypeError, AttributeError) as error:
-        raise InputError(f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}") from error
-    for brain, names in parameters.items():
-        for name in names:
-            if name not in data.coords or data[name].dims != ("setting",):
-                raise InputError(f"these results have no coordinate {name}, the parameter of {brain}")
-    return parameters
-
-
-def field_of(
+def grid_of(
     data: xr.Dataset, whole: xr.Dataset, shown: Mapping[str, Collection[str]] = MappingProxyType({})
-) -> tuple[Field, list[str]]:
+) -> tuple[Grid, list[str]]:
     """Worlds and contenders, both in the order of the settings, and cautions.
 
     `data` are some settings of `whole`, and contenders have the names that they have in `whole`. `shown` names, by
@@ -107,7 +93,7 @@ def field_of(
         differing = [name for name in differing if name != "assumed_accuracy"]
         common.pop("assumed_accuracy", None)
     differing_worlds = [{name: columns[name][s] for name in differing} for s in firsts]
-    return Field(
+    return Grid(
         differing_worlds, common, [c for c, so in zip(contenders, seen, strict=True) if so], place[kept][:, seen]
     ), cautions
 

@@ -42,7 +42,7 @@ def effects(
     measures. Raises InputError as `Comparison.by` does.
     """
     if by is None:
-        rows = [(world, 1) for world in standings.field.worlds]
+        rows = [(world, 1) for world in standings.grid.worlds]
         return rows, [
             _of_worlds(measure, contest, reference)
             for measure, contest in zip(standings.measures, standings.contests, strict=True)
@@ -76,7 +76,7 @@ def _pooled(
     data: xr.Dataset, standings: Standings, measure: Measure, reference: int, groups: Sequence[NDArray[np.intp]]
 ) -> tuple[Effect, Floats]:
     """The effect in groups of worlds, and p-values; its `apart` tells where value and test have the same sign."""
-    numbers = standings.field.spread(measures.numbers(data, measure.name))
+    numbers = standings.grid.spread(measures.numbers(data, measure.name))
     shape = len(groups), numbers.shape[1]
     pooled = np.full((*shape, numbers.shape[2]), np.nan)
     for row, worlds in enumerate(groups):

@@ -51,12 +51,12 @@ def _gaps(own: NDArray[np.float64], reference: NDArray[np.float64], share: bool)
 
 def worlds_by(standings: Standings, axes: Sequence[str]) -> dict[tuple[Any, ...], NDArray[np.intp]]:
     """The worlds of each combination of values, in the order of the worlds. Raises InputError."""
-    names = list(dict.fromkeys(name for world in standings.field.worlds for name in world))
+    names = list(dict.fromkeys(name for world in standings.grid.worlds for name in world))
     for name in axes:
-        if name in standings.field.common:
-            raise InputError(f"{option('by', name)}: all worlds have the same, {standings.field.common[name]}")
+        if name in standings.grid.common:
+            raise InputError(f"{option('by', name)}: all worlds have the same, {standings.grid.common[name]}")
         if name not in names:
             hint = did_you_mean(name, names)
             raise InputError(f"{option('by', name)}: {hint}worlds differ in {', '.join(names) or 'nothing'}")
-    keys = [tuple(world.get(name) for name in axes) for world in standings.field.worlds]
+    keys = [tuple(world.get(name) for name in axes) for world in standings.grid.worlds]
     return {key: np.array([w for w, world_key in enumerate(keys) if world_key == key]) for key in dict.fromkeys(keys)}

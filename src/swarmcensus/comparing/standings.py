@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from swarmcensus.comparing.contenders import Field
+from swarmcensus.comparing.contenders import Grid
 from swarmcensus.comparing.pair_tests import Contest, pairs_of, world_ranks
 from swarmcensus.results.measures import Measure
 
@@ -23,7 +23,7 @@ class Standings:
     """
 
     title: str
-    field: Field
+    grid: Grid
     measures: list[Measure]
     contests: list[Contest]
     costs: dict[str, Floats]
@@ -35,7 +35,7 @@ class Standings:
     @property
     def contenders(self) -> list[str]:
         """The names of contenders, in the order of all arrays."""
-        return self.field.contenders
+        return self.grid.contenders
 
     def standing(self, contest: Contest) -> NDArray[np.str_]:
         """The standing of each contender in each world (world, contender), empty if it is missing, or alone there.

@@ -117,8 +117,8 @@ def write_csv(standings: Standings, path: str | Path) -> int:
 
 
 def _coordinates(standings: Standings, worlds: Any) -> dict[str, Any]:
-    names = dict.fromkeys(name for world in standings.field.worlds for name in world)
-    return {name: [standings.field.worlds[world].get(name) for world in worlds.tolist()] for name in names}
+    names = dict.fromkeys(name for world in standings.grid.worlds for name in world)
+    return {name: [standings.grid.worlds[world].get(name) for world in worlds.tolist()] for name in names}
 
 
 ESCAPED = {
@@ -137,13 +137,13 @@ def latex(standings: Standings, worlds: int | None = None) -> str:
 
     Marks are those of the terminal; the best, or better, values are bold. A comment explains them, for the caption.
     """
-    worlds = len(standings.field.worlds) if worlds is None else worlds
+    worlds = len(standings.grid.worlds) if worlds is None else worlds
     world, contender = rows_of(standings, worlds)
-    names = list(standings.field.worlds[0])
+    names = list(standings.grid.worlds[0])
     cells = columns(standings, worlds)
     heads = [*map(escaped, (*names, "contender")), *(escaped(head).replace(r"\%", r"(\%)") for head in cells)]
     lines = [
-        f"% {len(standings.field.worlds):,} worlds, {len(standings.contenders):,} contenders: "
+        f"% {len(standings.grid.worlds):,} worlds, {len(standings.contenders):,} contenders: "
         f"{' '.join(standings.title.split())}",
         f"% {' '.join(legend(standings).split())}",
         rf"\begin{{tabular}}{{{'l' * (len(names) + 1)}{'r' * len(cells)}}}", r"\toprule",
@@ -153,7 +153,7 @@ def latex(standings: Standings, worlds: int | None = None) -> str:
     for row, (w, c) in enumerate(zip(world.tolist(), contender.tolist(), strict=True)):
         if before not in (None, w):
             lines.append(r"\addlinespace")
-        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(standings.field.worlds[w].get, names))
+        texts = ("--" if is_idle(value) else escaped(str(value)) for value in map(standings.grid.worlds[w].get, names))
         shown = [text if w != before else "" for text in texts]
         lines.append(
             " & ".join([*shown, escaped(standings.contenders[c]), *(_cell(column[row]) for column in cells.values())])

@@ -51,7 +51,7 @@ from .minds import (
 )
 
 
-class Room(NamedTuple):
+class Buffers(NamedTuple):
     """Room to work in; made once, because making it anew in each tick would cost small swarms a tenth of their time."""
 
     bits: Any  # (robot): random words
@@ -65,9 +65,9 @@ class Room(NamedTuple):
 
 
 @njit(nogil=True, **INSIDE)
-def room_of(robots, messages, width):
+def buffers_of(robots, messages, width):
     """Room for so many robots and messages per tick; a message is `width` numbers."""
-    return Room(
+    return Buffers(
         np.zeros(robots, np.uint64),
         np.zeros(robots),
         np.zeros((2, robots), np.uint64),
@@ -109,9 +109,9 @@ def look(readings, looked, black, b, w, bits):
 
 
 @loop()
-def hear_each(swarm, minds, room, radio, counts, stops, trial, tick, said, heard, senders):
+def hear_each(swarm, minds, buffers, radio, counts, stops, trial, tick, said, heard, senders):
     """Robot i hears what senders[heard[i]: heard[i + 1]] said, but for lost messages and broken radios."""
-    memory, outbox, arrivals = minds.memory, minds.outbox, room.arrivals
+    memory, outbox, arrivals = minds.memory, minds.outbox, buffers.arrivals
     said_at = tick - radio.delay
     for run in range(swarm.runs.shape[0]):
         group = swarm.runs[run, 0]
@@ -127,10 +127,10 @@ def hear_each(swarm, minds, room, radio, counts, stops, trial, tick, said, heard
                     count += 1
             counts[HEARD, i] += count - before
         if swarm.luck.size > 0:
-            draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, room.message_luck)
+            draw_message_luck(swarm, trial, tick, arrivals[0], arrivals[1], 0, count, buffers.message_luck)
         call(
             swarm.functions[group, HEAR], place(memory, swarm.bases[group]), outbox, said, arrivals[0], arrivals[1],
-            ZERO, count, memory.shape[0], room.message_luck,
+            ZERO, count, memory.shape[0], buffers.message_luck,
         )  # fmt: skip
 
 
@@ -140,19 +140,19 @@ def ride(swarm, minds, sensors, radio, stops, tally, intervals, chunk, black, re
     n, most = minds.memory.shape[0], 0
     for k in range(chunk.looked.shape[0]):
         most = max(most, chunk.heard[(k + 1) * n] - chunk.heard[k * n])
-    room = room_of(n, most, minds.outbox.shape[1])
-    live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
+    buffers = buffers_of(n, most, minds.outbox.shape[1])
+    live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
 
 
 @loop()
-def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
+def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop):
     """Run the minds of a trial through a chunk of its walk; estimates of tick k go to minds.rows[k - 1].
 
     `black` (tick, robot) says whether the tile under a robot's sensor is black. The outbox holds delay + 1 ticks. The
     other groups are those of one trial (`layout.py`); messages are counted only where `count_known` does not know them.
     """
     memory, outbox, rows = minds.memory, minds.outbox, minds.rows
-    bits, seen, luck = room.bits, room.seen, room.luck
+    bits, seen, luck = buffers.bits, buffers.seen, buffers.luck
     counts, verdicts, delay = tally.counts, tally.verdicts, radio.delay
     n = memory.shape[0]
     lucky = swarm.luck.size > 0
@@ -166,9 +166,9 @@ def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, 
         words(sensors.key, trial, now, np.int64(0), np.uint64(0), np.uint64(n), bits)
         if sensors.drift.shape[1] > 0:
             for i in range(n):
-                room.b[i] = accuracy_in(sensors.b, sensors.drift, i, now)
-                room.w[i] = accuracy_in(sensors.w, sensors.drift, i, now)
-            look(seen, chunk.looked[k], black[k], room.b, room.w, bits)
+                buffers.b[i] = accuracy_in(sensors.b, sensors.drift, i, now)
+                buffers.w[i] = accuracy_in(sensors.w, sensors.drift, i, now)
+            look(seen, chunk.looked[k], black[k], buffers.b, buffers.w, bits)
         else:
             look(seen, chunk.looked[k], black[k], sensors.b, sensors.w, bits)
         silence_failed(seen, stops, now, ZERO, np.uint64(n))
@@ -191,9 +191,9 @@ def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, 
         heard = chunk.heard[k * n : (k + 1) * n + 1]
         here = (now - 1) * n
         if now >= delay and radio.everyone:
-            call(swarm.functions[0, ADD_UP], outbox, then, room.beside, n, n)
+            call(swarm.functions[0, ADD_UP], outbox, then, buffers.beside, n, n)
             call(
-                swarm.functions[0, HEAR_ALL], memory, outbox, then, room.beside, ZERO, rows, here, ZERO, n,
+                swarm.functions[0, HEAR_ALL], memory, outbox, then, buffers.beside, ZERO, rows, here, ZERO, n,
                 place(luck, n),
             )  # fmt: skip
             for i in range(n):
@@ -211,7 +211,7 @@ def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, 
         else:
             if now >= delay:
                 hear_each(
-                    swarm, minds, room, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
+                    swarm, minds, buffers, radio, counts, stops, trial, now, np.uint64(then), heard, chunk.senders
                 )  # fmt: skip
             for run in range(swarm.runs.shape[0]):
                 group, a, z = swarm.runs[run, 0], swarm.runs[run, 1], swarm.runs[run, 2]
@@ -232,16 +232,16 @@ def live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, 
 
 
 @entry
-def steer(swarm, memory, body, paces, trial, tick, wishes):
+def steer(swarm, memory, body, speeds, trial, tick, wishes):
     """`steer_all` for CPython."""
-    steer_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, paces, trial, tick, wishes)
+    steer_all(swarm, np.zeros(memory.shape[0], np.uint64), memory, body, speeds, trial, tick, wishes)
 
 
 @loop()
-def steer_all(swarm, luck, memory, body, paces, trial, tick, wishes):
+def steer_all(swarm, luck, memory, body, speeds, trial, tick, wishes):
     """Ask minds where they want to go; `wishes` (3, robot) gets whether anywhere, metres and radians a tick.
 
-    `paces` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at full speed as
+    `speeds` (robot) are the metres a tick that robots can go. Wheels that turn a robot cannot drive it at full speed as
     well: a wish that is too fast for them is slowed as a whole. `luck` (robot) is room for random words.
     """
     n = memory.shape[0]
@@ -259,7 +259,7 @@ def steer_all(swarm, luck, memory, body, paces, trial, tick, wishes):
             raise ValueError("steer returned a speed or a turn that is not a finite number")
         load = 0.0
         if speed != 0.0:
-            load += abs(speed) / paces[i] if paces[i] > 0.0 else np.inf
+            load += abs(speed) / speeds[i] if speeds[i] > 0.0 else np.inf
         if turn != 0.0:
             load += abs(turn) / body[0].turn if body[0].turn > 0.0 else np.inf
         wishes[1, i] = speed / max(load, 1.0)

@@ -9,7 +9,7 @@ from swarmcensus.engine.compiling import entry
 from swarmcensus.engine.constants import PACE
 from swarmcensus.engine.layout import Chunk, Recorded
 
-from .riding import live_on, room_of, steer_all
+from .riding import buffers_of, live_on, steer_all
 from .walk import walk
 
 
@@ -27,7 +27,7 @@ def live(
     looked, tiles, heard = np.zeros((1, n), np.bool_), np.zeros((1, n, 2), np.int32), np.zeros(n + 1, np.int64)
     senders, poses, begin = np.zeros(messages, np.uint32), np.zeros((0, n, 3)), np.zeros((0, 3))
     recorded = Recorded(np.zeros((0, 0, 0)), np.zeros((0, 0)))
-    room = room_of(n, messages, minds.outbox.shape[1])
+    buffers = buffers_of(n, messages, minds.outbox.shape[1])
     low, left = floor.shape[0] // 2, floor.shape[1] // 2
     for tick in range(1, minds.rows.shape[0] + 1):
         chunk = Chunk(tick, looked, tiles, heard, senders, poses, begin)
@@ -39,5 +39,5 @@ def live(
             black[0, i] = floor[row, column] != 0
             if turns.shape[0] > 0 and tick >= turns[row, column]:
                 black[0, i] = not black[0, i]
-        live_on(swarm, minds, room, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
-        steer_all(swarm, room.bits, minds.memory, bodies.body, bodies.state[PACE], trial, tick, bodies.wishes)
+        live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chunk, black, recorded, trial, stop)
+        steer_all(swarm, buffers.bits, minds.memory, bodies.body, bodies.state[PACE], trial, tick, bodies.wishes)

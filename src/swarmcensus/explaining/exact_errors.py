@@ -47,7 +47,7 @@ def exact_errors(study: Study, setting: Setting, trials: NDArray[np.intp]) -> Ex
     line = ALONE if hears_nobody else BRAINS[name]
     if line in absent:
         return _unknown(absent[line])
-    if any(brain.sha256 != setting.brain.sha256 for brain in setting.crew):
+    if any(brain.sha256 != setting.brain.sha256 for brain in setting.brains):
         return _unknown("robots have several brains")
     if name == "minimalistic" and not hears_nobody:
         return _unknown("no closed form is known for minimalistic's use of messages")

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.comparing.contenders import parameters_in
 from swarmcensus.results.selecting import require
 from swarmcensus.results.summaries import derived_size, is_idle
+from swarmcensus.results.values import parameters_in
 from swarmcensus.vocabulary.coordinates import IN_CAPTIONS, caption_form, idle_caption, plural_of
 
 LIARS = {"liars", "adversary"}  # how many robots lie, and how: together they are equivalent to `members`

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import xarray as xr
 
 from swarmcensus import brains
@@ -23,6 +24,8 @@ from swarmcensus.studies.study import Study
 from swarmcensus.studies.toml_text import read_toml, to_toml
 
 PAGE, FIGURE = "leaderboard.md", "leaderboard.png"
+LEAST = 1e-3  # smaller errors have the same colour
+SIZE = 7.0  # points: the numbers of the picture
 
 
 @dataclass(frozen=True)
@@ -108,13 +111,38 @@ def _changed(path: Path, study: Study, say: Callable[[str], None]) -> bool:
 
 
 def _draw(scores: Scores, own: list[str], path: Path) -> None:
-    """Write the picture of the errors, with your own brains in bold."""
-    from swarmcensus.figures.files import save  # imports matplotlib, which takes half a second
-    from swarmcensus.leaderboard.picture import draw_board
+    """Write the picture of the errors, a row per contender, the best first: dark is worse, your own are bold."""
+    from matplotlib.colors import LogNorm  # matplotlib takes half a second
+    from matplotlib.figure import Figure
+    from matplotlib.ticker import NullFormatter
+
+    from swarmcensus.figures.files import save
+    from swarmcensus.figures.lettering import write_numbers
 
     order = scores.error.order
     names = [scores.contenders[k] for k in order]
-    save(draw_board(names, [column.name for column in COLUMNS], scores.error.values[order], own), path)
+    values = scores.error.values[order]
+    rows, count = values.shape
+    figure = Figure(figsize=(2.6 + 0.72 * count, 1.5 + 0.215 * rows), layout="constrained")
+    axes = figure.add_subplot()
+    known = values[np.isfinite(values)]
+    norm = LogNorm(max(LEAST, known.min(initial=1.0)), max(known.max(initial=LEAST), 2 * LEAST), clip=True)
+    image = axes.imshow(values, cmap="cividis_r", norm=norm, aspect="auto")
+    write_numbers(axes, image, values, "{:.3f}".format, SIZE)
+    axes.set_xticks(
+        range(count), [column.name for column in COLUMNS], size=SIZE + 1, rotation=35, ha="left", rotation_mode="anchor"
+    )
+    axes.set_yticks(range(rows), names, size=SIZE + 1)
+    for label, name in zip(axes.get_yticklabels(), names, strict=True):
+        label.set_fontweight("bold" if name in own else "normal")
+    axes.tick_params(length=0, labeltop=True, labelbottom=False, top=False)
+    axes.spines[:].set_visible(False)
+    bar = figure.colorbar(image, ax=axes, pad=0.01, fraction=0.03)
+    bar.set_label("error of the last estimate", size=SIZE + 1)
+    bar.ax.tick_params(which="both", labelsize=SIZE)
+    bar.ax.yaxis.set_major_formatter("{x:g}")
+    bar.ax.yaxis.set_minor_formatter(NullFormatter())
+    save(figure, path)
 
 
 OFFICIAL = "shipped"  # the name of the shipped brains' results

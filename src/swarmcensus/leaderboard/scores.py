@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from swarmcensus.comparing.contenders import NONE, Field, field_of
+from swarmcensus.comparing.contenders import NONE, Grid, grid_of
 from swarmcensus.comparing.pair_tests import ContestInput, contests
 from swarmcensus.results import measures
 from swarmcensus.statistics.bootstrap import Statistic, centres
@@ -105,7 +105,7 @@ class Score:
 class Scores:
     """The whole board: contenders, worlds and scores."""
 
-    field: Field
+    grid: Grid
     worlds: Sequence[World]
     error: Score
     side: Score
@@ -115,23 +115,23 @@ class Scores:
     @property
     def contenders(self) -> list[str]:
         """Their names."""
-        return self.field.contenders
+        return self.grid.contenders
 
 
 def scores_of(data: xr.Dataset, opinions: Collection[str], oracles: Collection[str] = ()) -> Scores:
     """Score results. The estimates of brains in `opinions` have no error; those in `oracles` are bounds."""
-    field, _ = field_of(data, data)
+    grid, _ = grid_of(data, data)
     columns = {str(name): values.values.tolist() for name, values in data.coords.items() if values.dims == ("setting",)}
-    firsts = [next(place for place in row if place != NONE) for row in field.place]
+    firsts = [next(place for place in row if place != NONE) for row in grid.place]
     worlds = [{name: values[k] for name, values in columns.items()} for k in firsts]
-    brains = [str(data["brain"].values[column[column != NONE][0]]) for column in field.place.T]
-    errors = field.spread(measures.numbers(data, ERROR))
+    brains = [str(data["brain"].values[column[column != NONE][0]]) for column in grid.place.T]
+    errors = grid.spread(measures.numbers(data, ERROR))
     errors[:, [brain in opinions for brain in brains]] = np.nan
-    sides = field.spread(measures.numbers(data, SIDE))
-    costs = {name: np.nanmean(field.spread(measures.numbers(data, name)), axis=(0, 2)) for name in ("messages_sent",)}
-    costs |= {name: np.nanmean(field.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
-    bounds = frozenset(name for name, brain in zip(field.contenders, brains, strict=True) if brain in oracles)
-    return Scores(field, worlds, _score(ERROR, errors, worlds, True), _score(SIDE, sides, worlds, False), costs, bounds)
+    sides = grid.spread(measures.numbers(data, SIDE))
+    costs = {name: np.nanmean(grid.spread(measures.numbers(data, name)), axis=(0, 2)) for name in ("messages_sent",)}
+    costs |= {name: np.nanmean(grid.spread(data[name].values.astype(float)), axis=0) for name in measures.SIZES}
+    bounds = frozenset(name for name, brain in zip(grid.contenders, brains, strict=True) if brain in oracles)
+    return Scores(grid, worlds, _score(ERROR, errors, worlds, True), _score(SIDE, sides, worlds, False), costs, bounds)
 
 
 def _score(name: str, numbers: Floats, worlds: Sequence[World], low: bool) -> Score:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import math
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -19,10 +20,15 @@ from swarmcensus.paper.evaluations import PAPER, Evaluation
 from swarmcensus.paper.evidence import FAILS, HOLDS, NO, OPEN, YES, Detail, Outcome
 from swarmcensus.paper.figures import PaperFigure
 from swarmcensus.paper.report import SIGNS, WORDS, kind, measured, tally
-from swarmcensus.paper.strips import strip
 from swarmcensus.statistics import intervals
 
 CLOCK = "wall-clock time"  # what all times are, on the page and on the terminal
+
+# the drawing of a claim, in pixels; in colours of the page
+WIDTH, HEIGHT, LEFT, MARGIN, LETTERS = 960.0, 180.0, 60.0, 12.0, 11.0
+COLOURS = {YES: "var(--yes)", NO: "var(--no)", OPEN: "var(--open)"}
+SHAPES = {YES: "dot", NO: "cross", OPEN: "ring"}
+FEWEST = 4  # settings: fewer are read as easily in their list
 
 
 @dataclass(frozen=True)
@@ -123,3 +129,55 @@ def _file(done: Reproduction, path: Path) -> dict[str, Any]:
 
 def _link(done: Reproduction, path: Path) -> str:
     return quote(path.relative_to(done.out).as_posix())
+
+
+def strip(outcome: Outcome) -> str:
+    """Value and interval of each setting, with the range in which the claim holds as a shaded band, as SVG.
+
+    Each setting is a vertical interval with a dot, a ring (undecided) or a cross (on the wrong side) at its value.
+    The scale is logarithmic where all values are positive. Empty for few settings, and where values have no interval.
+    """
+    drawn = [(d, *d.interval) for d in outcome.details if d.interval and _finite(d.value, *d.interval)]
+    thresholds = [end for end in outcome.claim.right if _finite(end)]
+    ends = [end for _, low, high in drawn for end in (low, high)] + thresholds
+    if len(drawn) < FEWEST or min(ends) == max(ends):
+        return ""
+    scale = math.log if min(ends) > 0 else float
+    bottom, top = scale(min(ends)), scale(max(ends))
+
+    def y(value: float) -> float:
+        inside = min(max(value, min(ends)), max(ends))  # an open end of the band is the edge of the drawing
+        return MARGIN + (top - scale(inside)) / (top - bottom) * (HEIGHT - 2 * MARGIN)
+
+    labels: dict[float, float] = {}
+    for end in (*thresholds, min(ends), max(ends)):  # thresholds first: the others yield
+        if all(abs(y(end) - place) > LETTERS for place in labels):
+            labels[y(end)] = end
+    step = (WIDTH - LEFT) / len(drawn)
+    marks = [
+        {
+            "setting": detail.setting,
+            "shape": SHAPES[detail.verdict],
+            "colour": COLOURS[detail.verdict],
+            "x": LEFT + (i + 0.5) * step,
+            "y": y(detail.value),
+            "low": y(low),
+            "high": y(high),
+        }
+        for i, (detail, low, high) in enumerate(drawn)
+    ]
+    return render(
+        Path(__file__).with_name("strip.svg.jinja"),
+        title=outcome.claim.title,
+        width=WIDTH,
+        height=HEIGHT,
+        left=LEFT,
+        band=sorted(map(y, outcome.claim.right)),
+        thresholds=list(map(y, thresholds)),
+        labels=labels,
+        marks=marks,
+    )
+
+
+def _finite(*values: float) -> bool:
+    return all(map(math.isfinite, values))

@@ -144,7 +144,7 @@ def _of_working(setting: Setting, seed: int, right: NDArray[np.bool_]) -> Floats
     if not setting.faults:
         return np.asarray(right.mean(axis=2))
     trials = range(right.shape[1])
-    honest = setting.who(seed, 0, len(trials)) == 0
+    honest = setting.groups(seed, 0, len(trials)) == 0
     works = np.array([(setting.stops(seed, trial)[SENSING] == NEVER)[honest[trial]] for trial in trials])
     return np.asarray((right & works).sum(axis=2) / works.sum(axis=1))
 

@@ -75,10 +75,11 @@ def _converge(
 ) -> None:
     """Set the convergence of setting k from `curves` (checkpoint, trial, robot) of these trials."""
     robots = curves.shape[2]
-    index = metrics.convergence(curves.reshape(len(curves), -1), float(new.attrs["delta"])).reshape(-1, robots)
-    value = np.take_along_axis(curves, index[np.newaxis], axis=0)[0]
-    new["convergence_round"].values[k, trials, :robots] = checkpoints[index]
-    new["convergence_error"].values[k, trials, :robots] = np.abs(value - truth[trials, np.newaxis])
+    columns = curves.reshape(len(curves), -1)
+    index = metrics.convergence(columns, float(new.attrs["delta"]))
+    error = metrics.error_at(columns, index, np.repeat(truth[trials], robots))
+    new["convergence_round"].values[k, trials, :robots] = checkpoints[index].reshape(-1, robots)
+    new["convergence_error"].values[k, trials, :robots] = error.reshape(-1, robots)
 
 
 def _check(changed: dict[str, float]) -> None:

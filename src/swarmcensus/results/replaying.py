@@ -91,7 +91,7 @@ def honest_in(trace: xr.Dataset) -> np.ndarray:
 
 def _name_members(trace: xr.Dataset, chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """Add the number of each robot's table of members, and who is honest; return the latter (robot,)."""
-    who = chosen.who(seed, trial, 1)[0]
+    who = chosen.groups(seed, trial, 1)[0]
     meanings = "; ".join(f"{number}: {member}" for number, member in enumerate(chosen.members, start=1))
     trace[free("member", trace)] = ("robot", who.astype(np.int32), {"long_name": f"0: as the swarm; {meanings}"})
     honest = np.array([True, *(member.honest for member in chosen.members)])[who]
@@ -168,7 +168,7 @@ def recording(
     links, it returns messages (message, 3) of step, sender, receiver instead of edges. Raises InputError.
     """
     study, chosen = _find(results, setting, trial, brain)
-    if len(chosen.crew) > 1:
+    if len(chosen.brains) > 1:
         raise InputError("a recording is for one brain, and the robots of this setting have several")
     if chosen.brain.is_oracle and chosen.body is not None:
         raise InputError("a recording holds the messages between neighbours, and an oracle hears all robots")
@@ -195,8 +195,8 @@ def recording(
 def _readings(chosen: Setting, seed: int, trial: int) -> np.ndarray:
     """The single readings of a trial (observation, robot), NaN for robots that are done."""
     readings = record_readings(chosen, seed, trial)
-    if any(brain.ends for brain in chosen.crew):
-        done = ended(chosen.crew, record_trial(chosen, seed, trial)[0])
+    if any(brain.ends for brain in chosen.brains):
+        done = ended(chosen.brains, record_trial(chosen, seed, trial)[0])
         readings[np.repeat(done, chosen.observations_per_round, axis=0)] = np.nan
     return readings
 

@@ -138,6 +138,8 @@ def numbers(texts: np.ndarray) -> np.ndarray:
 def _value(node: ast.expr, known: dict[str, np.ndarray]) -> Any:
     if isinstance(node, ast.Name):
         if node.id not in known:
+            if any(node.id in values for values in known.values()):
+                raise ValueError(f'no coordinate {node.id!r}: a text is quoted, as "{node.id}"')
             raise ValueError(
                 f"no coordinate {node.id!r}: {did_you_mean(node.id, known)}known are {', '.join(sorted(known))}"
             )

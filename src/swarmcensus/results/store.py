@@ -87,7 +87,7 @@ def _costs(settings: list[Setting]) -> dict[str, tuple[list[int], dict[str, str]
     costs = {
         "memory_bytes": [s.brain.memory_bytes for s in settings],
         "message_bytes": [s.brain.message_bytes for s in settings],
-        "anonymous": [int(not any(b.uses.name for b in s.crew)) for s in settings],
+        "anonymous": [int(not any(b.uses.name for b in s.brains)) for s in settings],
     }
     if any(setting.honest < setting.robots for setting in settings):
         costs = {"honest": [s.honest for s in settings]} | costs

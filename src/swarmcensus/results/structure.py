@@ -309,4 +309,5 @@ def _sources(data: xr.Dataset, key: str, what: str) -> dict[str, dict[str, str]]
 
 
 def _unknown_origin(key: str, error: Exception) -> InputError:
-    return InputError(f"these results do not say how they were made (attributes study and {key}): {error!r}")
+    why = f"no attribute {error}" if isinstance(error, KeyError) else f"{key} should be names with sha256 and source"
+    return InputError(f"these results do not say how they were made (attributes study and {key}): {why}")

@@ -139,9 +139,18 @@ def robots_in(data: Any) -> Any:
     return data["honest"] if "honest" in data else data["robots"]
 
 
-def parameters_in(data: Any) -> list[str]:
-    """The names of coordinates that are parameters of brains."""
-    return list(dict.fromkeys(name for names in _read(data.attrs.get("parameters", "{}")).values() for name in names))
+def parameters_in(data: Any) -> dict[str, list[str]]:
+    """The names of each brain's parameters, which are coordinates. Raises InputError if they cannot be read."""
+    text = data.attrs.get("parameters", "{}")
+    try:
+        parameters = {str(brain): [str(name) for name in names] for brain, names in json.loads(text).items()}
+    except (ValueError, TypeError, AttributeError) as error:
+        raise InputError(f"the attribute parameters should name brains' parameters, not {str(text)[:60]!r}") from error
+    for brain, names in parameters.items():
+        for name in names:
+            if name not in data.coords or data[name].dims != ("setting",):
+                raise InputError(f"these results have no coordinate {name}, the parameter of {brain}")
+    return parameters
 
 
 def metrics_in(data: Any) -> dict[str, dict[str, Any]]:

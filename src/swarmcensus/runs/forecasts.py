@@ -68,7 +68,7 @@ def _trial_seconds(task: Task) -> float:
 def _slowdowns(study: Study, settings: Sequence[Setting], tasks: Sequence[Task]) -> list[float]:
     """The ratio of measured to predicted time of each task, measured on a part of its brains' longest trial."""
     longest: dict[object, Task] = {}
-    keys = [(task.kind, settings[task.settings[0]].crew) for task in tasks]
+    keys = [(task.kind, settings[task.settings[0]].brains) for task in tasks]
     for key, task in zip(keys, tasks, strict=True):
         if key not in longest or _trial_seconds(task) > _trial_seconds(longest[key]):
             longest[key] = task

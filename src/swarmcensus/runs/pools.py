@@ -139,13 +139,13 @@ def _compile_note(setting: Setting) -> str:
     """What is compiled for a setting, in words for a person who waits."""
     moves = bool(setting.body)
     engine = "" if _engine_is_compiled(setting) else "the engine and "
-    crew = " and ".join(brain.name for brain in setting.crew)
-    return f"compiling {engine}{crew} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
+    names = " and ".join(brain.name for brain in setting.brains)
+    return f"compiling {engine}{names} for {'robots that move' if moves else 'fixed networks'}, once on this machine"
 
 
 def _kind_of_swarm(setting: Setting) -> str:
     """A setting's brains and whether robots move: settings that share these share machine code."""
-    brains = " and ".join(brain.name for brain in setting.crew)
+    brains = " and ".join(brain.name for brain in setting.brains)
     return f"{brains}, {'robots that move' if setting.body else 'fixed networks'}"
 
 
@@ -158,14 +158,14 @@ def _engine_is_compiled(setting: Setting) -> bool:
     """Whether the engine's loop for such robots is in the cache on disk."""
     if not setting.body:
         return compiler.is_known("kernel", "simulate")
-    steers = any(brain.steers for brain in setting.crew)
+    steers = any(brain.steers for brain in setting.brains)
     return compiler.is_known("steering", "live") if steers else compiler.is_known("riding", "ride")
 
 
 def _is_compiled(setting: Setting, study: Study) -> bool:
     uses = [setting.use] + ["alone"] * (study.measure.local and not setting.body)
-    mixed = len(setting.crew) > 1
-    minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.crew)
+    mixed = len(setting.brains) > 1
+    minds = all(compiler.is_compiled(brain, use, mixed) for use in uses for brain in setting.brains)
     return minds and _engine_is_compiled(setting)
 
 
@@ -182,8 +182,8 @@ def tiny_settings(settings: list[Setting]) -> list[Setting]:
     """One tiny setting for each combination of brains, use and kind of floor: running it compiles all they need."""
     tiny_by_kind = {}
     for setting in settings:
-        crew = tuple(brain.name for brain in setting.crew)
-        key = crew, setting.use, setting.floor and setting.floor.kind
+        names = tuple(brain.name for brain in setting.brains)
+        key = names, setting.use, setting.floor and setting.floor.kind
         if key not in tiny_by_kind:
             one_of_each = tuple(replace(m, robots=1, share=False, honest=True) for m in setting.members)
             tiny = replace(setting, robots=1 + len(one_of_each), rounds=1, faults=(), members=one_of_each)

@@ -16,7 +16,7 @@ from swarmcensus.results.store import load
 from swarmcensus.results.structure import failures, finished
 from swarmcensus.runs.progress import clock
 
-GOES_ON = "the same swarmcensus run goes on from here"
+HOW_TO_CONTINUE = "the same swarmcensus run goes on from here"
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class Status:
     failed: int = 0
     rule: str = ""  # the rule until which trials are still added
     share: str = ""  # the progress of a machine's share
-    goes_on: str = ""  # how to continue, if the study is neither running nor done
+    how_to_continue: str = ""  # how to continue, if the study is neither running nor done
 
     @property
     def as_dict(self) -> dict[str, Any]:
@@ -41,7 +41,7 @@ class Status:
         return {
             "title": self.study, "settings_total": self.settings, "trials_done": self.done, "trials_total": self.total,
             "trials_failed": self.failed, "running": self.running or None, "seconds_left": self.seconds_left,
-            "rule": self.rule or None, "share": self.share or None, "goes_on": self.goes_on or None,
+            "rule": self.rule or None, "share": self.share or None, "how_to_continue": self.how_to_continue or None,
             "damaged": self.damaged,
         }  # fmt: skip
 
@@ -58,8 +58,8 @@ class Status:
             if self.seconds_left is not None:
                 end = time.strftime("%Y-%m-%d %H:%M", time.localtime(time.time() + self.seconds_left))
                 out.append(f"about {clock(self.seconds_left)} left{' of this stage' * bool(self.rule)}: ends {end}")
-        elif self.goes_on:
-            out.append(f"not running: {self.goes_on}")
+        elif self.how_to_continue:
+            out.append(f"not running: {self.how_to_continue}")
         out += [f"{path} is damaged: what it held will be run again" for path in self.damaged]
         if self.failed:
             out.append(f"{counted(self.failed, 'trial')} failed: see the attribute `failed`")
@@ -79,19 +79,19 @@ def status(out: str | Path) -> Status:
     data = load(out)
     done, total, failed = int(data.attrs["trials_done"]), int(data.attrs["trials_total"]), len(failures(data))
     rule = str(data["half_width"].attrs.get("rule", "")) if "half_width" in data and done + failed < total else ""
-    share, goes_on = "", GOES_ON if done < total else ""
-    if "merged" in data.attrs and goes_on:
+    share, how_to_continue = "", HOW_TO_CONTINUE if done < total else ""
+    if "merged" in data.attrs and how_to_continue:
         texts = json.loads(data.attrs["merged"])
         which = "its study" if len(texts) == 1 else f"one study that holds all settings of the {len(texts)} merged"
-        goes_on = f"swarmcensus run of {which}, with --out {out}, goes on from here"
-    elif "share" in data.attrs and goes_on:
+        how_to_continue = f"swarmcensus run of {which}, with --out {out}, goes on from here"
+    elif "share" in data.attrs and how_to_continue:
         finished_count, wanted = _share_progress(data)
         share = f"share {data.attrs['share']}: {finished_count:,} of its {counted(wanted, 'trial')} done"
         if finished_count == wanted:
-            goes_on = "this share is done, swarmcensus merge puts it together with the others"
+            how_to_continue = "this share is done, swarmcensus merge puts it together with the others"
     return Status(
         str(data.attrs["title"]), data.sizes["setting"], done, total, failed=failed, rule=rule, share=share,
-        goes_on=goes_on,
+        how_to_continue=how_to_continue,
     )  # fmt: skip
 
 
@@ -124,4 +124,6 @@ def _status_of_run(out: Path, folder: Path) -> Status:
     running = holder if shards.is_busy(folder) else ""
     left = max(0.0, (work - worked) * wall / worked) if running and worked else None
     share = f"share {about['share']}: these are its trials" if about.get("share") else ""
-    return Status(name, settings, found, total, running, left, damaged, rule=rule, share=share, goes_on=GOES_ON)
+    return Status(
+        name, settings, found, total, running, left, damaged, rule=rule, share=share, how_to_continue=HOW_TO_CONTINUE
+    )

@@ -30,7 +30,7 @@ def line_of_failure(setting: Setting, seed: int, trial: int, checkpoints: Contai
     try:
         _live(setting, seed, trial, checkpoints)
     except Exception as error:
-        lines = (line_of(error, brain.path) for brain in setting.crew)
+        lines = (line_of(error, brain.path) for brain in setting.brains)
         return next(filter(None, lines), "")
     return ""
 
@@ -45,7 +45,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     given = inputs_of(setting, seed, trial)
     stops = given.stops[0]
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
-    brain = [setting.crew[one] for one in group]
+    brain = [setting.brains[one] for one in group]
     b, w = given.first_beliefs
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay

@@ -10,7 +10,7 @@ from swarmcensus.studies.settings import Setting
 
 NO_GROUPS = np.zeros((0, 0), np.int64)
 ALL_HONEST = np.zeros((0, 0), np.bool_)
-NO_PACES = np.zeros((0, 0))
+NO_SPEEDS = np.zeros((0, 0))
 NO_KEY = np.zeros(2, np.uint64)  # where nothing is drawn
 
 
@@ -25,7 +25,7 @@ class Inputs(NamedTuple):
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
     luck: np.ndarray  # two keys; empty where no brain uses luck
     walk: np.ndarray  # key of the random walk
-    paces: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
+    speeds: np.ndarray  # (trial, robot): metres that a robot goes in a tick; no rows on fixed networks
     group: np.ndarray  # (trial, robot): which of the setting's brains; no rows where there is only one
     honest: np.ndarray  # (trial, robot): whom metrics count; no rows where they count all
 
@@ -39,7 +39,7 @@ class Inputs(NamedTuple):
             first=self.first + k,
             sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
             beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
-            paces=self.paces[one], group=self.group[one], honest=self.honest[one],
+            speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
 
     @property
@@ -60,7 +60,7 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     orders = setting.readings_key(seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
     losses = setting.losses_key(seed) if setting.loss_threshold else NO_KEY
-    group, honest = _who(setting, seed, first, trials)
+    group, honest = _groups_of(setting, seed, first, trials)
     return Inputs(
         first=first,
         sensors=sensors,
@@ -70,19 +70,19 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
         stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),
         luck=setting.luck_keys(seed, alone=order),
         walk=setting.walk_key(seed) if moves else NO_KEY,
-        paces=np.stack([setting.paces(seed, first + t) for t in range(trials)]) if moves else NO_PACES,
+        speeds=np.stack([setting.speeds(seed, first + t) for t in range(trials)]) if moves else NO_SPEEDS,
         group=group,
         honest=honest,
     )
 
 
-def _who(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
+def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
     group, honest = NO_GROUPS, ALL_HONEST
     if not setting.members:
         return group, honest
-    who, crew = setting.who(seed, first, trials), setting.crew
-    if len(crew) > 1:
-        group = np.array([0, *(crew.index(m.brain_in(setting.brain)) for m in setting.members)])[who]
+    groups, brains = setting.groups(seed, first, trials), setting.brains
+    if len(brains) > 1:
+        group = np.array([0, *(brains.index(m.brain_in(setting.brain)) for m in setting.members)])[groups]
     if setting.honest < setting.robots:
-        honest = np.array([True, *(m.honest for m in setting.members)])[who]
+        honest = np.array([True, *(m.honest for m in setting.members)])[groups]
     return group, honest

@@ -13,7 +13,7 @@ ENDS = "interval_low", "interval_high"  # of a trace, beside a brain's own field
 
 def intervals_of(setting: Setting, checkpoints: np.ndarray, truths: np.ndarray, trials: int) -> Intervals:
     """Room for the intervals of a setting's robots at checkpoints, where the fill ratios are `truths`."""
-    robots = setting.robots if any(brain.has_interval for brain in setting.crew) else 0
+    robots = setting.robots if any(brain.has_interval for brain in setting.brains) else 0
     sure, wrong = np.full((trials, 2, checkpoints.size), np.nan), np.full((trials, 4), -1.0)
     return Intervals(checkpoints, truths, np.empty((2, robots)), sure, wrong)
 
@@ -28,7 +28,7 @@ def check_intervals(setting: Setting, given: Inputs, intervals: Intervals) -> No
     """Raise InputError if a brain returned an invalid interval."""
     for trial in np.flatnonzero(intervals.wrong[:, 0] >= 0.0)[:1]:
         robot, tick, low, high = intervals.wrong[trial]
-        brain = setting.crew[given.group[trial, int(robot)]] if given.group.size else setting.brain
+        brain = setting.brains[given.group[trial, int(robot)]] if given.group.size else setting.brain
         raise InputError(
             f"brain {brain.name!r} fails in trial {given.first + trial} of {setting}: after "
             f"{'tick' if setting.body else 'round'} {tick:g} interval gives ({low:g}, {high:g}): {INTERVAL}"

@@ -173,7 +173,7 @@ class _Moving:
         self.swarm, self.wishes = self.rider.swarm, wishes_of(setting)
         self.walk = Walk(
             setting.robots, setting.arena_side, setting.fastest_body, given.walk, given.first, self.stop, True,
-            given.stops[0], self.wishes, given.paces[0],
+            given.stops[0], self.wishes, given.speeds[0],
         )  # fmt: skip
         memory, outbox, _ = self.rider.minds
         self.arrays = [

@@ -19,8 +19,8 @@ def convergence(curves: np.ndarray, delta: float = 0.01) -> np.ndarray:
     return index
 
 
-def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float) -> np.ndarray:
-    """The accuracy |x^K - f| of each column at its index K. Paper, Sec. IV-A."""
+def error_at(curves: np.ndarray, index: np.ndarray, fill_ratio: float | np.ndarray) -> np.ndarray:
+    """The accuracy |x^K - f| of each column at its index K; f may differ by column. Paper, Sec. IV-A."""
     error: np.ndarray = np.abs(np.take_along_axis(curves, index[np.newaxis], axis=0)[0] - fill_ratio)
     return error
 

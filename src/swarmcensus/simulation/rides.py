@@ -68,8 +68,8 @@ class Rider:
         """Ask the minds where they want to go after a tick, if they steer."""
         if wishes.size:
             assert self.setting.body is not None
-            body, paces = self.setting.body.numbers, self.given.paces[0]
-            self.kernel.steer(self.swarm, self.minds.memory, body, paces, self.trial, tick, wishes)
+            body, speeds = self.setting.body.numbers, self.given.speeds[0]
+            self.kernel.steer(self.swarm, self.minds.memory, body, speeds, self.trial, tick, wishes)
 
     def measure(self, metrics: Metrics, ground: Ground | ChangingGround) -> Batch:
         """The trial's metrics, as a batch of one."""
@@ -151,7 +151,7 @@ def steered(setting: Setting, seed: int, trial: int, metrics: Metrics, stop: np.
     given, ground = inputs_of(setting, seed, trial), setting.ground(seed, trial)
     rider = Rider(setting, given, metrics.checkpoints, truths_of(setting, metrics, ground))
     bodies, neighbours = set_out(
-        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.paces[0]
+        setting.robots, setting.arena_side, setting.fastest_body, given.walk, trial, wishes_of(setting), given.speeds[0]
     )
     with blaming(setting, trial):
         compiler.compile_world("steering").live(
@@ -183,7 +183,7 @@ def walk_of(
         poses,
         given.stops[0],
         wishes,
-        given.paces[0],
+        given.speeds[0],
     )
 
 
@@ -226,8 +226,8 @@ def record_ride(setting: Setting, seed: int, trial: int) -> Ride:
     estimates = np.concatenate([rider.start, rider.minds.rows])
     joined = np.concatenate(links)
     with blaming(setting, trial):  # robots are asked for intervals in every tick here
-        fields = fields_of(setting.crew, rider.swarm, history, estimates)
-    done = ended(setting.crew, fields)
+        fields = fields_of(setting.brains, rider.swarm, history, estimates)
+    done = ended(setting.brains, fields)
     if done.size:
         looked[1:][done], readings[1:][done] = False, np.nan
     return Ride(

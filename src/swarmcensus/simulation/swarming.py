@@ -27,7 +27,7 @@ def swarm_of(setting: Setting, given: Inputs, use: str) -> Swarm:
         return plain._replace(luck=given.luck) if given.luck.size else plain
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else ALL_HONEST
-    return swarm(setting.crew, group, use, given.luck, honest)
+    return swarm(setting.brains, group, use, given.luck, honest)
 
 
 @functools.lru_cache(maxsize=256)
@@ -81,7 +81,7 @@ def numbers_of(swarm: Swarm) -> int:
 
 def tally_of(setting: Setting, trials: int, local: bool = False) -> Tally:
     """Counts of zero, and room for decisions, if any brain of the setting decides or ends; no `local` estimate does."""
-    judged = not local and any(brain.decides or brain.ends for brain in setting.crew)
+    judged = not local and any(brain.decides or brain.ends for brain in setting.brains)
     verdicts = np.empty((trials, setting.robots if judged else 0, VERDICTS))
     return Tally(np.zeros((trials, 2, setting.robots), np.int64), verdicts, np.empty((trials, 2)))
 
@@ -90,7 +90,7 @@ def check_verdicts(setting: Setting, given: Inputs, verdicts: np.ndarray) -> Non
     """Raise InputError if a brain decided for an option that does not exist."""
     wrong = np.argwhere(verdicts[..., WRONG] != -1.0) if verdicts.size else ()
     for trial, robot in wrong[:1]:
-        brain = setting.crew[given.group[trial, robot]] if given.group.size else setting.brain
+        brain = setting.brains[given.group[trial, robot]] if given.group.size else setting.brain
         raise InputError(
             f"brain {brain.name!r} fails in trial {given.first + trial} of {setting}: decide gives "
             f"{verdicts[trial, robot, WRONG]:g}: -1 (undecided) or an option from 0 to {brain.options - 1} is right"
@@ -99,7 +99,7 @@ def check_verdicts(setting: Setting, given: Inputs, verdicts: np.ndarray) -> Non
 
 def consensus_of(setting: Setting, agreed: np.ndarray, truth: float) -> np.ndarray:
     """Which option all robots agreed on, when, whether it is right, and which is (trial, 4); NaN if none decides."""
-    options = [brain.options for brain in setting.crew if brain.decides]  # all the same
+    options = [brain.options for brain in setting.brains if brain.decides]  # all the same
     if not options:
         return np.full((len(agreed), 4), np.nan)
     right = right_option(truth, options[0])

@@ -259,7 +259,7 @@ def blaming(setting: Setting, first: int, trials: int = 1) -> Iterator[None]:
 
 def blame(setting: Setting, first: int, trials: int, error: Exception) -> InputError:
     """The InputError that names a failing brain, and the trials in which it fails."""
-    text, crew = str(error).strip(), setting.crew
+    text, crew = str(error).strip(), setting.brains
     which = f"trials {first} to {first + trials - 1}" if trials > 1 else f"trial {first}"
     what = f"{type(error).__name__}: {text.splitlines()[0] if text else ''}"
     if isinstance(error, compiler.NotCompiled):
@@ -282,8 +282,8 @@ def record_trial(setting: Setting, seed: int, trial: int) -> tuple[dict[str, np.
         compiler.compile_world("kernel").believe(swarm, history, estimates)
     compiler.compile_world().round_readings(given.sensors.of_trial(0), trial, blacks[1:])
     with blaming(setting, trial):  # robots are asked for intervals in every round here
-        fields = fields_of(setting.crew, swarm, history, estimates)
-    done = ended(setting.crew, fields)
+        fields = fields_of(setting.brains, swarm, history, estimates)
+    done = ended(setting.brains, fields)
     if done.size:
         blacks[1:][done] = 0.0
     return fields, estimates, blacks

@@ -30,11 +30,11 @@ def set_out(
     key: np.ndarray,
     trial: int,
     wishes: np.ndarray = NO_WISHES,
-    paces: np.ndarray | None = None,
+    speeds: np.ndarray | None = None,
 ) -> tuple[Bodies, Neighbours]:
     """Place robots at random, and make room for lists of their neighbours.
 
-    `paces` (robot) are metres a tick, by default the body's; none is faster than that. A tick has at most as many
+    `speeds` (robot) are metres a tick, by default the body's; none is faster than that. A tick has at most as many
     messages as the lists have room for. Raises InputError if the robots do not fit in the arena.
     """
     state = np.zeros((STATE, robots))
@@ -43,7 +43,7 @@ def set_out(
         raise InputError(f"{robots:,} robots find no room in a square of {side:.2f} m")
     if robots > ALL_PAIRS:  # neighbours in space are neighbours in memory, which large swarms need to be fast
         state[:] = state[:, np.lexsort((state[X], np.floor(state[Y] / body.reach)))]
-    state[PACE] = body.speed * body.tick if paces is None else paces
+    state[PACE] = body.speed * body.tick if speeds is None else speeds
     cells = max(1, int(side / max(body.reach + body.skin, bodies.half / math.sqrt(robots))))
     listed = max(1, robots * neighbours_at_most(robots, body))
     neighbours = Neighbours(
@@ -80,11 +80,11 @@ class Walk:
         poses: bool = False,
         stops: np.ndarray = NO_STOPS,
         wishes: np.ndarray = NO_WISHES,
-        paces: np.ndarray | None = None,
+        speeds: np.ndarray | None = None,
     ) -> None:
         """Place the robots; arguments are those of `walk`. Raises InputError if they do not fit in the arena."""
         self.module = compile_world("walk")
-        self.bodies, self.neighbours = set_out(robots, side, body, key, trial, wishes, paces)
+        self.bodies, self.neighbours = set_out(robots, side, body, key, trial, wishes, speeds)
         self.senders = np.zeros(self.neighbours.ears.size + SENDERS, np.uint32)
         self.trial, self.stop, self.stops, self.poses = trial, stop, stops, poses
 
@@ -120,14 +120,14 @@ def walk(
     poses: bool = False,
     stops: np.ndarray = NO_STOPS,
     wishes: np.ndarray = NO_WISHES,
-    paces: np.ndarray | None = None,
+    speeds: np.ndarray | None = None,
 ) -> Iterator[Chunk]:
     """The walk of one trial in chunks, from tick 1 on; `stops` as in `Setting.stops`.
 
     With `wishes` (3, robot) of brains that steer, chunks have one tick, because wishes change from tick to tick.
     Raises InputError if the robots do not fit in the arena.
     """
-    walk_ = Walk(robots, side, body, key, trial, stop, poses, stops, wishes, paces)
+    walk_ = Walk(robots, side, body, key, trial, stop, poses, stops, wishes, speeds)
     tick, fit = 1, max(1, CHUNK_BYTES // (robots * (41 if poses else 17)))
     while tick <= ticks:
         chunk = walk_.on(tick, 1 if wishes.size else min(ticks + 1 - tick, fit))

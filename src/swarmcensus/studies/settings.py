@@ -64,13 +64,13 @@ class Setting:
     # the swarm
 
     @functools.cached_property
-    def crew(self) -> tuple[Brain, ...]:
+    def brains(self) -> tuple[Brain, ...]:
         """All brains of the swarm, each once, its own first. An oracle is the only one: it does not hear liars."""
         if self.brain.is_oracle:
             return (self.brain,)
         return tuple(dict.fromkeys([self.brain, *(m.brain_in(self.brain) for m in self.members)]))
 
-    def who(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
+    def groups(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
         """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none."""
         return member_numbers(self.members, seed, first_trial, trials, self.robots)
 
@@ -82,12 +82,12 @@ class Setting:
     @property
     def steers(self) -> bool:
         """Whether any of its brains steers the robot."""
-        return any(brain.steers for brain in self.crew)
+        return any(brain.steers for brain in self.brains)
 
     @property
     def additive(self) -> bool:
         """Whether robots only add up messages. Brains of a mixed swarm may add up different things: False."""
-        return len(self.crew) == 1 and bool(self.brain.sums)
+        return len(self.brains) == 1 and bool(self.brain.sums)
 
     @property
     def use(self) -> str:
@@ -141,15 +141,15 @@ class Setting:
         speed = max([self.body.speed, *(m.speed for m in self.members if m.speed is not None)])
         return self.body if speed == self.body.speed else self.body.model_copy(update={"speed": speed})
 
-    def paces(self, seed: int, trial: int) -> np.ndarray:
+    def speeds(self, seed: int, trial: int) -> np.ndarray:
         """The distance that each robot drives straight ahead in a tick, in metres (robot); empty on fixed networks."""
         if self.body is None:
             return np.zeros(0)
         speeds = np.full(self.robots, self.body.speed)
-        who = self.who(seed, trial, 1)[0] if self.members else None
+        groups = self.groups(seed, trial, 1)[0] if self.members else None
         for number, member in enumerate(self.members, start=1):
             if member.speed is not None:
-                speeds[who == number] = member.speed
+                speeds[groups == number] = member.speed
         return speeds * self.body.tick
 
     def links(self, seed: int, first_trial: int, trials: int) -> Links:
@@ -180,21 +180,21 @@ class Setting:
         """When parts of robots fail, as `swarmcensus.worlds.faults.stops` gives it."""
         times = stops(self.faults, seed, trial, self.robots)
         lies = np.array([False, *(not m.honest for m in self.members)])
-        return for_an_oracle(times, lies[self.who(seed, trial, 1)[0]]) if self.brain.is_oracle else times
+        return for_an_oracle(times, lies[self.groups(seed, trial, 1)[0]]) if self.brain.is_oracle else times
 
     def accuracies(self, seed: int, first_trial: int, trials: int) -> tuple[np.ndarray, ...]:
         """True b and w, then assumed b and w, each (trial, robot) or (trial, 1)."""
         where = (seed, first_trial, trials, self.robots)
         if any(m.accuracy or m.assumed_accuracy for m in self.members):
-            who = self.who(seed, first_trial, trials)
-            drawn = _mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, who, where)
+            groups = self.groups(seed, first_trial, trials)
+            drawn = _mixed_accuracies(self.accuracy, self.assumed_accuracy, self.members, groups, where)
         else:
             drawn = _accuracies(self.accuracy, self.assumed_accuracy, where)
         return drawn[:2] * 2 if self.brain.is_oracle else drawn
 
     def drifts(self, seed: int, first_trial: int, trials: int, start: np.ndarray) -> np.ndarray:
         """How true accuracies drift from `start`, b of round 1 (trial, robot or 1): see `_drifts`."""
-        return _drifts(self.accuracy, self.members, lambda: self.who(seed, first_trial, trials), start)
+        return _drifts(self.accuracy, self.members, lambda: self.groups(seed, first_trial, trials), start)
 
     # addresses of random numbers
 
@@ -264,7 +264,7 @@ class Setting:
         All brains share them. With `alone` all networks do too: settings that differ only in the network share their
         local estimates.
         """
-        if not any(brain.uses.luck for brain in self.crew):
+        if not any(brain.uses.luck for brain in self.brains):
             return NO_LUCK
         network = {} if alone else {"topology": self.topology.content}
         content = {"robots": self.robots, **network, **self._where}
@@ -303,9 +303,9 @@ class Setting:
         """Settings of one group share their trajectories, trial by trial. Where a brain steers, it shares with none."""
         if self.steers:
             return self.fingerprint(0)
-        paces = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
+        speeds = [(m.robots, m.speed) for m in self.members] if any(m.speed is not None for m in self.members) else []
         lame = [(n, f.at, f.until, f.robots) for n, f in enumerate(self.faults) if "moving" in f.stop]
-        return repr((self.walk_content, self.rounds, lame, *paces))
+        return repr((self.walk_content, self.rounds, lame, *speeds))
 
 
 def _line(setting: Setting) -> str:
@@ -388,19 +388,19 @@ def _mixed_accuracies(
     true: Accuracy,
     assumed: Accuracy | Misjudgement | None,
     members: Sequence[Member],
-    who: np.ndarray,
+    groups: np.ndarray,
     where: Where,
 ) -> Sides:
     """True b and w, then assumed b and w, each (trial, robot), where members have accuracies of their own.
 
-    A member assumes what its table says, else what the swarm assumes. `who` (trial, robot) is from `Setting.who`.
+    A member assumes what its table says, else what the swarm assumes. `groups` (trial, robot) is from `Setting.groups`.
     """
-    of_swarm = [np.broadcast_to(side, who.shape) for side in _accuracies(true, assumed, where)]
+    of_swarm = [np.broadcast_to(side, groups.shape) for side in _accuracies(true, assumed, where)]
     own = of_swarm[:2]
     for number, member in enumerate(members, start=1):
         if member.accuracy:
             drawn = _drawn(member.accuracy, f"accuracy of members {number}", where, ())
-            own = _replaced(who == number, drawn, own)
+            own = _replaced(groups == number, drawn, own)
     believed = own if assumed is None else of_swarm[2:]
     for number, member in enumerate(members, start=1):
         belief = member.assumed_accuracy
@@ -408,22 +408,25 @@ def _mixed_accuracies(
             belief = assumed
         if belief:
             drawn = _drawn(belief, f"assumed by members {number}", where, own)
-            believed = _replaced(who == number, drawn, believed)
+            believed = _replaced(groups == number, drawn, believed)
     return tuple(np.ascontiguousarray(side) for side in (*own, *believed))
 
 
-def _drifts(true: Accuracy, members: Sequence[Member], who: Callable[[], np.ndarray], start: np.ndarray) -> np.ndarray:
+def _drifts(
+    true: Accuracy, members: Sequence[Member], groups: Callable[[], np.ndarray], start: np.ndarray
+) -> np.ndarray:
     """How robots' accuracies drift: their gain a round, their least and their greatest, (trial, 3, robot).
 
-    (trial, 3, 1) where all robots drift alike, (trial, 3, 0) where none drifts. `who` gives what `Setting.who` does.
-    `start` is b of round 1, (trial, robot) or (trial, 1). An accuracy that starts beyond its bound stays.
+    (trial, 3, 1) where all robots drift alike, (trial, 3, 0) where none drifts. `groups` is as
+    `Setting.groups`. `start` is b of round 1, (trial, robot) or (trial, 1). An accuracy that starts
+    beyond its bound stays.
     """
     kinds = [true, *(member.accuracy or true for member in members)]
     if all(accuracy.drift is None for accuracy in kinds):
         return np.zeros((len(start), 3, 0))
     differ = any(member.accuracy for member in members)
     numbers = np.array([(0.0, 0.0, 1.0) if a.drift is None else a.drift.numbers for a in kinds])
-    slope, least, most = np.moveaxis(numbers[who() if differ else np.zeros(start.shape, int)], -1, 0)
+    slope, least, most = np.moveaxis(numbers[groups() if differ else np.zeros(start.shape, int)], -1, 0)
     return np.ascontiguousarray(np.stack([slope, np.minimum(least, start), np.maximum(most, start)], axis=1))
 
 

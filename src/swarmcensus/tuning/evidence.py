@@ -134,6 +134,6 @@ def _contender_names(
 
 def _world_text(comparison: Comparison, row: dict[str, Any]) -> str:
     """A world's coordinates that differ among worlds, in parentheses."""
-    world = comparison.field.worlds[row["world"]]
+    world = comparison.grid.worlds[row["world"]]
     phrase = ", ".join(f"{name} {grouped(value)}" for name, value in world.items() if not is_idle(value))
     return f" ({phrase})" if phrase else ""

@@ -62,7 +62,7 @@ class Tuned:
             "brain": self.before.name, "values": self.values, "parameters": self.parameters,
             "parameters_before": self.before.parameters, "evaluations": len(self.evaluations), "course": self.course,
             "verdict": self.verdict, "sentences": self.evidence.sentences, "notes": self.notes,
-            "worlds": [] if found is None else found.field.worlds,
+            "worlds": [] if found is None else found.grid.worlds,
             "pairs": [] if found is None else found.pairs.to_dict("records"),
         }  # fmt: skip
 

@@ -15,7 +15,8 @@ class Coordinate:
     `caption` formats a value in a caption, by default as "name = value". `idle` is what a caption says of a value that
     says nothing (an empty text, NaN), where that would be missed. `title` names an axis or a key, `plural` several
     values. `counts` is whether its values often span decades. `blank` stands for a setting that has no value, where
-    other settings of the study have one. `always` is whether every file has it.
+    other settings of the study have one. `always` is whether every file has it. `world` is where it means something:
+    elsewhere it is NaN, an empty text or left out.
     """
 
     name: str
@@ -28,6 +29,7 @@ class Coordinate:
     counts: bool = False
     blank: int | None = None
     always: bool = True
+    world: Literal["any", "networks", "moving"] = "any"
 
 
 ALL = (
@@ -43,12 +45,12 @@ ALL = (
         counts=True,
     ),
     Coordinate(
-        "density", "number", "*D* of robots that move; NaN on fixed networks", caption="D = {}", title="density $D$",
-        plural="densities", counts=True,
+        "density", "number", "*D* of robots", caption="D = {}", title="density $D$", plural="densities", counts=True,
+        world="moving",
     ),
     Coordinate(
-        "side", "number", "*L* in metres, to twelve digits; NaN on fixed networks",
-        caption="L = {} m", title="side of the arena $L$ (m)", plural="sides of the arena", counts=True,
+        "side", "number", "*L* in metres, to twelve digits",
+        caption="L = {} m", title="side of the arena $L$ (m)", plural="sides of the arena", counts=True, world="moving",
     ),
     Coordinate(
         "accuracy", "text",
@@ -67,9 +69,8 @@ ALL = (
     ),
     Coordinate(
         "floor", "text",
-        "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `hills(0.3)`; "
-        "empty on fixed networks",
-        caption="floor {}", plural="floors",
+        "`tiles`, `clusters(0.2)`, `stripes(0.5)`, `half`, `image(leaves)`, `image(leaves,dither)`, `hills(0.3)`",
+        caption="floor {}", plural="floors", world="moving",
     ),
     Coordinate("link_success", "number", "the probability that a message gets through", caption="link success {}"),
     Coordinate(
@@ -103,8 +104,9 @@ ALL = (
     ),
     Coordinate(
         "message_delay", "whole number",
-        "[delay](study-file.md#late-messages) in rounds on fixed networks; only if above 0 in any setting",
+        "[delay](study-file.md#late-messages) in rounds; only if above 0 in any setting",
         caption="delay {:,.0f}", title="message delay (rounds)", plural="message delays", blank=0, always=False,
+        world="networks",
     ),
 )  # fmt: skip
 COORDINATES = {coordinate.name: coordinate for coordinate in ALL}

@@ -17,7 +17,7 @@ def robot_of(show: Show, tick: int, robot: int) -> dict[str, Any]:
     """A robot after a round: its fields as in `sc.replay`, the messages it heard, its reading and its tile."""
     stretch, row = show.find(tick)
     fields = show.fields(stretch, slice(row, row + 1))
-    brain = show.setting.crew[show.group[robot]]
+    brain = show.setting.brains[show.group[robot]]
     b, w, believed_b, believed_w = (
         float(side[0][robot if side.shape[1] > 1 else 0])
         for side in (*show.life.given.sensors[:2], *show.life.given.beliefs)

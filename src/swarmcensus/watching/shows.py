@@ -53,7 +53,7 @@ class Show:
         self._encoded: OrderedDict[int, tuple[np.ndarray, np.ndarray, np.ndarray]] = OrderedDict()
         self._ground = setting.ground(seed, trial) if self.moves else None
         self._on_floor = measure.truth == "floor" and self.moves
-        names = {name for brain in setting.crew for name in brain.memory}
+        names = {name for brain in setting.brains for name in brain.memory}
         self._names = [free(name, names) for name in (DECIDED, IS_DONE, *ENDS)]
 
     def stretch_of(self, tick: int) -> int:
@@ -94,9 +94,9 @@ class Show:
     @property
     def layers(self) -> int:
         """The layers of a frame beside estimates: positions if robots move, intervals, decisions."""
-        crew = self.setting.crew
-        intervals = HAS_INTERVALS * any(brain.has_interval for brain in crew)
-        return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in crew) + MOVES * self.moves
+        brains = self.setting.brains
+        intervals = HAS_INTERVALS * any(brain.has_interval for brain in brains)
+        return intervals + HAS_DECISIONS * any(b.decides or b.ends for b in brains) + MOVES * self.moves
 
     def _encode(self, stretch: Stretch) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Numbers (round, column), layers (layer, round, robot), flags and headings (2, round, robot) of a stretch."""
@@ -149,14 +149,14 @@ class Show:
     def ended(self, stretch: Stretch) -> np.ndarray:
         """Robots that were done before a round, and so make no reading in it (round, robot)."""
         before = np.zeros(stretch.estimates.shape, np.bool_)
-        if any(brain.ends for brain in self.setting.crew):
+        if any(brain.ends for brain in self.setting.brains):
             before[0] = stretch.done
             before[1:] = self.fields(stretch, slice(None))[self._names[1]][:-1] == 1.0
         return before
 
     def options_right(self, truths: np.ndarray) -> np.ndarray:
         """The right option for these fill ratios; NaN if no brain decides."""
-        options = [brain.options for brain in self.setting.crew if brain.decides]
+        options = [brain.options for brain in self.setting.brains if brain.decides]
         return np.array([right_option(float(f), options[0]) if options else np.nan for f in truths])
 
     def truths(self, rounds: np.ndarray) -> np.ndarray:
@@ -171,7 +171,7 @@ class Show:
         again = stretch.first > 0  # fields_of takes the first row for the start, before any decision
         history, estimates = (np.concatenate([part[:again], part]) for part in parts)
         with blaming(self.setting, self.life.given.first):  # intervals are computed in every round here
-            fields = fields_of(self.setting.crew, self.life.swarm, history, estimates)
+            fields = fields_of(self.setting.brains, self.life.swarm, history, estimates)
         return {name: values[int(again) :] for name, values in fields.items()}
 
     def _links(self, stretch: Stretch, row: int) -> np.ndarray:

@@ -70,7 +70,7 @@ def compare(
     Raises InputError as `sc.compare` does, for more than 40 rows and for coordinates in which worlds do not differ.
     """
     standings = comparison.compare(results, metric or (), against=against)
-    worlds = standings.field.worlds
+    worlds = standings.grid.worlds
     by = [by] if isinstance(by, str) else by
     if by is None and len(worlds) > MOST_ROWS:
         names = ", ".join(dict.fromkeys(name for world in worlds for name in world))
@@ -104,7 +104,7 @@ def draw_effects(
     others = [k for k in range(len(standings.contenders)) if k != reference]
     names = [standings.contenders[k] for k in others]
     looks = list(looks_of(names, "o", "brain").values())
-    texts = [_row_name(world, count, len(standings.field.worlds)) for world, count in rows]
+    texts = [_row_name(world, count, len(standings.grid.worlds)) for world, count in rows]
     single = len(rows) == 1
     caption = f", {texts[0]}" if single and texts[0] else ""
     if single:  # contenders are the rows, and all look alike

@@ -90,7 +90,7 @@ def draw_pareto(
             f"cost {cost!r}: these results have no such cost; {did_you_mean(cost, known)}"
             f"there are {', '.join(known) or 'none'}"
         )
-    worlds = standings.field.worlds
+    worlds = standings.grid.worlds
     if len(worlds) > MOST_PANELS:
         raise InputError(f"a figure holds 1 to {MOST_PANELS:,} worlds, not {len(worlds)}: select some settings")
     measure, contest = standings.measures[0], standings.contests[0]
