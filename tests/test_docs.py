@@ -355,7 +355,7 @@ def test_the_brains_of_a_page_keep_the_contract(page, tmp_path):
 def test_the_recorded_example_is_what_its_study_makes(tmp_path, monkeypatch, capsys):
     """The commands of docs/data-format.md give the files of studies/example, and the numbers that it shows.
 
-    Where a change was meant to alter numbers, make both anew, and the table in docs/brain-contract.md.
+    Where a change was meant to alter numbers, make both anew.
     """
     page = ROOT / "docs" / "data-format.md"
     shutil.copytree(ROOT / "studies", tmp_path / "studies")
