@@ -3,7 +3,7 @@
 import ast
 import functools
 import types
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, ClassVar
 
@@ -11,13 +11,17 @@ from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Plugins
 from swarmcensus.brains.adversary import refuse_adversary
-from swarmcensus.brains.contract import Contents, read_contents
+from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
+from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
+from swarmcensus.brains.packing import Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
+from swarmcensus.brains.single import in_single, rounded_to_single
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
+PLAIN = Numbers()
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,39 @@ class Brain(Program):
     kind: ClassVar[str] = "brain"
 
     contents: Contents = field(compare=False, repr=False)
+    numbers: Numbers = PLAIN
+
+    def with_numbers(self, numbers: Numbers) -> "Brain":
+        """This brain in other number formats; in single precision its functions and initial values are rounded."""
+        if numbers == self.numbers:
+            return self
+        if numbers.precision == self.numbers.precision:
+            return replace(self, numbers=numbers)
+        tree, contents = _read(self.source, self.path)
+        if numbers.precision == "single":
+            tree = in_single(tree, self.kinds)
+            rounded = {k: _rounded(v) for k, v in contents.memory.items()}
+            contents = contents._replace(
+                memory=rounded, parameters={k: _rounded(v) for k, v in contents.parameters.items()}
+            )
+        functions = safe_source.run(tree, "brain", self.path) if self.is_loaded else self.functions
+        return replace(self, numbers=numbers, contents=contents, functions=functions)
+
+    @functools.cached_property
+    def kinds(self) -> Kinds:
+        """The kinds of its source's expressions."""
+        extras = dict.fromkeys(("luck", "name", *BELIEFS), 0)
+        record = self.lengths | {name: length(value) for name, value in self.parameters.items()} | extras
+        message = tuple(VECTOR if items else REAL for items in self.message.values())
+        first: dict[str, tuple[Kind, ...]] = dict.fromkeys((*FUNCTIONS, *MAY_HAVE), (RECORD,))
+        first |= {"observe": (RECORD, REAL, REAL), "receive": (RECORD, message)}
+        return Kinds(_read(self.source, self.path)[0], record, first)
+
+    @functools.cached_property
+    def parameters(self) -> dict[str, Value]:
+        """The values of its parameters."""
+        values = super().parameters
+        return {k: _rounded(v) for k, v in values.items()} if self.numbers.precision == "single" else values
 
     @property
     def memory(self) -> dict[str, Value]:
@@ -105,8 +142,13 @@ class Brain(Program):
 
     @functools.cached_property
     def message_bytes(self) -> int:
-        """The size of one message."""
-        return BYTES_A_NUMBER * len(slots(self.message))
+        """The size of one message, in bytes."""
+        return bytes_of(self.parts) if self.parts else BYTES_A_NUMBER * len(slots(self.message))
+
+    @functools.cached_property
+    def parts(self) -> tuple[Part, ...]:
+        """How its message becomes bytes; empty without a format."""
+        return parts(self.message, self.roles, self.numbers.message)
 
     @functools.cached_property
     def _robot(self) -> type:
@@ -126,6 +168,11 @@ class Brain(Program):
             mind.name = name
         mind.b, mind.w = b, w
         return mind
+
+
+def _rounded(value: Value) -> Value:
+    """The nearest value in single precision."""
+    return tuple(map(rounded_to_single, value)) if isinstance(value, tuple) else rounded_to_single(value)
 
 
 def shipped() -> list[str]:

@@ -1,0 +1,74 @@
+"""How a message becomes bytes: which codings of `robot/codec.py` a format has for which fields of MESSAGE."""
+
+from collections.abc import Mapping
+from typing import Literal, NamedTuple, get_args
+
+from swarmcensus.brains.contract import confidence_of
+
+Precision = Literal["double", "single"]
+Format = Literal["double", "float32", "float16", "ratio16", "ratio8"]  # "double" is a simulation without a format
+FORMATS: tuple[Format, ...] = get_args(Format)
+BYTES = {  # of a coding: for one number, but for "ratio16" and "ratio8", which are of two
+    "float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
+    "whole8": 1,
+}  # fmt: skip
+STEPS = {"ratio16": 32768, "share16": 32768, "ratio8": 128, "share8": 128}
+MOST = {"whole16": 65535, "whole8": 255}
+OWED = ("estimate", "confidence", "information", "belief")  # what rounding takes of these is added to the next message
+BY_ROLE = {"estimate": "share", "confidence": "log8", "opinion": "whole8", "option": "whole16", "name": "whole16"}
+
+
+class Numbers(NamedTuple):
+    """The number formats of a robot: of its arithmetic, and of its messages."""
+
+    precision: Precision = "double"
+    message: Format = "double"
+    feedback: bool = True  # whether what rounding took of a message is added to the next one
+
+
+class Part(NamedTuple):
+    """One or two numbers of a message, which are coded together."""
+
+    coding: str  # a key of BYTES
+    places: tuple[int, ...]  # which numbers of the message: an information and its confidence, or one
+    owed: bool  # whether rounding errors may be carried over
+
+
+def parts(message: Mapping[str, int], roles: Mapping[str, str], format: Format) -> tuple[Part, ...]:
+    """The parts of a message in a format, in the order of their bytes.
+
+    `message` has the fields and their lengths, 0 for a number. In the formats of ratios a field without a role is sent
+    as float16, and so is a belief, which has many small numbers. "double" has no parts: nothing is rounded.
+    """
+    if format == "double":
+        return ()
+    places, at = {}, 0
+    for name, items in message.items():
+        places[name] = range(at, at := at + max(items, 1))
+    pairs: dict[str, str] = {}  # an information and its confidence, where they are sent together
+    for name in message if format in STEPS else ():
+        if (
+            roles.get(name) == "information"
+            and (other := confidence_of(name, list(message), roles)) not in pairs.values()
+        ):
+            pairs[name] = other
+    out = []
+    for name in (name for name in message if name not in pairs.values()):
+        role = roles.get(name, "")
+        if name in pairs:
+            out += [Part(format, both, True) for both in zip(places[name], places[pairs[name]], strict=True)]
+        else:
+            out += [Part(_coding(role, format), (place,), role in OWED) for place in places[name]]
+    return tuple(out)
+
+
+def _coding(role: str, format: Format) -> str:
+    if format not in STEPS:
+        return format
+    coding = BY_ROLE.get(role, "float16")
+    return coding + format.removeprefix("ratio") if coding == "share" else coding
+
+
+def bytes_of(parts: tuple[Part, ...]) -> int:
+    """The size of a message."""
+    return sum(BYTES[part.coding] for part in parts)
