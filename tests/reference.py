@@ -11,6 +11,7 @@ from itertools import combinations
 import numpy as np
 
 from swarmcensus.studies.settings import Setting
+from tests import reference_formats
 
 MASK = (1 << 64) - 1
 ROTATIONS = (16, 42, 12, 31, 16, 32, 24, 21)
@@ -48,6 +49,11 @@ def key_of(key: np.ndarray) -> Key:
 def chance(word: int) -> float:
     """The 52 uppermost bits as a number in (0, 1)."""
     return (2 * (word >> 12) + 1) / 2.0**53
+
+
+def single_chance(word: int) -> float:
+    """The 23 uppermost bits as a number in (0, 1)."""
+    return (2 * (word >> 41) + 1) / 2.0**24
 
 
 def robots_word(key: np.ndarray, trial: int, tick: int, robot: int, part: int = 0) -> int:
@@ -153,11 +159,19 @@ class Minds:
         self.losses, self.luck = setting.losses_key(seed), setting.luck_keys(seed, alone)
         self.parts = (3, 4) if alone else (0, 1)
         n = setting.robots
-        crew = [setting.brain, *(member.brain_in(setting.brain) for member in setting.members)]
+        others = (member.brain_in(setting.brain).with_numbers(setting.brain.numbers) for member in setting.members)
+        crew = [setting.brain, *others]
         self.brains = [crew[k] for k in (setting.groups(seed, trial, 1)[0] if setting.members else [0] * n)]
         every = zip(self.brains, np.broadcast_to(b, n).tolist(), np.broadcast_to(w, n).tolist(), strict=True)
-        self.minds = [brain.robot(*beliefs, float(i)) for i, (brain, *beliefs) in enumerate(every)]
-        self.said = [[self.says(i) for i in range(n)]]
+        single = [brain.numbers.precision == "single" for brain in self.brains]
+        self.round = [reference_formats.single if one else float for one in single]
+        self.chance = [single_chance if one else chance for one in single]
+        self.minds = [
+            brain.robot(self.round[i](b), self.round[i](w), float(i)) for i, (brain, b, w) in enumerate(every)
+        ]
+        self.formats = {brain: reference_formats.Formats(brain, n) for brain in self.brains}
+        moves = setting.body is not None  # robots on fixed networks say nothing before round 1
+        self.said = [[self.sends(i) if moves else None for i in range(n)]]
         self.noise = [[self.jams(i) for i in range(n)]]
         self.estimates = [[self.call("estimate", i) for i in range(n)]]
         self.sent, self.heard = [0] * n, [0] * n
@@ -173,6 +187,10 @@ class Minds:
         """Its message, or None: a vector as it is now."""
         message = None if self.jams(i) else self.call("broadcast", i)
         return message and tuple(tuple(part) if isinstance(part, list) else part for part in message)
+
+    def sends(self, i: int) -> object:
+        """Its message as it is read, after its number format."""
+        return self.formats[self.brains[i]].sent(i, self.says(i))
 
     def jams(self, i: int) -> bool:
         """Whether it makes noise, and so says nothing."""
@@ -190,7 +208,7 @@ class Minds:
     def cast(self, i: int, tick: int, part: int) -> None:
         """Give luck for a call of its own: 0 of `observe`, 1 of `fuse`, 2 of `steer`."""
         if self.brains[i].uses.luck:
-            self.minds[i].luck = chance(robots_word(self.luck[:2], self.trial, tick, i, part))
+            self.minds[i].luck = self.chance[i](robots_word(self.luck[:2], self.trial, tick, i, part))
 
     def live(
         self, tick: int, blacks: list[float], looks: int, heard: list[list[int]], delay: int = 0, since: int = 0
@@ -204,7 +222,7 @@ class Minds:
             if not math.isnan(blacks[i]) and works(self.failed.sensing[i], tick) and not self.is_done(i):
                 self.cast(i, tick, self.parts[0])
                 self.call("observe", i, float(blacks[i]), float(looks))
-        self.said.append([self.says(i) for i in range(n)])
+        self.said.append([self.sends(i) for i in range(n)])
         self.noise.append([self.jams(i) for i in range(n)])
         for i in range(n):
             self.sent[i] += self.said[-1][i] is not None and works(self.failed.talking[i], tick)
@@ -216,7 +234,9 @@ class Minds:
                 spoke = works(self.failed.talking[j], before) and self.said[before][j] is not None
                 if spoke and arrives(self.setting, self.losses, self.trial, tick, i, j):
                     if self.brains[i].uses.luck:
-                        self.minds[i].luck = chance(threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0])
+                        self.minds[i].luck = self.chance[i](
+                            threefry(key_of(self.luck[2:]), (self.trial, tick), (i, j))[0]
+                        )
                     self.heard[i] += 1
                     self.call("receive", i, self.said[before][j])
         for i in range(n):

@@ -14,14 +14,13 @@ from swarmcensus.brains.adversary import refuse_adversary
 from swarmcensus.brains.contract import FUNCTIONS, MAY_HAVE, Contents, read_contents
 from swarmcensus.brains.fields import Fixed, Value, Vector, length, slots
 from swarmcensus.brains.kinds import REAL, RECORD, VECTOR, Kind, Kinds
-from swarmcensus.brains.packing import Numbers, Part, bytes_of, parts
+from swarmcensus.brains.packing import PLAIN, Numbers, Part, bytes_of, parts
 from swarmcensus.brains.program import UNLOADED, Program
 from swarmcensus.brains.single import in_single, rounded_to_single
 from swarmcensus.brains.syntax import BELIEFS, Uses
 
 PLUGINS = Plugins("brain", "swarmcensus.brains", "swarmcensus.brains.library")
 BYTES_A_NUMBER = 4  # on the robot
-PLAIN = Numbers()
 
 
 @dataclass(frozen=True)
@@ -48,6 +47,13 @@ class Brain(Program):
             )
         functions = safe_source.run(tree, "brain", self.path) if self.is_loaded else self.functions
         return replace(self, numbers=numbers, contents=contents, functions=functions)
+
+    @functools.cached_property
+    def running_source(self) -> str:
+        """The source that is run: the file's, or that in single precision."""
+        if self.numbers.precision == "double":
+            return self.source
+        return ast.unparse(in_single(_read(self.source, self.path)[0], self.kinds))
 
     @functools.cached_property
     def kinds(self) -> Kinds:
@@ -137,8 +143,8 @@ class Brain(Program):
 
     @functools.cached_property
     def memory_bytes(self) -> int:
-        """The size of a robot's memory, including its beliefs; parameters are part of its program."""
-        return BYTES_A_NUMBER * (len(slots(self.lengths)) + len(BELIEFS))
+        """The size of a robot's memory, with its beliefs and what its messages owe; parameters are in its program."""
+        return BYTES_A_NUMBER * (len(slots(self.lengths)) + len(self.owed) + len(BELIEFS))
 
     @functools.cached_property
     def message_bytes(self) -> int:
@@ -149,6 +155,13 @@ class Brain(Program):
     def parts(self) -> tuple[Part, ...]:
         """How its message becomes bytes; empty without a format."""
         return parts(self.message, self.roles, self.numbers.message)
+
+    @functools.cached_property
+    def owed(self) -> tuple[int, ...]:
+        """Which numbers of the message owe to the next one what rounding takes of them."""
+        exact = "float32" if self.numbers.precision == "single" else ""
+        kept = [part for part in self.parts if part.owed and part.coding != exact] if self.numbers.feedback else []
+        return tuple(k for part in kept for k in part.places)
 
     @functools.cached_property
     def _robot(self) -> type:

@@ -14,6 +14,10 @@ BYTES = {  # of a coding: for one number, but for "ratio16" and "ratio8", which 
 }  # fmt: skip
 STEPS = {"ratio16": 32768, "share16": 32768, "ratio8": 128, "share8": 128}
 MOST = {"whole16": 65535, "whole8": 255}
+READ = {  # of a coding: the name in the functions read_NAME and holds_NAME of `robot/codec.py`
+    "float32": "real", "float16": "half", "ratio16": "pair", "ratio8": "pair", "share16": "share", "share8": "share",
+    "log8": "log", "whole16": "whole", "whole8": "whole",
+}  # fmt: skip
 OWED = ("estimate", "confidence", "information", "belief")  # what rounding takes of these is added to the next message
 BY_ROLE = {"estimate": "share", "confidence": "log8", "opinion": "whole8", "option": "whole16", "name": "whole16"}
 
@@ -24,6 +28,9 @@ class Numbers(NamedTuple):
     precision: Precision = "double"
     message: Format = "double"
     feedback: bool = True  # whether what rounding took of a message is added to the next one
+
+
+PLAIN = Numbers()
 
 
 class Part(NamedTuple):

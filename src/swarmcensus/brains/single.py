@@ -2,12 +2,15 @@
 
 Rounding after each operation in double precision gives the bits of arithmetic in float32, because double has more than
 twice the digits (Figueroa, "When is double rounding innocuous?", SIGNUM Newsletter 30, 1995). So the same source runs
-in CPython, and Numba's optimiser makes float32 instructions of it. Functions of `math` are rounded once, from double.
+in CPython, and in machine code with float32 instructions. Functions of `math` are rounded once, from double.
 """
 
 import ast
 import ctypes
+import functools
+from pathlib import Path
 
+from swarmcensus import robot
 from swarmcensus.brains.kinds import REAL, Kinds
 
 CONSTANTS = ("pi", "e", "tau", "inf")  # of math
@@ -17,6 +20,14 @@ ROUND = "rounded_to_single"  # what the function is called that rounds, in the s
 def rounded_to_single(x: float) -> float:
     """The nearest float32; infinite beyond its largest."""
     return ctypes.c_float(x).value
+
+
+@functools.cache
+def codec_source(precision: str) -> str:
+    """The source of `robot/codec.py` in this precision, "double" or "single"."""
+    text = (Path(robot.__file__).parent / "codec.py").read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    return text if precision == "double" else ast.unparse(in_single(tree, Kinds(tree, {}, {})))
 
 
 def in_single(tree: ast.Module, kinds: Kinds) -> ast.Module:
@@ -43,13 +54,29 @@ class _Rounding(ast.NodeTransformer):
         return ast.Constant(rounded_to_single(node.value)) if isinstance(node.value, float) else node
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
-        return self._rounded(node)
+        rounded = self._rounded(node)
+        if isinstance(node.op, ast.Pow | ast.FloorDiv) and rounded is not node:
+            node.left, node.right = _in_double(node.left), _in_double(node.right)
+        return rounded
+
+    def visit_Assign(self, node: ast.Assign) -> ast.Assign:
+        """A number that a name begins with is rounded too: the name is then a float32 in machine code all along."""
+        is_real = self.function and self.kinds.of(node.value, self.function) == REAL
+        begins = isinstance(node.value, ast.Constant | ast.UnaryOp) and isinstance(node.targets[0], ast.Name)
+        self.generic_visit(node)
+        node.value = _call(node.value) if is_real and begins else node.value
+        return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
         name = node.func.id if isinstance(node.func, ast.Name) else ""
         if isinstance(node.func, ast.Attribute):  # a call of math.pi would be wrapped, and not math itself
-            node.args = [self.visit(argument) for argument in node.args]
-            return _call(node) if self.kinds.of(node, self.function) == REAL else node
+            kind, kinds = self.kinds.of(node, self.function), [self.kinds.of(a, self.function) for a in node.args]
+            arguments = [self.visit(argument) for argument in node.args]
+            node.args = [_in_double(a) if k == REAL else a for a, k in zip(arguments, kinds, strict=True)]
+            return _call(node) if kind == REAL else node
+        if name in ("min", "max") and self.kinds.of(node, self.function) == REAL:
+            node.args = [_call(self.visit(a)) if isinstance(a, ast.Constant) else self.visit(a) for a in node.args]
+            return node
         if name in self.kinds.names or name in ("min", "max", "abs", "range"):
             return self._parts(node)
         return self._rounded(node)
@@ -76,3 +103,8 @@ class _Rounding(ast.NodeTransformer):
 
 def _call(value: ast.expr) -> ast.Call:
     return ast.Call(ast.Name(ROUND, ast.Load()), [value], [])
+
+
+def _in_double(value: ast.expr) -> ast.Call:
+    """The value for a function of `math`, which works in double precision and not in that of its argument."""
+    return ast.Call(ast.Name("float", ast.Load()), [value], [])

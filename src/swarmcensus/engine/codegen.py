@@ -3,32 +3,41 @@
 import ast
 import functools
 import itertools
-from collections.abc import Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import Any
 
+import numpy as np
+
 from swarmcensus.brains import BELIEFS, FUNCTIONS, Brain, length, slots
+from swarmcensus.brains.packing import MOST, READ, STEPS, Part
+from swarmcensus.brains.single import ROUND
 from swarmcensus.engine.constants import NOISE, SAID
 from swarmcensus.metrics import Metric
 
+CLIPPED, OWED, UNUSED = "_clipped", "_owed_{}", "_unused_"  # of a mind, where its messages have a format
 DECLARED = ("MEMORY", "MESSAGE", "SUMS", "PARAMETERS", "OPTIONS")
 
 MIND = '''"""Fits one brain to the engine. Made by swarmcensus; edits are lost."""
 
 from swarmcensus.engine.calling import blank_mind, word_at
 from swarmcensus.engine.compiling import compiled
-from swarmcensus.engine.random import chance
+from swarmcensus.engine.random import {chance}
 from swarmcensus.engine.records import record_type
 from swarmcensus.engine.return_values import spoken, whole_vector
 
-from . import brain
+from numpy import float32, float64  # noqa: F401
+
+from . import {files}
 
 record = record_type({record})
-
-for name, value in list(vars(brain).items()):
-    if isinstance(value, type(lambda: None)):
-        setattr(brain, name, compiled(value, {checked}))
+{rounding}
+for file in ({files},):
+    for name, value in list(vars(file).items()):
+        if isinstance(value, type(lambda: None)):
+            setattr(file, name, compiled(value, {checked}))
 {functions}
 width = {width}
+number, columns = {number}, {columns}
 options = {options}
 
 
@@ -76,6 +85,20 @@ def put_sums(me, sums):
 def add_sums(me, sums):
     {adding}
 '''
+
+SINGLE = f"""
+from swarmcensus.engine.random import to_single as {ROUND}
+
+{{targets}}{ROUND}
+"""
+
+OBSERVE_SINGLE = """
+
+@compiled
+def observe(me, blacks, looks):
+    brain.observe(me, {round}(blacks), {round}(looks))
+
+"""
 
 OTHERWISE = {  # what stands for a function that a brain may leave out
     "steer": "lambda me: None",
@@ -125,13 +148,23 @@ def _is_declaration(node: ast.stmt, read: set[str]) -> bool:
 def fields_of(brain: Brain) -> dict[str, int]:
     """The fields of a mind in the engine, in order, with lengths, 0 for a number; the sensor's beliefs come last."""
     parameters = {name: length(value) for name, value in brain.parameters.items()}
+    kept = [CLIPPED] * bool(brain.parts) + [OWED.format(place) for place in brain.owed]
     extras = [name for name, asked in (("luck", brain.uses.luck), ("name", brain.uses.name)) if asked]
-    return brain.lengths | parameters | dict.fromkeys((*extras, *BELIEFS), 0)
+    return brain.lengths | parameters | dict.fromkeys((*kept, *extras, *BELIEFS), 0)
 
 
 def record_fields(brain: Brain) -> list[tuple[Any, ...]]:
-    """The fields of a mind, as NumPy takes them."""
-    return [(name, "f8", (long,)) if long else (name, "f8") for name, long in fields_of(brain).items()]
+    """The fields of a mind, as NumPy takes them.
+
+    In single precision a float32 lies in the first half of the eight bytes of each number, so that rows are as long as
+    in double precision; a vector's items lie together. A name and a count are whole numbers in double precision.
+    """
+    fields: list[tuple[Any, ...]] = []
+    for name, long in fields_of(brain).items():
+        single = brain.numbers.precision == "single" and name not in ("name", CLIPPED)
+        kinds = (("f4", name), ("f4", UNUSED + name)) if single else (("f8", name),)
+        fields += [(part, kind, (long,)) if long else (part, kind) for kind, part in kinds]
+    return fields
 
 
 def is_flagged(brain: Brain, mixed: bool) -> bool:
@@ -158,11 +191,25 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
     a `mixed` swarm, where other brains hear it, too.
     """
     kept = _kept(brain, mixed)
-    columns = [f"outbox[i, {k}]" for k, _ in enumerate(kept)]
+    single = brain.numbers.precision == "single"
+    step = 2 if single else 1  # a float32 lies in the first half of a number's eight bytes, as in a mind
+    columns = [f"outbox[i, {step * k}]" for k, _ in enumerate(kept)]
     sums = kept if brain.sums and not mixed else []
-    heard = ", ".join(_part(start, long) for start, long in _starts(brain.message))
-    flag = [f"outbox[i, {len(kept)}]"] if is_flagged(brain, mixed) else []
+    flag = [f"outbox[i, {step * len(kept) + step - 1}]"] if is_flagged(brain, mixed) else []
+    rounds = single or any(part.coding == "float32" for part in brain.parts)
+    files, chance = ["brain", "codec"] if brain.parts else ["brain"], "single_chance" if single else "chance"
+
+    def rounded(term: str) -> str:
+        return f"{ROUND}({term})" if single else term
+
+    read = [rounded(column) for column in columns]
+    heard = ", ".join(
+        _part(start, long, step) if long else read[start] for start, long in _starts(brain.message) if not sums
+    )
     return MIND.format(
+        files=", ".join(files),
+        chance=chance,
+        rounding=SINGLE.format(targets="".join(f"{file}.{ROUND} = " for file in files)) if rounds else "",
         record=record_fields(brain),
         checked=any(fields_of(brain).values()) or any(brain.message.values()),
         functions="\n".join(
@@ -172,39 +219,51 @@ def of_brain(brain: Brain, mixed: bool = False) -> str:
                 for name, otherwise in OTHERWISE.items()
             ]
             + ["jam = brain.jam"] * brain.jams
+            + [OBSERVE_SINGLE.format(round=ROUND)] * single
         ),
         width=len(columns) + len(flag),
+        number="float32" if single else "float64",
+        columns=step * (len(columns) + len(flag)),
         options=brain.options,
         saying="\n    ".join(_saying(brain, columns, sums, flag)),
         taking="\n    ".join(
-            [f"me.{name} += {column}" for column, name in zip(columns, sums, strict=True)]
+            [_added(name, column, rounded) for column, name in zip(read, sums, strict=True)]
             if sums
             else [f"receive(me, ({heard},))"]
         ),
-        luck="me.luck = chance(word_at(words, k))" if brain.uses.luck else "pass",
+        luck=f"me.luck = {chance}(word_at(words, k))" if brain.uses.luck else "pass",
         own=_tuple(f"me.{name}" for name in sums),
-        more=_tuple(f"sums[{k}] + {column}" for k, column in enumerate(columns[: len(sums)])),
-        kept=_tuple(f"rows[i, {k}]" for k, _ in enumerate(sums)),
+        more=_tuple(rounded(f"sums[{k}] + {column}") for k, column in enumerate(read[: len(sums)])),
+        kept=_tuple(rounded(f"rows[i, {k}]") for k, _ in enumerate(sums)),
         keeping="\n    ".join(f"rows[i, {k}] = sums[{k}]" for k, _ in enumerate(sums)) or "pass",
         putting="\n    ".join(f"me.{name} = sums[{k}]" for k, name in enumerate(sums)) or "pass",
-        adding="\n    ".join(f"me.{name} += sums[{k}]" for k, name in enumerate(sums)) or "pass",
+        adding="\n    ".join(_added(name, f"sums[{k}]", rounded) for k, name in enumerate(sums)) or "pass",
     )
+
+
+def _added(name: str, term: str, rounded: Callable[[str], str]) -> str:
+    """A line that adds a term to a field."""
+    whole = rounded(f"me.{name} + {term}")
+    return f"me.{name} = {whole}" if whole.startswith(ROUND) else f"me.{name} += {term}"
 
 
 def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) -> list[str]:
     """The lines of `say`."""
+    step = 2 if brain.numbers.precision == "single" else 1
     names = [f"said_{k}" for k, _ in enumerate(brain.message)]
     unpacked = f"{', '.join(names)}, = broadcast(me)"
     lines = [unpacked]
     unsaid = [f"    {column} = 0.0" for column in (*columns, *flag)]
     noise = []
     if brain.jams:
-        noise = ["if jam(me):", *unsaid[:-1], f"    {flag[0]} = {NOISE}", "    return"]
+        noise = ["if jam(me):", *unsaid[:-1], f"    {flag[0]} = {_flag(brain, NOISE)}", "    return"]
     if brain.uses.silence:
         blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
         lines = [f"there, message = spoken(broadcast(me), ({blank}))", "if not there:", *unsaid, "    return"]
         lines += [f"{', '.join(names)}, = message"]
     lines += [f"whole_vector({n}, {long})" for n, long in zip(names, brain.message.values(), strict=True) if long]
+    if brain.parts:
+        lines += _coded(brain, names)
     if sums:
         given = "".join(
             f"{n}, " if long else f"1.0 * {n}, " for n, long in zip(names, brain.message.values(), strict=True)
@@ -214,10 +273,57 @@ def _saying(brain: Brain, columns: list[str], sums: list[str], flag: list[str]) 
     else:
         for name, (start, long) in zip(names, _starts(brain.message), strict=True):
             if long:
-                lines += [f"for k in range({long}):", f"    outbox[i, {start} + k] = 1.0 * {name}[k]"]
+                lines += [f"for k in range({long}):", f"    outbox[i, {step} * ({start} + k)] = 1.0 * {name}[k]"]
             else:
-                lines += [f"outbox[i, {start}] = 1.0 * {name}"]
-    return noise + lines + [f"{column} = {SAID}" for column in flag]
+                lines += [f"{columns[start]} = 1.0 * {name}"]
+    return noise + lines + [f"{column} = {_flag(brain, SAID)}" for column in flag]
+
+
+def _flag(brain: Brain, value: float) -> float:
+    """What is written to the flag of a message: if single, the second half of the float64 that the engine reads."""
+    single = brain.numbers.precision == "single"
+    return float(np.array([value]).view(np.float32)[1]) if single else value
+
+
+def _coded(brain: Brain, names: list[str]) -> list[str]:
+    """Lines that replace the parts of a message by what a receiver reads, and keep what rounding took of them."""
+    single = brain.numbers.precision == "single"
+    owed = brain.owed
+    lines, places = [], itertools.count()
+    for name, long in zip(names, brain.message.values(), strict=True):
+        for item in range(long) if long else (None,):
+            place = next(places)
+            number = f"1.0 * {name}" if item is None else f"1.0 * {name}[{item}]"
+            if place in owed:
+                number += f" + me.{OWED.format(place)}"
+            lines.append(f"number_{place} = {ROUND}({number})" if single else f"number_{place} = {number}")
+    lines += ["clipped = 0.0"]
+    for part in brain.parts:
+        lines += _code(part, owed, single)
+    lines += [f"me.{CLIPPED} += clipped"]
+    places = itertools.count()
+    for name, long in zip(names, brain.message.values(), strict=True):
+        numbers = [f"read_{next(places)}" for _ in range(max(long, 1))]
+        lines.append(f"{name} = {_tuple(numbers) if long else numbers[0]}")
+    return lines
+
+
+def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
+    """Lines that give read_k for the numbers number_k of a part."""
+    places, coding = part.places, part.coding
+    numbers = ", ".join(f"number_{place}" for place in places)
+    reads = ", ".join(f"read_{place}" for place in places)
+    given = f", {float(STEPS[coding])}" if coding in STEPS else f", {float(MOST[coding])}" if coding in MOST else ""
+    name = READ[coding]
+    numbers = f"float({ROUND}({numbers}))" if coding == "float32" and not single else numbers
+    lines = [f"{reads} = codec.read_{name}({numbers}{given})", f"holds = codec.holds_{name}({numbers}{given})"]
+    lines += ["if not holds:", "    clipped = 1.0"]
+    for place in places:
+        if place in owed:
+            rest = f"number_{place} - read_{place}"
+            rest = f"{ROUND}({rest})" if single else rest
+            lines.append(f"me.{OWED.format(place)} = {rest} if holds else 0.0")
+    return lines
 
 
 def _equipped(brain: Brain) -> list[str]:
@@ -237,8 +343,9 @@ def _starts(message: dict[str, int]) -> list[tuple[int, int]]:
     return list(zip(ends, message.values(), strict=False))
 
 
-def _part(start: int, long: int) -> str:
-    return f"outbox[i, {start} : {start + long}]" if long else f"outbox[i, {start}]"
+def _part(start: int, long: int, step: int) -> str:
+    """The items of a message's vector."""
+    return f"outbox[i, {step * start} : {step * (start + long)}{' : 2' if step > 1 else ''}]"
 
 
 def _tuple(items: Iterable[str]) -> str:

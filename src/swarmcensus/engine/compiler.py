@@ -8,6 +8,7 @@ import numpy as np
 
 from swarmcensus.basics.errors import without_colours
 from swarmcensus.brains import Brain, numbers
+from swarmcensus.brains.single import codec_source
 from swarmcensus.engine import codegen
 from swarmcensus.engine.code_cache import LOCK, is_kept, module, not_compiled, source
 from swarmcensus.engine.constants import PHASES
@@ -43,11 +44,17 @@ class ArrayLayout(NamedTuple):
     blank: np.ndarray  # (field): a mind before its first observation: MEMORY, parameters, zeros for what is given
     message_width: int  # how many numbers are kept of a message
     flag: int  # which of them says whether the robot talked; -1 where every robot does
+    clipped: int  # which number of a mind counts messages that its format cannot hold; -1 without a format
 
     @property
     def mind_width(self) -> int:
         """How many numbers a mind is."""
         return self.blank.size
+
+    def said(self, messages: np.ndarray) -> np.ndarray:
+        """The numbers of messages (..., number), as the outbox has them."""
+        single = self.record[0] == np.float32
+        return messages.view(np.float32)[..., ::2] if single else messages
 
     def records(self, minds: np.ndarray) -> np.ndarray:
         """Minds (..., field) as records (...)."""
@@ -58,12 +65,15 @@ class ArrayLayout(NamedTuple):
 def array_layout(brain: Brain, mixed: bool = False) -> ArrayLayout:
     """The layout of a brain's minds and messages; in a `mixed` swarm other brains hear the messages, too."""
     record = record_type(codegen.record_fields(brain))
-    known = [*numbers(brain.memory), *numbers(brain.parameters)]
-    blank = np.zeros(record.itemsize // 8)
-    blank[: len(known)] = known
+    mind = np.zeros(1, record)
+    for name, value in (brain.memory | brain.parameters).items():
+        mind[name] = value
+    blank = mind.view(np.float64)
     blank.flags.writeable = False
     width = codegen.outbox_width(brain, mixed)
-    return ArrayLayout(record, blank, width, width - 1 if codegen.is_flagged(brain, mixed) else -1)
+    clipped = len(numbers(brain.memory)) + len(numbers(brain.parameters)) if brain.parts else -1  # then what is owed
+    flag = width - 1 if codegen.is_flagged(brain, mixed) else -1
+    return ArrayLayout(record, blank, width, flag, clipped)
 
 
 def blank_record(metric: Metric, **given: float) -> np.ndarray:
@@ -151,7 +161,7 @@ def _loop_files() -> dict[str, str]:
 def _brain_files(brain: Brain, exact: bool = False, mixed: bool = False) -> dict[str, str]:
     return {
         "__init__.py": "",
-        "brain.py": brain.source if exact else codegen.essence(brain.source),
+        "brain.py": brain.running_source if exact else codegen.essence(brain.running_source),
         "mind.py": codegen.of_brain(brain, mixed),
         "phases.py": source("phases.py"),
-    }
+    } | ({"codec.py": codec_source(brain.numbers.precision)} if brain.parts else {})

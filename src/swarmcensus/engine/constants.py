@@ -7,7 +7,7 @@ LISTED, FULL, PAIRS = 0, 1, 2
 BLOCK = 256
 
 # what is counted of a robot's messages
-SENT, HEARD = 0, 1
+SENT, HEARD, CLIPPED = 0, 1, 2
 
 # flags of a message; silence is 0. Noise drowns all other messages that reach the same robot
 SAID, NOISE = 1.0, 2.0

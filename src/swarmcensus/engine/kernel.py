@@ -29,6 +29,7 @@ from .minds import (
     believe_all,
     blank_minds,
     copy_rows,
+    count_clipped,
     count_known,
     forget_verdicts,
     is_said,
@@ -71,7 +72,7 @@ def simulate(
     luck = np.zeros((3, robots if swarm.luck.size > 0 else 0), np.uint64)
     before = np.int64(segments.snapshots.shape[0] != count)  # how many segments have no snapshot at the begin
     late = segments.outboxes.shape[0] > 0
-    uncounted, unjudged = np.zeros((2, 0), np.int64), tally.verdicts[0, :0]
+    uncounted, unjudged = np.zeros((3, 0), np.int64), tally.verdicts[0, :0]
     beside = np.empty((1 + (robots + BLOCK - 1) // BLOCK, outbox.shape[1]))
     low, high, start = segments.extremes[0], segments.extremes[1], segments.extremes[2:]
     for trial in range(measures.where.shape[0]):
@@ -152,6 +153,7 @@ def simulate(
                                     measures.kept[c, trial, i] = x
                             measures.correct[c, trial] = right / honest
                 if s == count - 1:
+                    count_clipped(swarm, memory, counted.counts)
                     for i in range(robots):
                         measures.final[trial, i] = value[i] = rows[last - 1 - first, i]
                         where[i] = rounds

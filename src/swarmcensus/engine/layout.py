@@ -22,6 +22,7 @@ class Swarm(NamedTuple):
     bases: np.ndarray  # (group): where its rows begin, in numbers
     fields: np.ndarray  # (group): how long a row is
     named: np.ndarray  # (group): whether a mind holds its robot's name, before its beliefs
+    clipped: np.ndarray  # (group): where a row counts messages that no format could hold; -1 without a format
     blanks: np.ndarray  # (group, field): a mind before its first observation
     runs: np.ndarray  # (run, 3): group, first robot, last robot + 1; none crosses the end of a block
     of_block: np.ndarray  # (block + 1): where the runs of a block of BLOCK robots begin
@@ -97,7 +98,7 @@ class Measures(NamedTuple):
 class Tally(NamedTuple):
     """What is counted of messages, and what is known of decisions."""
 
-    counts: np.ndarray  # (trial, what, robot): messages SENT and HEARD
+    counts: np.ndarray  # (trial, what, robot): messages SENT, HEARD and CLIPPED
     verdicts: np.ndarray  # (trial, robot, what): see `constants.py`; no robots where no brain decides or ends
     agreed: np.ndarray  # (trial, 2): the first option that all honest robots agreed on, and after which round
 

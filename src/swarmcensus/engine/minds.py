@@ -8,6 +8,7 @@ from swarmcensus.engine.constants import (
     BELIEVE,
     BOUND,
     CHANGED,
+    CLIPPED,
     COVERAGE,
     DECIDED_IN,
     DECISION,
@@ -154,6 +155,17 @@ def count_said(swarm, outbox, said, bounds, senders, links, counts):
         else:
             for e in range(bounds[i], bounds[i + 1]):
                 counts[HEARD, i] += outbox[said + np.uint64(senders[e]), swarm.flag] == SAID
+
+
+@loop()
+def count_clipped(swarm, memory, counts):
+    """Count each robot's messages with a number that the format cannot hold: its mind has counted them."""
+    flat = memory.reshape(-1)
+    for run in range(swarm.runs.shape[0]):
+        group = swarm.runs[run, 0]
+        if swarm.clipped[group] >= 0 and counts.shape[1] > 0:
+            for i in range(np.int64(swarm.runs[run, 1]), np.int64(swarm.runs[run, 2])):
+                counts[CLIPPED, i] = np.int64(flat[swarm.bases[group] + i * swarm.fields[group] + swarm.clipped[group]])
 
 
 @loop()

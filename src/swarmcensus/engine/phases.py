@@ -16,6 +16,7 @@ from swarmcensus.engine.return_values import chosen, ends_of
 from .mind import (
     add_sums,
     broadcast,  # noqa: F401
+    columns,
     decide,
     done,
     estimate,
@@ -23,6 +24,7 @@ from .mind import (
     give_luck,
     interval,
     keep_sums,
+    number,
     observe,
     options,
     put_sums,
@@ -49,7 +51,7 @@ def sense(memory, outbox, place, readings, looks, first, last, luck, begins):
     so that what was just computed is not read back from memory: that halves the time.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + last, width), np.float64)
+    said = seen_as(outbox, (place + last, columns), number)
     seen = seen_as(readings, last - first, np.float64)
     for i in range(first, last):
         if seen[i - first] >= 0.0 and not (begins and done(minds[i])):
@@ -64,7 +66,7 @@ def sense(memory, outbox, place, readings, looks, first, last, luck, begins):
 def hear(memory, outbox, place, receivers, senders, first, last, robots, luck):
     """Messages pass along links first ... last - 1."""
     minds = seen_as(memory, robots, record)
-    said = seen_as(outbox, (place + robots, width), np.float64)
+    said = seen_as(outbox, (place + robots, columns), number)
     to = seen_as(receivers, last, np.uint32)
     by = seen_as(senders, last, np.uint32)
     for link in range(first, last):
@@ -79,7 +81,7 @@ def hear_sums(memory, outbox, place, heard, senders, messages, rows, start, firs
     For brains whose `receive` only adds: sums stay in the processor's registers.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + robots, width), np.float64)
+    said = seen_as(outbox, (place + robots, columns), number)
     bounds = seen_as(heard, last + ONE, np.int64)
     by = seen_as(senders, messages, np.uint32)
     estimates = seen_as(rows, start + last, np.float64)
@@ -100,7 +102,7 @@ def add_up(outbox, place, sums_beside, size, robots):
     Blocks have `size` robots. Row 0 is the sum over the robots before the first: zeros.
     """
     blocks = (robots + size - ONE) // size
-    said = seen_as(outbox, (place + robots, width), np.float64)
+    said = seen_as(outbox, (place + robots, columns), number)
     beside = seen_as(sums_beside, (ONE + blocks, width), np.float64)
     for j in range(np.uint64(width)):
         beside[0, j] = 0.0
@@ -123,7 +125,7 @@ def hear_all(memory, outbox, place, sums_beside, block, rows, start, first, last
     `last`; row 1 + block is the sum over the robots from `last` on.
     """
     minds = seen_as(memory, last, record)
-    said = seen_as(outbox, (place + last, width), np.float64)
+    said = seen_as(outbox, (place + last, columns), number)
     beside = seen_as(sums_beside, (block + ONE + ONE, width), np.float64)
     estimates = seen_as(rows, start + last, np.float64)
     sums = sums_at(beside, ZERO)

@@ -74,6 +74,18 @@ def chance(word):
 
 
 @loop(from_cpython=True)
+def single_chance(word):
+    """A uint64 as a float32 in (0, 1), uniform on odd multiples of 2^-24."""
+    return ((uint64(word) >> U(41)) + 0.5) * (1.0 / 8388608.0)
+
+
+@loop(from_cpython=True, forceinline=True)
+def to_single(x):
+    """The nearest float32, as one: `brains.single.rounded_to_single` in machine code."""
+    return np.float32(x)
+
+
+@loop(from_cpython=True)
 def words(key, trial, tick, part, first, size, out):
     """Fill out[:size], a uint64 for each robot from `first` (even): robots 2j and 2j + 1 share block j."""
     k0 = key[0]

@@ -35,6 +35,7 @@ from .minds import (
     believe_all,
     blank_minds,
     copy_rows,
+    count_clipped,
     count_known,
     count_said,
     count_sent,
@@ -229,6 +230,7 @@ def live_on(swarm, minds, buffers, sensors, radio, stops, tally, intervals, chun
                 measure_intervals(swarm, memory, c, intervals)
         if recorded.history.shape[0] > 0:
             copy_rows(recorded.history[k], memory)
+    count_clipped(swarm, memory, counts)
 
 
 @entry

@@ -11,6 +11,7 @@ from pydantic import Field, ValidationError, WrapValidator, model_validator
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.forms import Form, Number, Schema, Share, Table, says
 from swarmcensus.brains import Adversary, Brain, adversary, load
+from swarmcensus.brains.packing import Format, Precision
 from swarmcensus.planning.areas import check_areas
 from swarmcensus.planning.goals import Goal, check_consistency, check_liars
 from swarmcensus.studies.fields import (
@@ -89,6 +90,10 @@ class Known(Table):
     """The possible fill ratios, a number or a range, whose worst is used."""
     link_success: Share = 1.0
     """The share of messages that are received."""
+    precision: Precision = "double"
+    """The precision of the robots' arithmetic, "double" or "single"."""
+    message: Format = "double"
+    """The format of the numbers in a message: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
     failing: SomeButNotAll = 0.0
     """The share of robots that may fail before the mission begins."""
     lying: SomeButNotAll = 0.0

@@ -73,7 +73,12 @@ def study_of(
     """The study that measures the share of right robots at these times, in every case. Raises InputError."""
     known, topology = mission.known, mission.free.topology[0]
     fill_ratios, lies = (list(dict.fromkeys(each)) for each in zip(*cases, strict=True))
-    world = {"topology": topology, "fill_ratio": fill_ratios, "link_success": known.link_success}
+    world = {
+        "topology": topology,
+        "fill_ratio": fill_ratios,
+        "link_success": known.link_success,
+        "message": known.message,
+    }
     schedule = {"ticks": times[-1]}
     if mission.moves:
         wide = {"side": mission.side} if mission.density is None else {"density": mission.density}
@@ -87,7 +92,7 @@ def study_of(
         name=mission.name,
         seed=seed,
         trials=trials,
-        swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains)},
+        swarm={"robots": robots, "accuracy": mission.accuracy, "brain": list(brains), "precision": known.precision},
         world=world,
         schedule=schedule,
         measure={"estimates": True, "checkpoints": list(times), "truth": "floor" if mission.on_floor else "nominal"},

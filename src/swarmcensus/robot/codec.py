@@ -11,7 +11,7 @@ whole: a whole number from 0 to `most`.
 
 import math
 
-LARGEST_HALF = 65504.0
+LARGEST_REAL = 3.4028234663852886e38
 LARGEST_LOG = 2.0**47.5
 LEAST_LOG = 1.3992e-05  # half a step below 2^-16
 MIDDLES = (
@@ -106,3 +106,64 @@ def ratio_of(information, confidence):
     if confidence > 0.0:
         return information / confidence
     return 0.5
+
+
+def read_real(x):
+    """What a receiver reads of a number in 32 bits; `x` is in single precision."""
+    return min(max(x, -LARGEST_REAL), LARGEST_REAL) if x == x else 0.0
+
+
+def holds_real(x):
+    """Whether 32 bits hold a number."""
+    return abs(x) <= LARGEST_REAL
+
+
+def read_half(x):
+    """What a receiver reads of a number in half precision."""
+    return half_value(half_code(x))
+
+
+def holds_half(x):
+    """Whether half precision holds a number."""
+    return abs(x) < 65520.0
+
+
+def read_share(x, steps):
+    """What a receiver reads of a fill ratio."""
+    return ratio_value(ratio_code(x, steps), steps)
+
+
+def holds_share(x, steps):
+    """Whether a coding of ratios holds a fill ratio."""
+    return -0.5 <= x < 1.5
+
+
+def read_log(x):
+    """What a receiver reads of a confidence."""
+    return log_value(log_code(x))
+
+
+def holds_log(x):
+    """Whether the coding of confidences holds one."""
+    return 0.0 <= x <= LARGEST_LOG
+
+
+def read_pair(information, confidence, steps):
+    """What a receiver reads of an information and its confidence."""
+    size = log_value(log_code(confidence))
+    return ratio_value(ratio_code(ratio_of(information, confidence), steps), steps) * size, size
+
+
+def holds_pair(information, confidence, steps):
+    """Whether the coding of confidences holds that of a pair."""
+    return abs(information) <= LARGEST_REAL and 0.0 <= confidence <= LARGEST_LOG
+
+
+def read_whole(x, most):
+    """What a receiver reads of a whole number."""
+    return whole_code(x, most)
+
+
+def holds_whole(x, most):
+    """Whether a coding of whole numbers holds one."""
+    return 0.0 <= x <= most

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from swarmcensus.basics.errors import InputError
 from swarmcensus.engine.constants import (
     CHANGED,
+    CLIPPED,
     COVERAGE,
     DECIDED_IN,
     DECISION,
@@ -76,6 +77,7 @@ def metrics_of(study: Study) -> Metrics:
         any(brain.decides for brain in study.brains),
         any(brain.ends for brain in study.brains),
         any(brain.has_interval for brain in study.brains),
+        study.has_formats,
     )
 
 
@@ -242,6 +244,7 @@ def columns(batch: Batch, local: bool, metrics: Metrics) -> Columns:
         batch.watched
         | kept
         | _decision_columns(batch, metrics)
+        | ({"messages_clipped": batch.counts[:, CLIPPED].astype(np.float64)} if metrics.formats else {})
         | ({"coverage": intervals[COVERAGE], "interval_width": intervals[WIDTH]} if metrics.intervals else {})
         | {
             "convergence_round": batch.convergence.astype(np.int32),

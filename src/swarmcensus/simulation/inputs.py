@@ -56,6 +56,8 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
+    if setting.precision == "single":
+        assumed_b, assumed_w = map(in_halves, (assumed_b, assumed_w))
     drift, readings = setting.drifts(seed, first, trials, b), setting.readings_key(seed)
     orders = setting.readings_key(seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
@@ -76,13 +78,22 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     )
 
 
+def in_halves(numbers: np.ndarray) -> np.ndarray:
+    """Numbers as float32 in the first half of their eight bytes: see `codegen.record_fields`."""
+    halves = np.zeros((*numbers.shape, 2), np.float32)
+    halves[..., 0] = numbers
+    return halves.view(np.float64)[..., 0]
+
+
 def _groups_of(setting: Setting, seed: int, first: int, trials: int) -> tuple[np.ndarray, np.ndarray]:
     group, honest = NO_GROUPS, ALL_HONEST
     if not setting.members:
         return group, honest
     groups, brains = setting.groups(seed, first, trials), setting.brains
     if len(brains) > 1:
-        group = np.array([0, *(brains.index(m.brain_in(setting.brain)) for m in setting.members)])[groups]
+        group = np.array(
+            [0, *(brains.index(m.brain_in(setting.brain).with_numbers(setting.brain.numbers)) for m in setting.members)]
+        )[groups]
     if setting.honest < setting.robots:
         honest = np.array([True, *(m.honest for m in setting.members)])[groups]
     return group, honest

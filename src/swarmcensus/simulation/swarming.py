@@ -56,6 +56,7 @@ def swarm(
         bases=group.size * (np.cumsum(fields) - fields),
         fields=fields,
         named=np.array([brain.uses.name for brain in brains]),
+        clipped=np.array([layout.clipped for layout in layouts]),
         blanks=blanks,
         runs=runs,
         of_block=of_block,
@@ -83,7 +84,7 @@ def tally_of(setting: Setting, trials: int, local: bool = False) -> Tally:
     """Counts of zero, and room for decisions, if any brain of the setting decides or ends; no `local` estimate does."""
     judged = not local and any(brain.decides or brain.ends for brain in setting.brains)
     verdicts = np.empty((trials, setting.robots if judged else 0, VERDICTS))
-    return Tally(np.zeros((trials, 2, setting.robots), np.int64), verdicts, np.empty((trials, 2)))
+    return Tally(np.zeros((trials, 3, setting.robots), np.int64), verdicts, np.empty((trials, 2)))
 
 
 def check_verdicts(setting: Setting, given: Inputs, verdicts: np.ndarray) -> None:

@@ -52,6 +52,7 @@ class Metrics:
     decides: bool = False  # some brain of the study decides
     ends: bool = False  # some brain of the study may be done
     intervals: bool = False  # some brain of the study has an interval
+    formats: bool = False  # messages of some setting have a number format
 
 
 @dataclass(frozen=True)

@@ -24,6 +24,7 @@ from swarmcensus.basics.hints import did_you_mean, did_you_mean_any
 from swarmcensus.basics.times import OR_TIME
 from swarmcensus.brains import adversary
 from swarmcensus.brains.fields import LARGEST as LARGEST_VALUE
+from swarmcensus.brains.packing import Format, Precision
 from swarmcensus.studies.precision import Until
 from swarmcensus.worlds.bodies import Positive
 from swarmcensus.worlds.changes import OR_CHANGE
@@ -177,6 +178,8 @@ BRAIN_OR_ADVERSARY = any_of(Annotated[str, name_in(brains.PLUGINS, adversary.PLU
 Wholes = Several[Whole]
 Times = Several[Annotated[Whole, OR_TIME]]
 Shares = Several[Share]
+Precisions = Several[Precision]
+Formats = Several[Format]
 Delays = Several[Annotated[int, Field(strict=True, ge=0, le=1000)]]
 FillRatios = Several[Annotated[Share, OR_CHANGE]]
 Positives = Several[Positive]

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
+from swarmcensus.brains.packing import Numbers
 from swarmcensus.studies.members import Member, Members
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.tables import Case, Schedule, Swarm, World
@@ -60,8 +61,14 @@ class Grid:
         swarm, world = self.swarm, self.world
         return [
             swarm.brain, world.topology, swarm.robots, swarm.accuracy, [*(swarm.assumed_accuracy or (None,))],
-            world.fill_ratio, world.link_success, world.message_delay,
+            world.fill_ratio, world.link_success, world.message_delay, self._numbers,
         ]  # fmt: skip
+
+    @property
+    def _numbers(self) -> list[Numbers]:
+        """The number formats of its robots."""
+        every = itertools.product(self.swarm.precision, self.world.message)
+        return [Numbers(precision, message, self.world.feedback) for precision, message in every]
 
     def _mixes(self, robots: int) -> list[tuple[Member, ...]]:
         """The combinations of members in swarms of this size, each once, without members of 0 robots."""
@@ -97,7 +104,9 @@ class Grid:
             for robots in self.swarm.robots
         }
         mixes = {robots: self._mixes(robots) for robots in self.swarm.robots}
-        for brain, topology, robots, *sensors, fill, success, delay in itertools.product(*self._lists):
+        brains = {(b, numbers): b.with_numbers(numbers) for b in self.swarm.brain for numbers in self._numbers}
+        for named, topology, robots, *sensors, fill, success, delay, numbers in itertools.product(*self._lists):
+            brain = brains[named, numbers]
             lengths = moving[robots] if topology.moves else fixed
             change = fill if isinstance(fill, Change) else None
             for mix, (rounds, *length) in itertools.product(mixes[robots], lengths):

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain, Value
+from swarmcensus.brains.packing import PLAIN
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.compiler import IN_SUMS, IN_SUMS_OF_ALL, ONE_BY_ONE
 from swarmcensus.engine.layout import Links
@@ -68,11 +69,23 @@ class Setting:
         """All brains of the swarm, each once, its own first. An oracle is the only one: it does not hear liars."""
         if self.brain.is_oracle:
             return (self.brain,)
-        return tuple(dict.fromkeys([self.brain, *(m.brain_in(self.brain) for m in self.members)]))
+        theirs = (m.brain_in(self.brain).with_numbers(self.brain.numbers) for m in self.members)
+        return tuple(dict.fromkeys([self.brain, *theirs]))
 
     def groups(self, seed: int, first_trial: int, trials: int) -> np.ndarray:
         """Which table of members each robot belongs to (trial, robot): counted from 1, and 0 for none."""
         return member_numbers(self.members, seed, first_trial, trials, self.robots)
+
+    @property
+    def precision(self) -> str:
+        """The precision of its robots' arithmetic."""
+        return self.brain.numbers.precision
+
+    @property
+    def message(self) -> str:
+        """The format of its messages, as in the dataset."""
+        numbers = self.brain.numbers
+        return numbers.message + ", no feedback" * (numbers.message != "double" and not numbers.feedback)
 
     @property
     def honest(self) -> int:
@@ -224,6 +237,8 @@ class Setting:
             content = (*content, str(self.change))
         if self.delay:
             content = (*content, "message_delay", self.delay)
+        if self.brain.numbers != PLAIN:
+            content = (*content, "numbers", *self.brain.numbers)
         if self.editions:
             content = (*content, self.editions)
         return hashlib.blake2b(repr((seed, content)).encode(), digest_size=16).hexdigest()
@@ -315,6 +330,8 @@ def _line(setting: Setting) -> str:
     lossy = "" if setting.link_success == 1.0 else f", link success {setting.link_success}"
     mixed = "".join(f", of them {member}" for member in setting.members)
     late = "" if not setting.delay else f", messages {counted(setting.delay, 'round')} late"
+    late += "" if setting.precision == "double" else f", {setting.precision} precision"
+    late += "" if setting.message == "double" else f", messages as {setting.message}"
     parameters = "".join(f", {name} = {_shown(value)}" for name, value in _parameters(setting))
     what = f"accuracy {setting.accuracy}{assumed}, f = {fill_ratio}{lossy}{late}{parameters}{mixed}"
     if setting.body is not None:
@@ -354,6 +371,8 @@ def _coordinates(setting: Setting) -> dict[str, object]:
         **_members(setting),
         **({"fill_ratio_change": str(setting.change)} if setting.change else {}),
         **({"message_delay": setting.delay} if setting.delay else {}),
+        **({"precision": setting.precision} if setting.precision != "double" else {}),
+        **({"message": setting.message} if setting.message != "double" else {}),
     }
 
 

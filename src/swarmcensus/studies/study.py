@@ -119,6 +119,11 @@ class Study:
         return study
 
     @property
+    def has_formats(self) -> bool:
+        """Whether messages have a number format in any of its settings."""
+        return any(format != "double" for grid in self.grids for format in grid.world.message)
+
+    @property
     def context(self) -> dict[str, Any]:
         """The context with which `parse` reads the study's text again without its files."""
         return {

@@ -17,9 +17,11 @@ from swarmcensus.studies.fields import (
     Delays,
     FillRatios,
     Floors,
+    Formats,
     Metrics,
     Name,
     Positives,
+    Precisions,
     SeveralTables,
     Shares,
     Times,
@@ -48,6 +50,8 @@ class Swarm(Table):
     """The true b and w of the sensors, as 0.8, "U(0.525, 0.975)" or {black = 0.9, white = 0.6}."""
     assumed_accuracy: Beliefs | None = None
     """The b and w that robots assume; by default the true ones."""
+    precision: Precisions = Field(default=["double"])
+    """The precision of the robots' arithmetic: "double", or "single" as most boards have it."""
 
 
 class World(Table):
@@ -65,6 +69,10 @@ class World(Table):
     """The probability that a message gets through."""
     message_delay: Delays = Field(default=[0])
     """How many rounds late messages are on fixed networks."""
+    message: Formats = Field(default=["double"])
+    """How the numbers of a message are sent: "float32", "float16", "ratio16", "ratio8"; "double" rounds nothing."""
+    feedback: Annotated[bool, Field(strict=True)] = True
+    """Whether what rounding takes of a message is added to the next one."""
     density: Positives | None = None
     """D = N π r² / L² of robots that move."""
     side: Positives | None = None
@@ -93,10 +101,12 @@ class Case(Table):
     robots: Wholes | None = None
     accuracy: Accuracies | None = None
     assumed_accuracy: Beliefs | None = None
+    precision: Precisions | None = None
     topology: Topologies | None = None
     fill_ratio: FillRatios | None = None
     link_success: Shares | None = None
     message_delay: Delays | None = None
+    message: Formats | None = None
     density: Positives | None = None
     side: Positives | None = None
     floor: Floors | None = None

@@ -27,7 +27,7 @@ class Coordinate:
     title: str = ""
     plural: str = ""
     counts: bool = False
-    blank: int | None = None
+    blank: int | str | None = None
     always: bool = True
     world: Literal["any", "networks", "moving"] = "any"
 
@@ -108,12 +108,23 @@ ALL = (
         caption="delay {:,.0f}", title="message delay (rounds)", plural="message delays", blank=0, always=False,
         world="networks",
     ),
+    Coordinate(
+        "precision", "text",
+        "`single` or `double` [precision](study-file.md#numbers-of-robots); only if single in any setting",
+        caption="{} precision", title="precision", plural="precisions", blank="double", always=False,
+    ),
+    Coordinate(
+        "message", "text",
+        "format of [messages](study-file.md#numbers-of-robots), `ratio16`, or `float16, no feedback`; only if any "
+        "setting has one",
+        caption="messages as {}", title="message format", plural="message formats", blank="double", always=False,
+    ),
 )  # fmt: skip
 COORDINATES = {coordinate.name: coordinate for coordinate in ALL}
 IN_CAPTIONS = (  # in this order
     "topology", "brain", "robots", "density", "side", "fill_ratio", "fill_ratio_change", "floor", "rounds",
-    "observations_per_round", "link_success", "message_delay", "assumed_accuracy", "accuracy", "checkpoint", "members",
-    "adversary", "liars",
+    "observations_per_round", "link_success", "message_delay", "precision", "message", "assumed_accuracy", "accuracy",
+    "checkpoint", "members", "adversary", "liars",
 )  # fmt: skip
 ROUNDS = Coordinate(  # of quantities that are measured at checkpoints
     "checkpoint", "whole number", "a round after which decisions were recorded", caption="after {:,.0f}", counts=True

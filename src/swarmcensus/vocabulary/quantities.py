@@ -144,13 +144,20 @@ ALL = (
         page="messages that reached it",
     ),
     Quantity(
+        "messages_clipped", "messages with a number that the format cannot hold", "formats", unit="messages",
+        label="clipped", low=True, statistic="mean",
+        page="messages of a robot in which the [format](study-file.md#numbers-of-robots) could not hold a number: it "
+        "was sent as the largest; only if any setting has a format",
+    ),
+    Quantity(
         "memory_bytes", "what a robot remembers, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
         label="memory", axis="memory of a robot (bytes)",
         page="size of the brain's memory, at 4 bytes a number",
     ),
     Quantity(
-        "message_bytes", "what one message takes, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
-        label="message", axis="bytes of a message", page="size of a message, at 4 bytes a number",
+        "message_bytes", "what one message takes", "setting", PER_SETTING, "bytes", np.int64,
+        label="message", axis="bytes of a message",
+        page="size of a message in its format; 4 bytes a number without one",
     ),
     Quantity(
         "anonymous", "1 where no brain knows its robot's name", "setting", PER_SETTING, "", np.int64,

@@ -6,6 +6,7 @@ import numpy as np
 
 from swarmcensus.basics.documents import json_value
 from swarmcensus.brains.fields import slots
+from swarmcensus.engine.compiler import array_layout
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.living import Stretch
 from swarmcensus.watching.shows import Show
@@ -68,9 +69,10 @@ def heard_in(show: Show, stretch: Stretch, row: int, robot: int) -> list[dict[st
     senders = neighbours_of(show, stretch, row, robot)
     here = show.carried(stretch, row, np.full(senders.size, robot), senders) > 0
     brain = show.setting.brain
+    said = array_layout(brain, len(show.setting.brains) > 1).said(stretch.said[row])
     names = slots({name: brain.lengths[name] for name in brain.sums} if adds(show) else brain.message)
     return [
-        {"from": int(sender), "said": dict(zip(names, map(json_value, stretch.said[row, sender]), strict=False))}
+        {"from": int(sender), "said": dict(zip(names, map(json_value, said[sender].tolist()), strict=False))}
         for sender in senders[here]
     ]
 
