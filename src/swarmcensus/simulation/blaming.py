@@ -46,7 +46,7 @@ def _live(setting: Setting, seed: int, trial: int, checkpoints: Container[int]) 
     stops = given.stops[0]
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     brain = [setting.brains[one] for one in group]
-    b, w = given.first_beliefs
+    b, w = (side[0] for side in given.beliefs)
     minds = [one.robot(float(b[i % b.size]), float(w[i % w.size]), float(i)) for i, one in enumerate(brain)]
     delay = setting.message_delay
     first_heard = delay + (setting.body is None)  # moving robots also hear messages from before the first tick

@@ -20,6 +20,7 @@ class Inputs(NamedTuple):
     first: int
     sensors: Sensors
     beliefs: tuple[np.ndarray, np.ndarray]  # assumed b and w, (trial, robot or 1)
+    kept: tuple[np.ndarray, np.ndarray]  # the same, as they lie in minds: see `codegen.record_fields`
     radio: Radio
     links: Links | None  # who hears whom; None where robots move
     stops: np.ndarray  # (trial, part, robot): when parts of robots fail, see `engine.failures`
@@ -38,14 +39,15 @@ class Inputs(NamedTuple):
         return self._replace(
             first=self.first + k,
             sensors=sensors._replace(b=sensors.b[one], w=sensors.w[one], drift=sensors.drift[one]),
-            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), links=links, stops=self.stops[one],
+            beliefs=(self.beliefs[0][one], self.beliefs[1][one]), kept=(self.kept[0][one], self.kept[1][one]),
+            links=links, stops=self.stops[one],
             speeds=self.speeds[one], group=self.group[one], honest=self.honest[one],
         )  # fmt: skip
 
     @property
     def first_beliefs(self) -> tuple[np.ndarray, np.ndarray]:
-        """The accuracies that robots assume in the first trial."""
-        return self.beliefs[0][0], self.beliefs[1][0]
+        """The accuracies that robots assume in the first trial, as they lie in minds."""
+        return self.kept[0][0], self.kept[1][0]
 
 
 def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order: bool = False) -> Inputs:
@@ -56,8 +58,10 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     except ValueError as error:
         raise InputError(f"trials {first} to {first + trials - 1} of {setting}: {error}") from error
     b, w, assumed_b, assumed_w = setting.accuracies(seed, first, trials)
+    beliefs = kept = (assumed_b, assumed_w)
     if setting.precision == "single":
-        assumed_b, assumed_w = map(in_halves, (assumed_b, assumed_w))
+        assumed_b, assumed_w = (side.astype(np.float32).astype(np.float64) for side in beliefs)
+        beliefs, kept = (assumed_b, assumed_w), (in_halves(assumed_b), in_halves(assumed_w))
     drift, readings = setting.drifts(seed, first, trials, b), setting.readings_key(seed)
     orders = setting.readings_key(seed, "order") if order else NO_KEY
     sensors = Sensors(b, w, drift, setting.course, setting.observations_per_round, readings, orders)
@@ -66,7 +70,8 @@ def inputs_of(setting: Setting, seed: int, first: int, trials: int = 1, *, order
     return Inputs(
         first=first,
         sensors=sensors,
-        beliefs=(assumed_b, assumed_w),
+        beliefs=beliefs,
+        kept=kept,
         radio=Radio(losses, setting.loss_threshold, setting.message_delay, moves and setting.brain.is_oracle),
         links=links,
         stops=np.stack([setting.stops(seed, first + t) for t in range(trials)]),

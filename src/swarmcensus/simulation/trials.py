@@ -216,7 +216,7 @@ def _simulate(
     rounds = setting.rounds * (setting.observations_per_round if local else 1)
     radio = given.radio._replace(delay=0) if local else given.radio
     finished: bool = compiler.compile_world("kernel").simulate(
-        swarm, minds, room, given.sensors, given.beliefs, radio, given.links, given.stops, measures, tally, intervals,
+        swarm, minds, room, given.sensors, given.kept, radio, given.links, given.stops, measures, tally, intervals,
         given.first, rounds, local, begin, end, stop,
     )  # fmt: skip
     return finished

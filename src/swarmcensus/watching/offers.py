@@ -161,7 +161,7 @@ def _changed(offer: Offer, setting: Setting, request: Mapping[str, str]) -> Sett
     request = {key: value for key, value in request.items() if value != ""}
     values: dict[str, Any] = {}
     if "brain" in request:
-        values["brain"] = _brain(offer, "brain", request["brain"])
+        values["brain"] = _brain(offer, "brain", request["brain"]).with_numbers(setting.brain.numbers)
     if "topology" in request:
         values["topology"] = _one_of(offer.topologies, "topology", request["topology"])
     moves = values.get("topology", setting.topology).moves
