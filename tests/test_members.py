@@ -119,7 +119,7 @@ def test_what_is_measured_is_of_the_honest(topology):
         assert (batch.counts[trial, SENT] == 20).all()
         if topology == "full":
             assert (batch.counts[trial, HEARD] < 8 * 20).all()
-    assert batch.counts.shape == (3, 2, 6)
+    assert batch.counts.shape == (3, 3, 6)
 
 
 @pytest.mark.interpreted
