@@ -45,9 +45,16 @@ def life(brain, trial=0, **world):
 
 class TestBeta:
     def test_both_brains_have_the_same(self):
-        for name in ("beta_below", "beyond", "fraction", "below_half"):
+        for name in ("beta_below", "log_above_one", "beyond", "fraction", "below_half"):
             one, other = (inspect.getsource(getattr(brain.functions, name)) for brain in (BAYES, CHANGING))
             assert one == other
+
+    def test_a_logarithm_keeps_its_digits_near_one(self):
+        random = np.random.default_rng(SEED)
+        small = 10.0 ** random.uniform(-300.0, -1.0, 2000)
+        x = np.concatenate([small, -small, random.uniform(-0.999, 9.0, 1000), [0.0]])
+        found = np.array([BAYES.functions.log_above_one(each) for each in x.tolist()])
+        np.testing.assert_allclose(found, np.log1p(x), rtol=5e-16, atol=0.0)
 
     @pytest.mark.parametrize("x", [0.5, 0.1, 0.35, 0.8])
     def test_scipy(self, x):

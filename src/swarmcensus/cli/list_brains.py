@@ -45,7 +45,7 @@ def brains(options: argparse.Namespace) -> int:
             show_adversaries(liars)
         return 0
     from swarmcensus.brains import find
-    from swarmcensus.conformance.suite import brain_to_check, check
+    from swarmcensus.conformance.suite import brain_to_check, check, notes
 
     if options.wearing:
         find(options.wearing)  # so that a misspelt name is not reported as an error of the adversary
@@ -57,10 +57,11 @@ def brains(options: argparse.Namespace) -> int:
     say(f"checking {options.check}, which is compiled for it: up to a minute")
     checks = check(options.check, wearing=options.wearing)
     conforms = all(result.fault is None for result in checks)
+    said = notes(options.check, options.wearing)
     if options.json:
-        answer("checks", {"file": options.check, "conforms": conforms, "checks": checks})
+        answer("checks", {"file": options.check, "conforms": conforms, "checks": checks, "notes": said})
     else:
-        show_checks(options.check, checks, conforms)
+        show_checks(options.check, checks, conforms, said)
     return 0 if conforms else 2
 
 
@@ -132,8 +133,8 @@ def show_adversaries(rows: list[Row]) -> None:
     console().print(table([("adversary", False), ("parameters", False), ("what it does", False)], cells))
 
 
-def show_checks(path: Any, checks: "list[Check]", conforms: bool) -> None:
-    """Print the results of the conformance suite."""
+def show_checks(path: Any, checks: "list[Check]", conforms: bool, notes: Collection[str] = ()) -> None:
+    """Print the results of the conformance suite, and notes."""
     from rich.text import Text
 
     from swarmcensus.basics.terminal import console
@@ -146,6 +147,8 @@ def show_checks(path: Any, checks: "list[Check]", conforms: bool) -> None:
         out.print(Text("pass", "green") if result.fault is None else Text("FAIL", "red bold"), f" {result.name}")
         if result.fault is not None:
             out.print(f"      {result.fault}", soft_wrap=True)
+    for note in notes:
+        out.print(f"note  {note}", soft_wrap=True)
     out.print(f"{path}: {'conforms' if conforms else 'does not conform'}", soft_wrap=True)
 
 

@@ -1,5 +1,6 @@
 """Runs a brain file through all checks, in a process of its own, as a brain may hang or crash it."""
 
+import ast
 import faulthandler
 import json
 import os
@@ -14,7 +15,7 @@ from pathlib import Path
 from swarmcensus import brains
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.hints import did_you_mean
-from swarmcensus.brains import adversary
+from swarmcensus.brains import adversary, robot_math
 from swarmcensus.studies.checks import taken_in_results
 
 PATIENCE = 30.0  # seconds for a check, about a hundred times what it takes
@@ -104,6 +105,16 @@ def check(path: str | Path, patience: float = PATIENCE, wearing: str = "") -> li
         begun = lines[-1][0] if lines else KEEPS
         results.append(Check(begun, _why_it_ended(done, brain, begun, (path, patience, wearing))))
     return results
+
+
+def notes(path: str | Path, wearing: str = "") -> list[str]:
+    """What somebody who puts the brain on robots should know, though it breaks no promise; empty if it is refused."""
+    try:
+        brain = brain_to_check(path, wearing)
+    except InputError:
+        return []
+    missing = robot_math.missing_on_avr(ast.parse(brain.source))
+    return [f"AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks {', '.join(missing)}"] if missing else []
 
 
 def examine(path: str | Path, tests: dict[str, Test], wearing: str = "") -> Iterator[Check]:

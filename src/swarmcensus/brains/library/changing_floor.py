@@ -247,11 +247,19 @@ def beta_below(x, a, b):
     total = a + b
     off = x * total - a if x < 0.5 else b - (1.0 - x) * total
     # logarithms of ratios near 1, because differences of lgamma lose nine digits at counts of a million
-    log_front = a * math.log1p(off / a) + b * math.log1p(-off / b) + beyond(total) - beyond(a) - beyond(b)
+    log_front = a * log_above_one(off / a) + b * log_above_one(-off / b) + beyond(total) - beyond(a) - beyond(b)
     front = math.exp(log_front) * math.sqrt(a * b / (2.0 * math.pi * total))
     if x * (total + 2.0) < a + 1.0:
         return front * fraction(x, off, a, b) / a
     return 1.0 - front * fraction(1.0 - x, -off, b, a) / b
+
+
+def log_above_one(x):
+    """ln(1 + x), also for an x so small that 1 + x keeps few of its digits: the quotient takes the loss back."""
+    y = 1.0 + x
+    if y == 1.0:
+        return x
+    return math.log(y) * (x / (y - 1.0))
 
 
 def beyond(z):

@@ -1,0 +1,74 @@
+"""What `math` has on robots: what MicroPython has, and what C on AVR boards lacks of that."""
+
+import ast
+import math
+from collections.abc import Iterator
+
+from swarmcensus.basics.hints import did_you_mean
+from swarmcensus.basics.safe_source import names_set_by
+from swarmcensus.brains.syntax import BrokenContract, functions_of
+
+CONSTANTS = ("e", "inf", "nan", "pi", "tau")
+FUNCTIONS = (  # of MicroPython 1.27
+    "acos", "acosh", "asin", "asinh", "atan", "atan2", "atanh", "ceil", "copysign", "cos", "cosh", "degrees", "erf",
+    "erfc", "exp", "expm1", "fabs", "factorial", "floor", "fmod", "frexp", "gamma", "isclose", "isfinite", "isinf",
+    "isnan", "ldexp", "lgamma", "log", "log10", "log2", "modf", "pow", "radians", "sin", "sinh", "sqrt", "tan", "tanh",
+    "trunc",
+)  # fmt: skip
+INSTEAD = {  # of functions that CPython has and MicroPython lacks
+    "cbrt": "x ** (1.0 / 3.0)",
+    "dist": "math.sqrt of a sum of squares",
+    "exp2": "2.0 ** x",
+    "fma": "x * y + z",
+    "fsum": "a loop that adds",
+    "hypot": "math.sqrt(x * x + y * y)",
+    "isqrt": "math.floor(math.sqrt(x))",
+    "log1p": "math.log(1.0 + x), or for a small x math.log(y) * (x / (y - 1.0)) with y = 1.0 + x, and x where y is 1.0",
+    "prod": "a loop that multiplies",
+    "remainder": "x % y or math.fmod(x, y)",
+    "sumprod": "a loop that adds",
+}
+NOT_ON_AVR = ("acosh", "asinh", "atanh", "erf", "erfc", "expm1", "gamma", "lgamma", "log2")  # which avr-libc lacks
+
+
+def check(tree: ast.Module) -> None:
+    """Raise BrokenContract if a source uses of `math` what MicroPython lacks."""
+    for name, line in _uses(tree):
+        if name in FUNCTIONS or name in CONSTANTS or name == "*":
+            continue
+        if not hasattr(math, name) and name not in INSTEAD:
+            raise BrokenContract(f"math has no {name}: {did_you_mean(name, FUNCTIONS)}".rstrip(": "), line)
+        right = INSTEAD.get(name, f"your own arithmetic, or one of {', '.join(FUNCTIONS)},")
+        raise BrokenContract(f"uses math.{name}, which MicroPython on a robot lacks: {right} is right", line)
+
+
+def missing_on_avr(tree: ast.Module) -> list[str]:
+    """The functions of `math` that a source uses and avr-libc lacks, each once."""
+    return sorted({name for name, _ in _uses(tree)} & {*NOT_ON_AVR})
+
+
+def _uses(tree: ast.Module) -> Iterator[tuple[str, int]]:
+    """Every use of a name of `math`, and its line: as an attribute, imported, or by name where all are imported."""
+    imports = [node for node in ast.walk(tree) if isinstance(node, ast.Import | ast.ImportFrom)]
+    modules = {a.asname or a.name for node in imports if isinstance(node, ast.Import) for a in node.names}
+    of_math = set()  # names that mean something of math, as all are imported
+    for node in imports:
+        if isinstance(node, ast.ImportFrom):
+            yield from ((alias.name, node.lineno) for alias in node.names)
+            if any(alias.name == "*" for alias in node.names):
+                of_math = {name for name in dir(math) if name[0] != "_"}
+    of_math -= {name for node in tree.body for part in _own(node) for name in names_set_by(part)}
+    of_math -= functions_of(tree).keys()
+    for top in tree.body:
+        local = {name for part in ast.walk(top) for name in names_set_by(part)}
+        local |= {part.arg for part in ast.walk(top) if isinstance(part, ast.arg)}
+        for part in ast.walk(top):
+            if isinstance(part, ast.Attribute) and isinstance(part.value, ast.Name) and part.value.id in modules:
+                yield part.attr, part.lineno
+            elif isinstance(part, ast.Name) and part.id in of_math - local:
+                yield part.id, part.lineno
+
+
+def _own(node: ast.stmt) -> Iterator[ast.AST]:
+    """The parts of a statement at the top level, if it is no function."""
+    return iter(()) if isinstance(node, ast.FunctionDef) else ast.walk(node)

@@ -1,0 +1,144 @@
+"""What brains may use of `math`: what MicroPython has; and what AVR boards lack."""
+
+import ast
+import math
+import os
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import adversary, robot_math
+from swarmcensus.conformance import suite
+
+PACKAGE = "@micropython/micropython-webassembly-pyscript"  # found by node through NODE_PATH
+ASK = f"""
+const {{pathToFileURL}} = require("url");
+const file = require("path").join(require.resolve("{PACKAGE}/package.json"), "..", "micropython.mjs");
+import(pathToFileURL(file).href).then(async module => {{
+    const python = await module.loadMicroPython({{stdout: line => console.log(line)}});
+    python.runPython(process.argv[1]);
+}});
+"""
+TINY = """import math
+
+MEMORY = {"x": 0.5}
+MESSAGE = ("x",)
+
+
+def observe(me, blacks, looks):
+    me.x = 0.5
+
+
+def broadcast(me):
+    return (me.x,)
+
+
+def receive(me, message):
+    pass
+
+
+def fuse(me):
+    pass
+
+
+def estimate(me):
+    return me.x
+"""
+
+
+def micropython(source):
+    """What MicroPython prints."""
+    if not shutil.which("node"):
+        pytest.skip("needs node")
+    done = subprocess.run(["node", "-e", ASK, source], capture_output=True, text=True, timeout=60, check=False)
+    if "Cannot find module" in done.stderr:
+        pytest.skip(f"needs the npm package {PACKAGE} in NODE_PATH ({os.environ.get('NODE_PATH', 'not set')})")
+    assert not done.returncode, done.stderr
+    return done.stdout
+
+
+def refused(source, read=brains.parse):
+    with pytest.raises(InputError) as caught:
+        read(source, "x", Path("x.py"))
+    return str(caught.value)
+
+
+def test_the_list_is_what_micropython_has():
+    known = micropython("import math\nprint(*dir(math))").split()
+    assert {name for name in known if name[0] != "_"} == {*robot_math.FUNCTIONS, *robot_math.CONSTANTS}
+    calls = micropython("import builtins\nprint(*dir(builtins))").split()
+    assert {"abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len"} <= {*calls}
+
+
+def test_all_of_the_list_is_in_cpython():
+    for name in (*robot_math.FUNCTIONS, *robot_math.CONSTANTS, *robot_math.NOT_ON_AVR):
+        assert hasattr(math, name)
+
+
+@pytest.mark.parametrize("name", [n for n in dir(math) if n[0] != "_" and n not in robot_math.CONSTANTS])
+def test_a_function_is_allowed_or_refused_with_its_line(name):
+    source = TINY.replace("    me.x = 0.5\n", f"    me.x = math.{name}(0.5)\n")
+    if name in robot_math.FUNCTIONS:
+        assert brains.parse(source, "x", Path("x.py"))
+    else:
+        assert f"x.py, line 8: uses math.{name}, which MicroPython on a robot lacks: " in refused(source)
+
+
+@pytest.mark.parametrize(
+    ("head", "call", "line"),
+    [
+        ("from math import log1p", "log1p(0.5)", 1),
+        ("from math import *", "log1p(0.5)", 8),
+        ("import math", "math.log1p(0.5)", 8),
+    ],
+)
+def test_however_it_is_imported(head, call, line):
+    said = refused(TINY.replace("import math", head).replace("me.x = 0.5", f"me.x = {call}"))
+    assert f"line {line}: uses math.log1p" in said
+    assert "math.log(1.0 + x)" in said
+
+
+def test_own_names_are_no_functions_of_math():
+    source = TINY.replace("import math", "from math import *").replace("me.x = 0.5", "gcd = sqrt(0.25)\n    me.x = gcd")
+    source += "\n\ndef comb(x):\n    return x\n\n\ndef helper(dist):\n    return comb(dist)\n"
+    assert brains.parse(source, "x", Path("x.py"))
+
+
+def test_an_adversary_too():
+    said = refused("import math\n\n\ndef lie(me, x):\n    return math.hypot(x, x)\n", adversary.parse)
+    assert "line 5: uses math.hypot, which MicroPython on a robot lacks: math.sqrt(x * x + y * y) is right" in said
+
+
+def test_a_misspelt_function():
+    assert "math has no sqr: did you mean 'sqrt'?" in refused(TINY.replace("me.x = 0.5", "me.x = math.sqr(0.25)"))
+
+
+def test_what_avr_boards_lack():
+    tree = ast.parse(brains.load("bayes-bots").source)
+    assert robot_math.missing_on_avr(tree) == ["lgamma"]
+    assert suite.notes("bayes-bots") == ["AVR boards (Kilobot, Arduino) cannot run it, as avr-libc lacks lgamma"]
+    assert suite.notes("commons") == []
+
+
+def test_the_page_lists_all():
+    page = (Path(__file__).parents[1] / "docs" / "brain-contract.md").read_text(encoding="utf-8")
+    section = page.partition("### math\n")[2].partition("**The check")[0]
+    allowed, _, others = section.partition("Others, such as")
+    assert {*re.findall(r"`(\w+)`", allowed)} - {"math"} == {*robot_math.FUNCTIONS, *robot_math.CONSTANTS}
+    assert {*re.findall(r"`(\w+)`", others.partition("also lacks")[2])} == {*robot_math.NOT_ON_AVR}
+
+
+@pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc and avr-libc")
+def test_what_avr_libc_declares():
+    header = subprocess.run(
+        ["avr-gcc", "-E", "-"], input="#include <math.h>\n", capture_output=True, text=True, check=True
+    ).stdout
+    declared = {*re.findall(r"\b(\w+)\s*\(", header)}
+    not_of_c = {"degrees", "radians", "factorial", "isclose"}
+    names_in_c = {name: "tgamma" if name == "gamma" else name for name in robot_math.FUNCTIONS if name not in not_of_c}
+    assert {name for name, in_c in names_in_c.items() if in_c not in declared} == {*robot_math.NOT_ON_AVR}
