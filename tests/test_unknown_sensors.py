@@ -287,6 +287,32 @@ def test_the_older_consensus_is_a_mean_of_means():
         assert me.past_x == pytest.approx(told, abs=1e-12)
 
 
+def test_an_error_that_all_robots_share_is_invisible_to_the_filter():
+    """With x' as made from mu, the expected share of black readings is the seen one: mu follows the drift alone."""
+    black = 0.53
+    for mu in (0.6, 0.7, 0.9):
+        me = robot(CPF, 0.8, 0.8, drift=-1e-5, every=1.0, noise=0.0)
+        me.mu, me.variance, me.t, me.n = mu, 1e-4, 1000.0, 1000.0 * black
+        me.past_x = (black + mu - 1e-5 - 1.0) / (2.0 * (mu - 1e-5) - 1.0)
+        CPF.functions.learn(me)
+        assert me.mu == pytest.approx(mu - 1e-5, abs=1e-13)
+
+
+def test_a_drift_that_sensors_do_not_have_ends_the_estimate():
+    """Robots whose sensors stay as they are: the published drift takes the estimate to 1, and without it nothing is."""
+    study = sc.Study(
+        trials=1,
+        seed=1,
+        swarm={"brain": {"file": "bayes-cpf", "drift": [-1e-5, 0]}, "robots": 10, "accuracy": 0.8},
+        world={"topology": "ring", "fill_ratio": 0.55},
+        schedule={"rounds": 100_000, "observations_per_round": 1},
+        measure={"checkpoints": [100_000]},
+    )
+    errors = np.median(np.abs(sc.run(study, jobs=1)["final_estimate"].values - 0.55), axis=(1, 2))
+    assert errors[0] > 0.3
+    assert errors[1] < 0.05
+
+
 @pytest.mark.long(only=["brain1"])
 @pytest.mark.parametrize("brain", [{"file": "asdf", "every": 4}, {"file": "bayes-cpf", "window": 60, "past": 5}])
 def test_compiled_they_are_what_cpython_runs(brain):

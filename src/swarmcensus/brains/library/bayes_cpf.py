@@ -18,6 +18,11 @@ readings. mu is kept within [0, 1], and the believed accuracy within [1/2, 1]: a
 than right gives its readings no weight once it learns. If the assumed b and w differ, the filter begins at their mean.
 At x' = 1/2, C is 0 and nothing is learnt. The variance of exponentially forgotten readings is half of m p (1 - p), and
 each update uses readings again; both are treated as in a window.
+
+Limit of the published filter: B must be the true drift. The consensus is made with the believed accuracies, so where
+all robots have the same mu, right or wrong, p tends to the share of black readings, n - m p to 0, and mu follows B
+alone. If sensors do not degrade, `drift` should be 0: with the default, 20 robots with b = w = 0.8 on a ring at f =
+0.55 err by 0.03 after 20,000 readings, 0.1 after 50,000 and 0.43 after 100,000; with 0, by about 0.01 throughout.
 """
 
 import math
