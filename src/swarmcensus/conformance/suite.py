@@ -180,6 +180,25 @@ def report(path: str, patience: float, wearing: str = "") -> None:
         print(json.dumps([result.name, result.fault, result.used]), flush=True)
 
 
+def single_life(path: str | Path, wearing: str = "") -> str | dict[str, int | None]:
+    """At which reading of a day single and double precision part, by `single_life.Life`'s names; or why it ended."""
+    brain = brain_to_check(path, wearing)
+    done = _child("live", path, COMPILE_PATIENCE, wearing)
+    if done.returncode:
+        return _why_it_ended(done, brain, "", (path, COMPILE_PATIENCE, wearing))
+    lived: dict[str, int | None] = json.loads(done.stdout)
+    return lived
+
+
+def live(path: str, patience: float, wearing: str = "") -> None:
+    """In a child process: print a brain's life in single precision, as JSON."""
+    from swarmcensus.conformance.single_life import life
+
+    faulthandler.dump_traceback_later(patience, exit=True)
+    print(json.dumps(life(brain_to_check(path, wearing))._asdict()))
+    faulthandler.cancel_dump_traceback_later()
+
+
 def call_by_call(path: str, patience: float, wearing: str = "") -> None:
     """In a child process: find out which compiled function does not return."""
     from swarmcensus.conformance.machine_code import step_by_step

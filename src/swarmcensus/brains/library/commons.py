@@ -12,7 +12,13 @@ join late, as long as the network does not depend on the readings. docs/beyond.m
 The ratio is clipped to [0, 1] only for the estimate, because clipped sums would stay biased. For the first rounds there
 is a prior with mean 1/2 and weight min(1/4, 1/(16 v)) next to v. For a robot that has seen 100 tiles with b = w = 0.525
 it weighs half as much as the readings, and soon nothing.
+
+A robot halves both sums once v passes 2^14, as float32 rounds away too much of a reading that is small against them.
+This keeps s / v, and f stays consistent whoever halves first, because v depends on no colours: it only counts older
+readings less, so that even a robot alone still has a standard error below 0.0033.
 """
+
+MOST = 16384.0  # evidence above which the sums are halved
 
 MEMORY = {
     "s": 0.0,  # evidence for black, mixed
@@ -47,10 +53,13 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices."""
+    """The mean of all voices, halved if it is large."""
     voices = 1.0 + me.heard
     me.s = (me.s + me.heard_s) / voices
     me.v = (me.v + me.heard_v) / voices
+    if me.v > MOST:
+        me.s *= 0.5
+        me.v *= 0.5
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0

@@ -21,8 +21,12 @@ them. Finally, the estimate of commons is clipped to what the own readings allow
 This bound holds for any number of liars, and falls as 1 / sqrt(t). It is the only protection if most of a robot's
 neighbours lie, as next to a lying hub of a tree. Because the gates depend on readings, x is not quite unbiased; if
 black lies in clusters, e is too small, and honest robots exclude each other. Anonymous: there are no names to forge.
+
+As in `commons`, a robot halves s, v once v passes 2^14, so that float32 can hold them. The own sums are made of counts,
+which float32 holds to 2^24 readings: they are not halved, and pull the more.
 """
 
+MOST = 16384.0  # evidence above which the mixed sums are halved
 VOICES = 8.0  # the number of voices over which the typical distance is averaged
 LEAST = 1e-6  # typical distance; smaller ones are rounding
 
@@ -109,6 +113,9 @@ def fuse(me):
         lean = min(1.0, me.lean * me.fresh / me.t)
         me.s += lean * (slope * (me.n - me.t * (1.0 - me.w)) - me.s)
         me.v += lean * (slope * slope * me.t - me.v)
+    if me.v > MOST:
+        me.s *= 0.5
+        me.v *= 0.5
     me.fresh = 0.0
     me.voices = 0.0
     me.apart = 0.0

@@ -17,7 +17,13 @@ exactly the same robots as they did, which in a connected swarm is true of all o
 mark: first the robot's own, then for good the sum of all marks heard, which rarely equals another sum by chance.
 Momentum begins in the third round, when this is known. A robot whose v would be halved by the step omits it once. The
 prior is that of commons, scaled like the sums.
+
+Rounding is the worse the larger the sums are against what a round adds, which is what `unit` tells. Once it passes
+2^16, which with momentum takes 6,554 rounds, a robot halves all sums and `unit`, which keeps their ratios: robots with
+momentum do so in the same round, and shaken ones mix consistently whoever halves first, as in commons.
 """
+
+MOST = 65536.0  # the unit above which all sums are halved
 
 PARAMETERS = {
     "momentum": 0.9,  # g
@@ -108,11 +114,26 @@ def fuse(me):
     me.v = v
     me.unit = ahead_unit
     me.rounds += 1.0
+    if me.unit > MOST:
+        halve(me)
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
     me.heard_company = 0.0
     me.alarms = 0.0
+
+
+def halve(me):
+    """Count all earlier readings half, and their rounds too, to whose number the prior is scaled."""
+    me.s *= 0.5
+    me.v *= 0.5
+    me.said_s *= 0.5
+    me.said_v *= 0.5
+    me.mean_s *= 0.5
+    me.mean_v *= 0.5
+    me.unit *= 0.5
+    me.said_unit *= 0.5
+    me.rounds *= 0.5
 
 
 def estimate(me):

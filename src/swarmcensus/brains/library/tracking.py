@@ -11,10 +11,14 @@ Var(S/V - s/v) = q(1 - q) (sum w^2 / v^2 - 1/V) <= (1/v - 1/V) / 4, as q(1 - q) 
 of robots that contribute to v, which a robot does not know; the robots that it hears in one round are nearly always
 fewer. So chance stays well within z, the more so the more of the swarm is mixed.
 
+As in `commons`, a robot halves the long sums once V passes 2^14, so that float32 can hold them. Their readings then
+have weights of at most 1, and as V is over 80 times `memory`, the bound changes by less than 2 %.
+
 After a restart, what the short sums still hold of the old floor weighs no more than one reading. A robot that restarts
 by mistake gets the long sums back from its neighbours within a few rounds.
 """
 
+MOST = 16384.0  # evidence above which the long sums are halved
 LEAST = 10.0  # evidence that the short sums may always hold
 KEPT = 1.0  # the weight of the estimate after a restart
 
@@ -71,6 +75,9 @@ def fuse(me):
     me.v = (me.v + me.heard_v) / voices
     me.long_s = (me.long_s + me.heard_long_s) / voices
     me.long_v = (me.long_v + me.heard_long_v) / voices
+    if me.long_v > MOST:
+        me.long_s *= 0.5
+        me.long_v *= 0.5
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
