@@ -8,6 +8,7 @@ from swarmcensus import brains
 from swarmcensus.cli.commands import main
 from swarmcensus.conformance import single_life, suite
 from swarmcensus.conformance.single_lives import single_lives
+from tests import ring_days
 
 LONG_LIVED = ("commons", "swift", "tracking", "steadfast")
 WITHOUT = {"commons": "    if me.v > MOST:\n        me.s *= 0.5\n        me.v *= 0.5\n"}
@@ -64,6 +65,25 @@ class TestHalving:
                 brain.functions.receive(me, said[k - 1])
                 brain.functions.fuse(me)
         assert all(me.s / me.v == pytest.approx(0.55, abs=1e-12) for me in swarm)
+
+
+class TestDays:
+    """A day of a swarm at 10 Hz, a fifth of the messages lost; `swift` keeps its momentum only if none is."""
+
+    @pytest.mark.long
+    @pytest.mark.parametrize("name", [*LONG_LIVED, "self-taught"])
+    def test_a_swarm_lives_a_day_in_single_precision(self, name):
+        loss = 0.0 if name == "swift" else 0.2
+        assert ring_days.median_error(brains.load(name), "single", single_life.DAY, loss) < 0.003
+
+    @pytest.mark.long
+    def test_swift_would_not_without_the_halving(self, tmp_path):
+        source = brains.load("swift").source
+        halving = "    if me.unit > MOST:\n        halve(me)\n"
+        assert halving in source
+        file = tmp_path / "unhalved.py"
+        file.write_text(source.replace(halving, ""))
+        assert ring_days.median_error(brains.load(file), "single", single_life.DAY, 0.0) > 0.01
 
 
 class TestLives:

@@ -16,6 +16,9 @@ steps, because a large step would leave the others' x behind and mislead robots 
 An outlier reduces its g to 0 in steps; b = w = (n/t + f - 1)/(2 f - 1) is its accuracy according to the swarm. If a
 share p of robots is wrong by the same D, (x - f)^2 = (1 - p)^2 D^2 and d = p (1 - p) D^2: they withdraw if (1 - p)/p is
 above `apart`, and the others then stay. If about half are wrong in the same way, nothing can be known.
+
+Single precision bears this for long: the sums fade, so that they stay small against what a round adds. The counts t and
+n are exact up to 2^24 readings.
 """
 
 STEP = 0.02  # the share of its evidence that a robot withdraws or adds per round

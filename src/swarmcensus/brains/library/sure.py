@@ -15,6 +15,9 @@ After the j-th eight blocks, the robot checks whether half the width of its inte
 4 alpha/((j + 3)(j + 4)), and if so is done; all alpha_j sum up to alpha. It goes on sending. The interval is for the
 ground that robots see: on a floor that is seen over and over, for its own share of black. On a floor whose black lies
 in clusters wider than the distance that robots have driven, it is too narrow.
+
+In single precision, rounding adds an error of about 0.001 in a day of looking at 10 Hz, which the interval does not
+tell. With `within` from 0.005 on, robots are done long before.
 """
 
 import math

@@ -1,0 +1,55 @@
+"""Long lives of a swarm in double or single precision: a ring with two neighbours on each side, compiled."""
+
+import types
+
+import numba
+import numpy as np
+
+from swarmcensus.brains import numbers
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import ROUND, rounded_to_single
+from swarmcensus.engine.codegen import record_fields
+
+
+def median_error(brain, precision, ticks, loss, robots=20, b=0.8, f=0.55, seed=1):
+    """The median error of a swarm after so many ticks of one reading each; a share `loss` of the messages is lost."""
+    brain = brain.with_numbers(Numbers(precision))
+    minds = np.zeros(robots, record_fields(brain))
+    known = [*numbers(brain.memory), *numbers(brain.parameters)]
+    minds.view(np.float64).reshape(robots, -1)[:, : len(known)] = known
+    minds["b"] = minds["w"] = rounded_to_single(b) if precision == "single" else b
+    if brain.uses.name:
+        minds["name"] = np.arange(robots)
+    return float(np.median(np.abs(_compiled(brain)(minds, ticks, f, b, loss, np.random.default_rng(seed)) - f)))
+
+
+def _compiled(brain):
+    space = dict(vars(brain.functions))
+    for name, function in space.items():
+        if isinstance(function, types.FunctionType):
+            plain = types.FunctionType(function.__code__, space, name)
+            space[name] = numba.njit((lambda x: np.float64(np.float32(x))) if name == ROUND else plain)
+    observe, broadcast, receive, fuse, estimate = (
+        space[name] for name in ("observe", "broadcast", "receive", "fuse", "estimate")
+    )
+
+    @numba.njit
+    def day(minds, ticks, f, b, loss, chance):
+        robots = minds.size
+        said = [broadcast(minds[0]) for _ in range(robots)]
+        for _ in range(ticks):
+            for i in range(robots):
+                right = chance.random() < b
+                black = chance.random() < f
+                observe(minds[i], 1.0 if black == right else 0.0, 1.0)
+            for i in range(robots):
+                said[i] = broadcast(minds[i])
+            for i in range(robots):
+                for j in (i - 2, i - 1, i + 1, i + 2):
+                    if chance.random() >= loss:
+                        receive(minds[i], said[j % robots])
+            for i in range(robots):
+                fuse(minds[i])
+        return np.array([estimate(minds[i]) for i in range(robots)])
+
+    return day
