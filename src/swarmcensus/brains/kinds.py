@@ -28,6 +28,7 @@ class Kinds:
     names: dict[str, dict[str, Kind]] = field(default_factory=dict)  # by function, then by name
     results: dict[str, Kind] = field(default_factory=dict)
     constants: dict[str, Kind] = field(default_factory=dict)
+    unknown: dict[str, set[str]] = field(default_factory=dict)  # names of unknown kind, while they are found
 
     def __post_init__(self) -> None:
         """Go through all functions until nothing new is found."""
@@ -38,6 +39,12 @@ class Kinds:
         for name, function in functions.items():
             given = self.first.get(name, ())
             self.names[name] = dict(zip(_arguments(function), given, strict=False))
+        self.unknown = {name: {*_arguments(function), *_set_in(function)} for name, function in functions.items()}
+        self._go_through(functions)
+        self.unknown = {}  # what nothing has been found about, since nobody calls the function, is a real number
+        self._go_through(functions)
+
+    def _go_through(self, functions: Mapping[str, ast.FunctionDef]) -> None:
         before = None
         while before != (now := repr((self.names, self.results))):
             before = now
@@ -57,7 +64,8 @@ class Kinds:
             case ast.Tuple(elts=items) | ast.List(elts=items):
                 return tuple(self.of(item, function) for item in items)
             case ast.Name(id=name):
-                return self.names.get(function, {}).get(name) or self.constants.get(name) or REAL
+                own = self.names.get(function, {}).get(name)
+                return own or (NOTHING if name in self.unknown.get(function, ()) else self.constants.get(name) or REAL)
             case ast.Attribute(value=ast.Name(id=name), attr=attribute):
                 is_record = self.names.get(function, {}).get(name) == RECORD
                 return VECTOR if is_record and self.record.get(attribute) else REAL
@@ -81,6 +89,8 @@ class Kinds:
                 exact = not isinstance(operation, ast.Div) and not (
                     isinstance(operation, ast.Pow) and not isinstance(right, ast.Constant)
                 )
+                if exact and NOTHING in sides:
+                    return NOTHING
                 return WHOLE if exact and sides == (WHOLE, WHOLE) else REAL
             case ast.Call(func=called, args=arguments):
                 return self._of_call(called, arguments, function)
@@ -89,7 +99,7 @@ class Kinds:
     def _of_call(self, called: ast.expr, arguments: list[ast.expr], function: str) -> Kind:
         name = called.attr if isinstance(called, ast.Attribute) else called.id if isinstance(called, ast.Name) else ""
         if isinstance(called, ast.Name) and name in self.names:
-            return self.results.get(name, REAL)
+            return self.results.get(name, NOTHING if self.unknown else REAL)
         if name in TO_WHOLE and not (name == "round" and len(arguments) > 1):
             return WHOLE
         if name in TO_TRUTH:
@@ -146,8 +156,12 @@ def joined(*kinds: Kind) -> Kind:
 
 
 def _number(kind: Kind) -> Kind:
-    """The kind of a value in arithmetic, where a truth is 0 or 1."""
-    return WHOLE if kind in (WHOLE, TRUTH) else REAL
+    """The kind of a value in arithmetic, where a truth is 0 or 1; nothing as long as nothing is known about it."""
+    return NOTHING if kind == NOTHING else WHOLE if kind in (WHOLE, TRUTH) else REAL
+
+
+def _set_in(function: ast.FunctionDef) -> Iterator[str]:
+    return (n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
 
 
 def _arguments(function: ast.FunctionDef) -> Iterator[str]:

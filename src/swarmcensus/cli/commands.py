@@ -23,6 +23,7 @@ from swarmcensus.cli import (
     replay,
     run,
     start,
+    translate,
     tune,
     watch,
 )
@@ -197,6 +198,10 @@ COMMANDS = {
     "brains": Command(
         "List brains and adversaries, print the source of one, or check a file.",
         list_brains.brains, list_brains.add_brains_options,
+    ),
+    "translate": Command(
+        "Write a brain as C for a robot without Python, with a test that compares its bits with Python's.",
+        translate.translate, translate.add_translate_options, json=False,
     ),
     "new": Command(
         "Write a study or a brain to start from, with every line explained.",

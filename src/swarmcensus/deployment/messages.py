@@ -1,0 +1,279 @@
+"""A robot's messages as bytes: in C, and in CPython as what the C is tested against."""
+
+import ast
+import functools
+import math
+import struct
+from collections.abc import Sequence
+from importlib.resources import files
+from typing import Any
+
+from swarmcensus.basics import safe_source
+from swarmcensus.brains import Brain
+from swarmcensus.brains.kinds import REAL, Kinds
+from swarmcensus.brains.packing import BYTES, MOST, STEPS, Part, bytes_of
+from swarmcensus.brains.single import in_single, rounded_to_single
+from swarmcensus.brains.syntax import functions_of
+from swarmcensus.deployment.comments import Comments
+from swarmcensus.deployment.unit import Record, Unit, arguments_of
+
+LARGEST = {"float32": 3.4028234663852886e38, "float16": 65504.0, "log8": 2.0**47.5}
+CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2, "whole8": 1}
+
+
+@functools.cache
+def codec(single: bool) -> tuple[ast.Module, Kinds, dict[str, Any], Any, str]:
+    """The codec's syntax tree, kinds, constants, functions in CPython, and source."""
+    path = files("swarmcensus.robot") / "codec.py"
+    source = path.read_text(encoding="utf-8")
+    tree, constants = safe_source.parse_checked(source, "codec", path)  # type: ignore[arg-type]
+    kinds = Kinds(tree, {}, {name: (REAL,) * len(arguments_of(f)) for name, f in functions_of(tree).items()})
+    run = safe_source.run(in_single(tree, kinds) if single else tree, "codec", path)  # type: ignore[arg-type]
+    return tree, kinds, constants, run, source
+
+
+def codec_unit(number: str) -> tuple[Unit, Comments]:
+    """The codec as a source to be translated."""
+    tree, kinds, constants, _, source = codec(number == "float")
+    return Unit(tree, kinds, constants, number, prefix="codec_"), Comments(source)
+
+
+class Radio:
+    """Packs what one robot says, and keeps what rounding took of it; and unpacks what it hears."""
+
+    def __init__(self, brain: Brain) -> None:
+        """Nothing is owed at first."""
+        self.brain = brain
+        self.is_single = brain.numbers.precision == "single"
+        self.codec = codec(self.is_single)[3]
+        self.round = rounded_to_single if self.is_single else float
+        self.owed = [0.0] * sum(max(items, 1) for items in brain.message.values())
+
+    def pack(self, said: Sequence[Any]) -> bytes:
+        """The bytes of a message."""
+        flat = [float(x) for part in said for x in (part if isinstance(part, list | tuple) else (part,))]
+        return b"".join(self._part(part, flat) for part in self.brain.parts)
+
+    def unpack(self, data: bytes) -> tuple[Any, ...]:
+        """The message in these bytes, as `receive` takes it."""
+        flat = [0.0] * len(self.owed)
+        at = 0
+        for part in self.brain.parts:
+            for place, value in zip(part.places, self._values(part, data[at:]), strict=True):
+                flat[place] = value
+            at += BYTES[part.coding]
+        out: list[Any] = []
+        for items in self.brain.message.values():
+            out.append(tuple(flat[:items]) if items else flat[0])
+            del flat[: max(items, 1)]
+        return tuple(out)
+
+    def _part(self, part: Part, flat: list[float]) -> bytes:
+        owes = part.owed and self.brain.numbers.feedback
+        wanted = [self.round(flat[p] + self.owed[p]) if owes else flat[p] for p in part.places]
+        data = self._code(part, wanted)
+        if owes:
+            fits = self._fits(part, wanted)
+            for place, want, value in zip(part.places, wanted, self._values(part, data), strict=True):
+                self.owed[place] = self.round(want - value) if fits else 0.0
+        return data
+
+    def _fits(self, part: Part, wanted: list[float]) -> bool:
+        """Whether a format has room for the numbers, so that only rounding can take something of them."""
+        if part.coding in STEPS:
+            ratio: float = wanted[0] if len(wanted) == 1 else self.codec.ratio_of(*wanted)
+            is_large = len(wanted) == 2 and not abs(wanted[1]) <= LARGEST["log8"]
+            return -0.5 <= ratio <= 1.5 and not is_large
+        return abs(wanted[0]) <= LARGEST.get(part.coding, math.inf)
+
+    def _code(self, part: Part, wanted: list[float]) -> bytes:
+        x = wanted[0]
+        if len(part.places) == 2:
+            steps = float(STEPS[part.coding])
+            ratio = self.codec.ratio_code(self.codec.ratio_of(*wanted), steps)
+            return int(ratio).to_bytes(BYTES[part.coding] - 1, "little") + bytes([int(self.codec.log_code(wanted[1]))])
+        if part.coding == "float32":
+            return struct.pack("<f", min(max(x, -LARGEST["float32"]), LARGEST["float32"]) if x == x else x)
+        if part.coding == "float16":
+            code = self.codec.half_code(x)
+        elif part.coding in STEPS:
+            code = self.codec.ratio_code(x, float(STEPS[part.coding]))
+        elif part.coding in MOST:
+            code = self.codec.whole_code(x, float(MOST[part.coding]))
+        else:
+            code = self.codec.log_code(x)
+        return int(code).to_bytes(CODE_BYTES[part.coding], "little")
+
+    def _values(self, part: Part, data: bytes) -> list[float]:
+        if part.coding == "float32":
+            return [struct.unpack("<f", data[:4])[0]]
+        size = BYTES[part.coding] - (len(part.places) == 2)
+        code = float(int.from_bytes(data[:size], "little"))
+        if len(part.places) == 2:
+            confidence = self.codec.log_value(float(data[size]))
+            ratio = self.codec.ratio_value(code, float(STEPS[part.coding]))
+            return [self.round(ratio * confidence), confidence]
+        if part.coding == "float16":
+            return [self.codec.half_value(code)]
+        if part.coding in STEPS:
+            return [self.codec.ratio_value(code, float(STEPS[part.coding]))]
+        return [code if part.coding in MOST else self.codec.log_value(code)]
+
+
+def in_c(brain: Brain, message: Record, unit: Unit) -> str:
+    """`brain_send` and `brain_hear` in C; `unit` is that of the codec, whose functions they call."""
+    places = [f"{name}[{k}]" if items else name for name, items in _items(message) for k in range(max(items, 1))]
+    owed = {part.places[0]: k for k, part in enumerate(owing(brain))}
+    send, hear = [], []
+    at = slot = 0
+    for part in brain.parts:
+        one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
+        owes = part.places[0] in owed
+        send += _owed_before(unit, part, (one, other), slot) if owes else []
+        send += _send(unit, part, one, other, at)
+        hear += (received := _hear(unit, part, one, other, at))
+        if owes:
+            send += _owed_after(unit, part, (one, other), received, slot)
+            slot += len(part.places)
+        at += BYTES[part.coding]
+    declare = "    struct message message;\n"
+    return (
+        "// Writes what the robot says, BRAIN_MESSAGE_BYTES bytes, and returns whether it says anything.\n"
+        "static inline bool brain_send(struct brain *me, uint8_t *out) {\n"
+        f"{declare}    if (!broadcast(me, &message)) {{\n        return false;\n    }}\n"
+        + "\n".join(f"    {line}" for line in send)
+        + "\n    return true;\n}\n\n"
+        "// Takes in what another robot said.\n"
+        "static inline void brain_hear(struct brain *me, const uint8_t *bytes) {\n"
+        + declare
+        + "\n".join(f"    {line.replace('out[', 'bytes[')}" for line in hear)
+        + "\n    receive(me, &message);\n}"
+    )
+
+
+def owing(brain: Brain) -> list[Part]:
+    """The parts of a message whose rounding errors are carried over."""
+    return [part for part in brain.parts if part.owed and brain.numbers.feedback]
+
+
+def owed_numbers(brain: Brain) -> int:
+    """How many numbers of memory that takes."""
+    return sum(len(part.places) for part in owing(brain))
+
+
+def message_bytes(brain: Brain) -> int:
+    """The bytes of a message."""
+    return bytes_of(brain.parts)
+
+
+def _items(message: Record) -> list[tuple[str, int]]:
+    return list(zip(message.items, message.lengths, strict=True))
+
+
+def _owed_before(unit: Unit, part: Part, names: tuple[str, str], slot: int) -> list[str]:
+    return [f"{names[k]} += me->owed[{slot + k}];" for k in range(len(part.places))]
+
+
+def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[str], slot: int) -> list[str]:
+    """What rounding took is kept; a number beyond the format's largest owes nothing."""
+    one, other = names
+    tests = []
+    if part.coding in STEPS:
+        ratio = f"codec_ratio_of({one}, {other})" if other else one
+        lines = [f"const number ratio = {ratio};"]
+        tests.append(f"ratio >= {unit.real(-0.5)} && ratio <= {unit.real(1.5)}")
+    else:
+        lines = []
+    size = other or one
+    largest = LARGEST["log8"] if other else LARGEST.get(part.coding, 0.0)
+    if other or part.coding not in STEPS:
+        tests.append(f"{unit.math('fabs')}({size}) <= {unit.real(largest)}")
+    wanted = [f"const number wanted{k + 1} = {name};" for k, name in enumerate(names[: len(part.places)])]
+    lines += [f"const bool fits = {' && '.join(tests)};", *wanted, *received]
+    for k, name in enumerate(names[: len(part.places)]):
+        lines.append(f"me->owed[{slot + k}] = fits ? wanted{k + 1} - {name} : {unit.real(0.0)};")
+    return ["{", *(f"    {line}" for line in lines), "}"]
+
+
+def _send(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
+    coding = part.coding
+    if coding == "float32":
+        return [f"codec_put_float(out + {at}, {one});"]
+    if other:
+        size = BYTES[coding] - 1
+        ratio = f"codec_ratio_code(codec_ratio_of({one}, {other}), {unit.real(STEPS[coding])})"
+        return [*_put(ratio, size, at), *_put(f"codec_log_code({other})", 1, at + size)]
+    code = {
+        "float16": f"codec_half_code({one})",
+        "log8": f"codec_log_code({one})",
+    }.get(coding) or (
+        f"codec_ratio_code({one}, {unit.real(STEPS[coding])})"
+        if coding in STEPS
+        else f"codec_whole_code({one}, {unit.real(MOST[coding])})"
+    )
+    return _put(code, CODE_BYTES[coding], at)
+
+
+def _put(code: str, size: int, at: int) -> list[str]:
+    if size == 1:
+        return [f"out[{at}] = (uint8_t){code};"]
+    return [f"codec_put_16(out + {at}, (uint16_t){code});"]
+
+
+def _hear(unit: Unit, part: Part, one: str, other: str, at: int) -> list[str]:
+    coding = part.coding
+    if coding == "float32":
+        return [f"{one} = codec_get_float(&out[{at}]);"]
+    size = BYTES[coding] - 1 if other else CODE_BYTES[coding]
+    code = f"out[{at}]" if size == 1 else f"codec_get_16(&out[{at}])"
+    if other:
+        ratio = f"codec_ratio_value({code}, {unit.real(STEPS[coding])})"
+        return [f"{other} = codec_log_value(out[{at + size}]);", f"{one} = {ratio} * {other};"]
+    if coding in STEPS:
+        return [f"{one} = codec_ratio_value({code}, {unit.real(STEPS[coding])});"]
+    if coding in MOST:
+        return [f"{one} = {code};"]
+    return [f"{one} = codec_{'half' if coding == 'float16' else 'log'}_value({code});"]
+
+
+BYTES_IN_C = {
+    "codec_put_16": """
+static inline void codec_put_16(uint8_t *out, uint16_t code) {
+    out[0] = (uint8_t)(code & 255);
+    out[1] = (uint8_t)(code >> 8);
+}""",
+    "codec_get_16": """
+static inline uint16_t codec_get_16(const uint8_t *bytes) { return (uint16_t)(bytes[0] | bytes[1] << 8); }""",
+    "codec_put_float": """
+static inline void codec_put_float(uint8_t *out, number x) {
+    union {
+        float value;
+        uint32_t bits;
+    } both;
+    both.value = CLAMPED;
+    for (uint8_t k = 0; k < 4; k++) {
+        out[k] = (uint8_t)(both.bits >> 8 * k & 255);
+    }
+}""",
+    "codec_get_float": """
+static inline number codec_get_float(const uint8_t *bytes) {
+    union {
+        float value;
+        uint32_t bits;
+    } both;
+    both.bits = 0;
+    for (uint8_t k = 0; k < 4; k++) {
+        both.bits |= (uint32_t)bytes[k] << 8 * k;
+    }
+    return both.value;
+}""",
+}
+
+
+def bytes_in_c(text: str, number: str) -> str:
+    """The functions that put numbers into bytes, as far as `text` calls them."""
+    largest = f"{LARGEST['float32']!r}{'f' if number == 'float' else ''}"
+    clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : {'' if number == 'float' else '(float)'}x"
+    if number == "double":
+        clamped = f"(float)(x > {largest} ? {largest} : x < -{largest} ? -{largest} : x)"
+    return "".join(code.replace("CLAMPED", clamped) for name, code in BYTES_IN_C.items() if f"{name}(" in text).strip()

@@ -1,0 +1,31 @@
+"""Names that a translated brain must not define: words of C and C++, of their libraries, and of our own files."""
+
+WORDS = """
+auto break case char const continue default do double else enum extern float for goto if inline int long register
+restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
+alignas alignof and and_eq asm bitand bitor bool catch class compl constexpr const_cast decltype delete dynamic_cast
+explicit export false friend mutable namespace new noexcept not not_eq nullptr operator or or_eq private protected
+public reinterpret_cast static_assert static_cast template this thread_local throw true try typeid typename using
+virtual wchar_t xor xor_eq
+""".split()  # noqa: SIM905 - read more easily than a list
+MATH = """
+acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp2 expm1 fabs fdim floor fma fmax fmin
+fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter
+nexttoward pow remainder remquo rint round scalbln scalbn sin sinh sqrt tan tanh tgamma trunc gamma drem significand
+exp10 pow10 sincos j0 j1 jn y0 y1 yn
+""".split()  # noqa: SIM905 - read more easily than a list
+LIBRARY = """
+abs div labs ldiv rand srand malloc free calloc realloc exit abort atoi atof qsort bsearch system getenv index rindex
+bcmp bcopy bzero memcpy memset memmove memcmp memchr strlen strcpy strcat strcmp strchr puts putchar printf scanf
+getchar gets fopen signal raise main isnan isinf isfinite isnormal signbit fpclassify NAN INFINITY HUGE_VAL NULL EOF
+M_PI M_E random toupper tolower isalpha isdigit isspace ffs alloca time clock read write open close pause sleep link
+unlink pipe stdin stdout stderr errno assert offsetof uint8_t uint16_t uint32_t int8_t int16_t int32_t int64_t uint64_t
+""".split()  # noqa: SIM905 - read more easily than a list
+OWN = """
+number number_min number_max number_square whole_min whole_max number_modulo whole_modulo whole_product_modulo
+number_floor_divide whole_floor_divide whole_power whole_abs to_whole nearest_even item_at split_number
+""".split()  # noqa: SIM905 - read more easily than a list
+PUBLIC = ["brain_start", "brain_send", "brain_hear", "brain_luck"]
+OF_FIELDS = frozenset([*WORDS, "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
+OF_LOCALS = OF_FIELDS.union(MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
+OF_FUNCTIONS = OF_LOCALS.union((f"{name}l" for name in MATH), LIBRARY, PUBLIC)

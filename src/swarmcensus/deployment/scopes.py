@@ -1,0 +1,125 @@
+"""Where the local names of a function are declared in C: as near to their use as their lives allow."""
+
+import ast
+from collections.abc import Iterator
+from typing import NamedTuple
+
+Path = tuple[tuple[str, int], ...]  # from the outermost block inwards: which block of a statement, and the place in it
+LOOPS = (ast.For, ast.While)
+
+
+class Occurrence(NamedTuple):
+    """A place where a name occurs."""
+
+    path: Path
+    statement: ast.stmt
+    loops: tuple[bool, ...]  # of each block of the path: whether it is the body of a loop
+    is_load: bool
+    is_store: bool
+
+
+class Scopes:
+    """Where the names of one function are declared."""
+
+    def __init__(self, function: ast.FunctionDef) -> None:
+        """Find all names, and where each occurs."""
+        self.given = {argument.arg for argument in (*function.args.posonlyargs, *function.args.args)}
+        self.found: dict[str, list[Occurrence]] = {}
+        self.statements: dict[Path, ast.stmt] = {}
+        self.private: set[int] = set()  # loops, by id, whose counter is theirs alone
+        self._walk(function.body, (), (False,), "body")
+        counted = [node for node in ast.walk(function) if isinstance(node, ast.For)]
+        for name in {node.target.id for node in counted if isinstance(node.target, ast.Name)}:
+            self._claim(
+                name, [node for node in counted if isinstance(node.target, ast.Name) and node.target.id == name]
+            )
+        self.before: dict[int, list[str]] = {}  # by id of a statement: names declared before it
+        self.at: dict[int, set[str]] = {}  # names declared by it
+        for name, occurrences in self.found.items():
+            if name not in self.given:
+                self._place(name, occurrences)
+
+    def is_read(self, name: str) -> bool:
+        """Whether a local name is read anywhere."""
+        return any(each.is_load for each in self.found.get(name, ()))
+
+    def _walk(self, body: list[ast.stmt], path: Path, loops: tuple[bool, ...], block: str) -> None:
+        for k, statement in enumerate(body):
+            here = (*path, (block, k))
+            self.statements[here] = statement
+            for node in _header(statement):
+                if isinstance(node, ast.Name):
+                    both = isinstance(statement, ast.AugAssign) and node is statement.target
+                    is_load = isinstance(node.ctx, ast.Load)
+                    each = Occurrence(here, statement, loops, is_load or both, not is_load or both)
+                    self.found.setdefault(node.id, []).append(each)
+            for field in ("body", "orelse"):
+                inner = getattr(statement, field, None)
+                if isinstance(inner, list):
+                    self._walk(inner, here, (*loops, isinstance(statement, LOOPS)), field)
+
+    def _claim(self, name: str, counted: list[ast.For]) -> None:
+        """Give a counter to its loops, if it is used in them only and set by them only."""
+        inside = {
+            id(node) for loop in counted for node in ast.walk(loop) if isinstance(node, ast.Name) and node.id == name
+        }
+        total = sum(1 for _ in self.found.get(name, ()))
+        stores = sum(1 for each in self.found[name] if each.is_store)
+        nested = any(
+            inner is not outer and any(node is inner for node in ast.walk(outer))
+            for outer in counted
+            for inner in counted
+        )
+        in_iter = any(
+            isinstance(node, ast.Name) and node.id == name for loop in counted for node in ast.walk(loop.iter)
+        )
+        if len(inside) == total and stores == len(counted) and not nested and not in_iter and name not in self.given:
+            self.private |= {id(loop) for loop in counted}
+            del self.found[name]
+
+    def _place(self, name: str, occurrences: list[Occurrence]) -> None:
+        if not any(each.is_store for each in occurrences):  # a constant or a function
+            return
+        paths = [each.path for each in occurrences]
+        depth = 0
+        while (
+            all(len(path) > depth + 1 for path in paths)
+            and len({(*path[: depth + 1], path[depth + 1][0]) for path in paths}) == 1
+        ):
+            depth += 1
+        while True:  # outwards, as long as the value may have to live from one turn of a loop to the next
+            place = min(path[depth][1] for path in paths)
+            first = [each for each in occurrences if each.path[depth][1] == place]
+            begins = all(len(each.path) == depth + 1 for each in first) and _sets(first[0].statement, name)
+            if begins or not any(first[0].loops[1 : depth + 1]):
+                break
+            depth -= 1
+        if begins:
+            self.at.setdefault(id(first[0].statement), set()).add(name)
+            return
+        self.before.setdefault(id(self.statements[first[0].path[: depth + 1]]), []).append(name)
+
+
+def _header(statement: ast.stmt) -> Iterator[ast.AST]:
+    """The nodes of a statement without those of the statements inside."""
+    for field, value in ast.iter_fields(statement):
+        if field in ("body", "orelse"):
+            continue
+        for part in value if isinstance(value, list) else [value]:
+            if isinstance(part, ast.AST):
+                yield from ast.walk(part)
+
+
+def _sets(statement: ast.stmt, name: str) -> bool:
+    """Whether a statement gives a name its first value."""
+    if isinstance(statement, ast.AnnAssign):
+        return statement.value is not None and not _mentions(statement.value, name)
+    if not isinstance(statement, ast.Assign) or _mentions(statement.value, name):
+        return False
+    [*targets] = statement.targets
+    names = [t for target in targets for t in (target.elts if isinstance(target, ast.Tuple) else [target])]
+    return any(isinstance(target, ast.Name) and target.id == name for target in names)
+
+
+def _mentions(node: ast.AST, name: str) -> bool:
+    return any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(node))
