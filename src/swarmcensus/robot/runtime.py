@@ -1,0 +1,460 @@
+"""A robot: a brain between a sensor, a radio and a clock. Plain Python and MicroPython alike; beside it lies codec.py.
+
+Whoever builds the robot gives two objects, with two methods each.
+
+Sensor: `start()` makes it ready; it is called before the first reading, and again after `read` has raised. `read()`
+returns True or 1 for black, False or 0 for white, and None for no reading.
+
+Radio: `send(datagram)` broadcasts bytes, once, without waiting for anybody. `receive()` returns the next datagram that
+has arrived, as bytes, or None. It must not wait for one: a method that never returns stops the robot, and only a
+watchdog helps then.
+
+Both may raise anything: what they raise is counted, and the robot goes on. In each tick the order of calls is that of
+the simulator: observe, broadcast, receive for each message that has arrived, fuse, estimate.
+
+A datagram is a header of 6 bytes, the message, and 2 bytes of checksum unless the radio has its own. The header is one
+byte of the mark (of brain and format), one of the boot count, two of the sender, two of the tick; the low byte is
+first. The checksum begins with the mark, so that messages of other brains and formats fail it.
+"""
+
+import os
+import struct
+
+try:
+    from . import codec
+except ImportError:  # on a board
+    import codec
+
+HEADER = 6
+CHECKSUM = 2
+STEPS = {"ratio16": 32768.0, "ratio8": 128.0, "share16": 32768.0, "share8": 128.0}
+SIZES = {"float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
+         "whole8": 1}  # fmt: skip
+MOST = {"whole16": 65535.0, "whole8": 255.0}
+LARGEST = 3.4028234e38  # of float32
+WRAP = 0x3FFFFFFF  # after so many milliseconds MicroPython's clock begins again
+SENDERS = 20  # of whom the last message is known
+FORGET = 1000  # ticks after which a sender is as good as new
+
+
+def checksum(data, start):
+    """CRC-16 (CCITT) of bytes, begun at `start`, 0 to 65535."""
+    crc = start
+    for byte in data:
+        crc = ((crc >> 8) | (crc << 8)) & 0xFFFF
+        crc ^= byte
+        crc ^= (crc & 0xFF) >> 4
+        crc ^= (crc << 12) & 0xFFFF
+        crc ^= (crc & 0xFF) << 5
+    return crc
+
+
+def since(now, then):
+    """The milliseconds from one time of the clock to another; below 0 if `then` is later."""
+    return ((now - then + (WRAP + 1) // 2) & WRAP) - (WRAP + 1) // 2
+
+
+def finite(x):
+    """Whether x is a number, and not infinite."""
+    return x - x == 0.0
+
+
+class Messages:
+    """Makes bytes of a brain's messages, and messages of bytes.
+
+    `lengths` has the length of each field, 0 for a number. `plan` has, for each part of the bytes, its coding, which
+    numbers of the message are in it, and whether what rounding took is owed: it is then added to the next message.
+    `rounded` rounds what is worked out here; on a board nothing is to be done.
+    """
+
+    def __init__(self, lengths, plan, mark, checked, feedback=True, rounded=float):
+        """Owe nothing yet."""
+        self.lengths = lengths
+        self.plan = plan
+        self.mark = mark
+        self.checked = checked
+        self.feedback = feedback
+        self.rounded = rounded
+        self.count = sum([length or 1 for length in lengths])
+        self.owed = [0.0] * self.count
+        self.body = sum([SIZES[coding] for coding, _, _ in plan])
+        self.size = HEADER + self.body + (CHECKSUM if checked else 0)
+
+    def pack(self, message, boot, sender, tick):
+        """The datagram of a message, a tuple as `broadcast` returns it. Raises whatever a wrong message raises."""
+        numbers = []
+        for part, length in zip(message, self.lengths):
+            if length:
+                numbers.extend(part)
+            else:
+                numbers.append(part)
+        out = bytearray(struct.pack("<BBHH", self.mark & 0xFF, boot & 0xFF, sender & 0xFFFF, tick & 0xFFFF))
+        for coding, places, owes in self.plan:
+            said = [self.rounded(1.0 * numbers[k] + self.owed[k]) for k in places]
+            code, heard, fits = self.coded(coding, said)
+            out.extend(code)
+            if owes and self.feedback:
+                for k, x, y in zip(places, said, heard):
+                    debt = self.rounded(x - y)
+                    self.owed[k] = debt if fits and finite(debt) else 0.0  # else it would grow for ever
+        if self.checked:
+            out.extend(struct.pack("<H", checksum(out, self.mark)))
+        return bytes(out)
+
+    def coded(self, coding, said):
+        """The bytes of one part, the numbers that a receiver reads in them, and whether none was too large."""
+        x = said[0]
+        if coding in ("ratio16", "ratio8"):
+            steps = STEPS[coding]
+            ratio = self.rounded(codec.ratio_of(x, said[1]))
+            of_ratio, of_size = codec.ratio_code(ratio, steps), codec.log_code(said[1])
+            size = codec.log_value(of_size)
+            heard = (self.rounded(codec.ratio_value(of_ratio, steps) * size), size)
+            fits = -0.5 <= ratio <= 1.5 and said[1] < codec.LARGEST_LOG
+            return struct.pack("<HB" if coding == "ratio16" else "<BB", int(of_ratio), int(of_size)), heard, fits
+        if coding == "float32":
+            code = struct.pack("<f", min(max(x, -LARGEST), LARGEST))
+            return code, struct.unpack("<f", code), abs(x) <= LARGEST
+        if coding == "float16":
+            code = codec.half_code(x)
+            return struct.pack("<H", int(code)), (codec.half_value(code),), abs(x) <= codec.LARGEST_HALF
+        if coding == "log8":
+            code = codec.log_code(x)
+            return struct.pack("<B", int(code)), (codec.log_value(code),), x < codec.LARGEST_LOG
+        if coding in MOST:
+            code = codec.whole_code(x, MOST[coding])
+            return struct.pack("<H" if coding == "whole16" else "<B", int(code)), (code,), 0.0 <= x <= MOST[coding]
+        steps = STEPS[coding]
+        code = codec.ratio_code(x, steps)
+        heard = (codec.ratio_value(code, steps),)
+        return struct.pack("<H" if coding == "share16" else "<B", int(code)), heard, -0.5 <= x <= 1.5
+
+    def unpack(self, datagram):
+        """The boot count, sender, tick and message of a datagram; None if it is not one of this brain and format."""
+        if len(datagram) != self.size or datagram[0] != self.mark & 0xFF:
+            return None
+        if self.checked:
+            end = self.size - CHECKSUM
+            if struct.unpack("<H", datagram[end:])[0] != checksum(datagram[:end], self.mark):
+                return None
+        _, boot, sender, tick = struct.unpack("<BBHH", datagram[:HEADER])
+        numbers = [0.0] * self.count
+        at = HEADER
+        for coding, places, _ in self.plan:
+            heard = self.decoded(coding, datagram[at : at + SIZES[coding]])
+            at += SIZES[coding]
+            for k, x in zip(places, heard):
+                if not finite(x):
+                    return None
+                numbers[k] = x
+        message = []
+        k = 0
+        for length in self.lengths:
+            message.append(tuple(numbers[k : k + length]) if length else numbers[k])
+            k += length or 1
+        return boot, sender, tick, tuple(message)
+
+    def decoded(self, coding, code):
+        """The numbers of one part."""
+        if coding in ("ratio16", "ratio8"):
+            of_ratio, of_size = struct.unpack("<HB" if coding == "ratio16" else "<BB", code)
+            size = codec.log_value(1.0 * of_size)
+            return self.rounded(codec.ratio_value(1.0 * of_ratio, STEPS[coding]) * size), size
+        if coding == "float32":
+            return struct.unpack("<f", code)
+        number = 1.0 * struct.unpack("<H" if len(code) == 2 else "<B", code)[0]
+        if coding == "float16":
+            return (codec.half_value(number) if number % 32768.0 < 31744.0 else float("nan"),)
+        if coding == "log8":
+            return (codec.log_value(number),)
+        if coding in MOST:
+            return (number,)
+        return (codec.ratio_value(number, STEPS[coding]),)
+
+
+class Me:
+    """A mind: its fields are those of MEMORY, the parameters, b, w, luck and name."""
+
+
+class Robot:
+    """A brain at work.
+
+    brain: the module. messages: its `Messages`. clock: a function that returns milliseconds and may begin again at
+    2^30, as MicroPython's time.ticks_ms does. b, w: the sensor's accuracies on black and on white. number: of this
+    robot, 0 to 65535, which no other has. period: milliseconds a tick. readings: of the sensor, in a tick. luck: a
+    function that returns a random number in (0, 1), for brains that use it. budget: milliseconds of a tick after which
+    no more messages are read; they wait for the next one.
+    """
+
+    def __init__(self, brain, messages, sensor, radio, clock, b, w, number, period=100, readings=1, parameters=None,
+                 luck=None, budget=None, most=32):  # fmt: skip
+        """Make a blank mind; nothing is read or sent yet."""
+        self.brain = brain
+        self.messages = messages
+        self.sensor = sensor
+        self.radio = radio
+        self.clock = clock
+        self.number = number
+        self.period = period
+        self.readings = readings
+        self.luck = luck
+        self.budget = period // 2 if budget is None else budget
+        self.most = most  # messages a tick
+        self.me = me = Me()
+        self.fields = list(brain.MEMORY)
+        given = dict(getattr(brain, "PARAMETERS", {}))
+        given.update(parameters or {})
+        for fields in (brain.MEMORY, given):
+            for name, value in fields.items():
+                setattr(me, name, list(value) if isinstance(value, (tuple, list)) else 1.0 * value)
+        me.b, me.w, me.luck, me.name = 1.0 * b, 1.0 * w, 0.5, 1.0 * number
+        self.before = [list(v) if isinstance(v, list) else v for v in [getattr(me, name) for name in self.fields]]
+        self.senders = []  # of each: number, boot count, tick, and our tick when it was heard
+        self.boot = 0
+        self.ticks = 0
+        self.file = None
+        self.every = 0
+        self.due = clock()
+        self.starts = True  # whether the sensor is to be started
+        self.heard = 0  # messages that the brain received
+        self.refused = 0  # datagrams that are not of this brain and format, or damaged
+        self.stale = 0  # messages that came twice, or after a newer one of the same sender
+        self.missed = 0  # ticks for which there was no time
+        self.sensor_faults = 0
+        self.radio_faults = 0
+        self.file_faults = 0
+        self.undone = 0  # calls of the brain that failed
+        self.estimate = 0.5
+        self.decision = -1  # of brains that decide
+        self.course = None  # of brains that steer: metres and radians a second, or None
+        self.done = False
+        self._ask()
+
+    def poll(self):
+        """Run a tick if its time has come; returns the milliseconds until the next one. Raises nothing.
+
+        Ticks that were missed are counted and left out, so that a slow radio delays the robot, but never for long.
+        """
+        wait = since(self.due, self.clock())
+        if wait > self.period:  # the clock was set back
+            self.due, wait = self.clock(), 0
+        if wait <= 0:
+            missed = -wait // self.period
+            self.missed += missed
+            self.due = (self.due + (missed + 1) * self.period) & WRAP
+            self.tick()
+            wait = since(self.due, self.clock())
+        return max(0, wait)
+
+    def tick(self):
+        """Read the sensor, talk, hear and think, once. Raises nothing."""
+        begun = self.clock()
+        self.ticks += 1
+        if not self.done:
+            blacks, looks = self._look()
+            if looks:
+                self._do(self.brain.observe, blacks, looks)
+        self._talk()
+        for _ in range(self.most):
+            if since(self.clock(), begun) >= self.budget or not self._hear():
+                break
+        self._do(self.brain.fuse)
+        self._ask()
+        if self.every and self.ticks % self.every == 0:
+            self.save()
+
+    def _look(self):
+        """How many of the readings say black, and how many there are; a sensor that raises has no more of them."""
+        blacks = looks = 0.0
+        try:
+            if self.starts:
+                self.sensor.start()
+                self.starts = False
+            for _ in range(self.readings):
+                seen = self.sensor.read()
+                if seen is not None:
+                    looks += 1.0
+                    blacks += 1.0 if seen else 0.0
+        except Exception:
+            self.sensor_faults += 1
+            self.starts = True
+        return blacks, looks
+
+    def _talk(self):
+        try:
+            said = self.brain.broadcast(self.me)
+            if said is None:
+                return
+            datagram = self.messages.pack(said, self.boot, self.number, self.ticks)
+        except Exception:
+            self.undone += 1
+            return
+        try:
+            self.radio.send(datagram)
+        except Exception:
+            self.radio_faults += 1
+
+    def _hear(self):
+        """Take one datagram; returns whether there may be more."""
+        try:
+            datagram = self.radio.receive()
+        except Exception:
+            self.radio_faults += 1
+            return False
+        if datagram is None:
+            return False
+        try:
+            read = self.messages.unpack(datagram)
+        except Exception:
+            read = None
+        if read is None:
+            self.refused += 1
+        elif read[1] != self.number:  # some radios hear themselves
+            if self._is_new(read[0], read[1], read[2]):
+                self.heard += 1
+                self._do(self.brain.receive, read[3])
+            else:
+                self.stale += 1
+        return True
+
+    def _is_new(self, boot, sender, tick):
+        """Whether a message is newer than the last one of its sender, which it then becomes."""
+        longest = 0
+        for k, known in enumerate(self.senders):
+            if known[0] == sender:
+                recent = self.ticks - known[3] < FORGET
+                boots, ticks = (boot - known[1]) & 0xFF, (tick - known[2]) & 0xFFFF
+                if recent and (boots >= 128 or (boots == 0 and not 0 < ticks < 32768)):
+                    return False
+                known[1], known[2], known[3] = boot, tick, self.ticks
+                return True
+            if known[3] < self.senders[longest][3]:
+                longest = k
+        known = [sender, boot, tick, self.ticks]
+        if len(self.senders) < SENDERS:
+            self.senders.append(known)
+        else:
+            self.senders[longest] = known  # in place of the one unheard for longest
+        return True
+
+    def _do(self, function, *given):
+        """Call a function of the brain; if it raises, or a number becomes NaN or infinite, the mind is as before."""
+        me, before = self.me, self.before
+        for k, name in enumerate(self.fields):
+            value = getattr(me, name)
+            if isinstance(value, list):
+                before[k][:] = value
+            else:
+                before[k] = value
+        try:
+            if self.luck:
+                me.luck = self.luck()
+            function(me, *given)
+            if all(finite(x) for x in self.numbers()):
+                return
+        except Exception:
+            pass
+        self.undone += 1
+        for k, name in enumerate(self.fields):
+            if isinstance(before[k], list):
+                getattr(me, name)[:] = before[k]
+            else:
+                setattr(me, name, before[k])
+
+    def _ask(self):
+        """What the brain estimates, decides and wants."""
+        brain, me = self.brain, self.me
+        try:
+            self.estimate = brain.estimate(me)
+            if hasattr(brain, "decide"):
+                self.decision = brain.decide(me)
+            if hasattr(brain, "done"):
+                self.done = bool(brain.done(me))
+            if hasattr(brain, "steer"):
+                if self.luck:
+                    me.luck = self.luck()
+                self.course = brain.steer(me)
+        except Exception:
+            self.undone += 1
+
+    def numbers(self):
+        """All numbers of the memory, in the order of MEMORY."""
+        out = []
+        for name in self.fields:
+            value = getattr(self.me, name)
+            if isinstance(value, list):
+                out.extend(value)
+            else:
+                out.append(value)
+        return out
+
+    def keep(self, file, every):
+        """Continue from the memory in `file`, if it is whole, and save there after every so many ticks.
+
+        The boot count, in `file`.boot, is one higher after each start; a robot whose memory is damaged starts blank.
+        """
+        self.file, self.every = file, every
+        known = [b for b in [_read(f"{file}.boot{new}", 0) for new in ("", ".new")] if b and len(b) == 4]
+        kept = [b for b in [_read(file + new, self.messages.mark) for new in ("", ".new")] if b]
+        size = 8 + 8 * (len(self.numbers()) + len(self.messages.owed))
+        kept = [struct.unpack("<II", b[:8]) + (b,) for b in kept if len(b) == size]
+        boots = [struct.unpack("<I", b)[0] for b in known] + [b[0] for b in kept]
+        if kept:
+            _, self.ticks, body = max(kept)
+            self._become([struct.unpack("<d", body[k : k + 8])[0] for k in range(8, size, 8)])
+        self.boot = max(boots) + 1 if boots else 0
+        if not _write(file + ".boot", struct.pack("<I", self.boot), 0):
+            self.file_faults += 1
+        self._ask()
+
+    def _become(self, numbers):
+        at = 0
+        for name in self.fields:
+            value = getattr(self.me, name)
+            if isinstance(value, list):
+                value[:] = numbers[at : at + len(value)]
+                at += len(value)
+            else:
+                setattr(self.me, name, numbers[at])
+                at += 1
+        self.messages.owed[:] = numbers[at:]
+
+    def save(self):
+        """Save the memory; a power cut leaves the old file or the new one. Raises nothing."""
+        body = bytearray(struct.pack("<II", self.boot, self.ticks & 0xFFFFFFFF))
+        for x in self.numbers() + self.messages.owed:
+            body.extend(struct.pack("<d", x))
+        if not _write(self.file, body, self.messages.mark):
+            self.file_faults += 1
+
+    def status(self):
+        """One line of what happened so far."""
+        told = ("ticks", "boot", "heard", "stale", "refused", "missed", "undone", "sensor_faults", "radio_faults",
+                "file_faults")  # fmt: skip
+        return " ".join([f"estimate {self.estimate:.4f}"] + [f"{name} {getattr(self, name)}" for name in told])
+
+
+def _read(file, mark):
+    """The content of a file with a checksum; None if there is none, or it is damaged."""
+    try:
+        with open(file, "rb") as f:
+            data = f.read()
+        if len(data) > CHECKSUM and struct.unpack("<H", data[-CHECKSUM:])[0] == checksum(data[:-CHECKSUM], mark):
+            return data[:-CHECKSUM]
+    except Exception:
+        pass
+    return None
+
+
+def _write(file, data, mark):
+    """Write a file with a checksum beside the old one, and rename it; returns whether that worked."""
+    try:
+        with open(file + ".new", "wb") as f:
+            f.write(bytes(data) + struct.pack("<H", checksum(data, mark)))
+            f.flush()
+            if hasattr(os, "fsync"):
+                os.fsync(f.fileno())
+        os.rename(file + ".new", file)
+    except Exception:
+        return False
+    return True
