@@ -1,5 +1,6 @@
 """What tests of robots share: MicroPython on Node, and swarms of runtimes that hear each other in one process."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -22,8 +23,11 @@ import { readFileSync } from "node:fs";
 const [module, heap, files] = process.argv.slice(2);
 const { loadMicroPython } = await import(module);
 const board = await loadMicroPython({ heapsize: Number(heap), linebuffer: true, stdout: (line) => console.log(line) });
-for (const [name, text] of Object.entries(JSON.parse(readFileSync(files, "utf8")))) board.FS.writeFile("/" + name, text);
-board.runPython("import sys\\nsys.path.append('/')\\nimport main");
+const texts = JSON.parse(readFileSync(files, "utf8"));
+for (const [name, text] of Object.entries(texts)) board.FS.writeFile("/" + name, text);
+board.runPython("import sys\\nsys.path.append('/')\\nimport main\\nSTEPS = getattr(main, 'STEPS', 0)");
+const steps = board.globals.get("STEPS");
+for (let step = 0; step < steps; step++) board.runPython("main.step()"); // garbage is collected between them only
 """
 
 
@@ -45,8 +49,6 @@ needs_micropython = pytest.mark.skipif(
 
 def on_board(tmp_path, files, heap=HEAP):
     """What a board prints that has these files, texts by name, and runs main.py."""
-    import json
-
     (tmp_path / "runner.mjs").write_text(RUNNER)
     (tmp_path / "files.json").write_text(json.dumps({name: textwrap.dedent(text) for name, text in files.items()}))
     command = ["node", tmp_path / "runner.mjs", micropython(), str(heap), tmp_path / "files.json"]

@@ -201,7 +201,7 @@ class Robot:
         self.budget = period // 2 if budget is None else budget
         self.most = most  # messages a tick
         self.me = me = Me()
-        self.fields = list(brain.MEMORY)
+        self.fields = sorted(brain.MEMORY)  # the dicts of MicroPython have no order
         given = dict(getattr(brain, "PARAMETERS", {}))
         given.update(parameters or {})
         for fields in (brain.MEMORY, given):
@@ -378,7 +378,7 @@ class Robot:
             self.undone += 1
 
     def numbers(self):
-        """All numbers of the memory, in the order of MEMORY."""
+        """All numbers of the memory, by the names of its fields."""
         out = []
         for name in self.fields:
             value = getattr(self.me, name)
