@@ -14,6 +14,7 @@ from swarmcensus.basics.options import shell_options
 from swarmcensus.basics.version import __version__
 from swarmcensus.cli import (
     compare,
+    deploy,
     explain,
     leaderboard,
     list_brains,
@@ -198,6 +199,10 @@ COMMANDS = {
     "brains": Command(
         "List brains and adversaries, print the source of one, or check a file.",
         list_brains.brains, list_brains.add_brains_options,
+    ),
+    "deploy": Command(
+        "Write a brain's files for a robot, or check that a robot computes what it should.",
+        deploy.deploy, deploy.add_deploy_options,
     ),
     "translate": Command(
         "Write a brain as C for a robot without Python, with a test that compares its bits with Python's.",

@@ -1,6 +1,6 @@
-"""Takes a brain to a robot without Python: translation to C, a self-test of the translation, and chips to try it on.
+"""Takes a brain to a robot: a folder of files for its board, or C, and whether the board computes what it should.
 
-In: a brain, in the number formats of its robot.
-Out: C files, what they should print, and their size and speed on simulated chips.
+In: a brain, in the number formats of its robot, its sensor's accuracies and its radio.
+Out: files for MicroPython and in C, comparisons of self-tests, size and speed on simulated chips.
 Must not know: studies, worlds, results.
 """

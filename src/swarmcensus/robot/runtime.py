@@ -110,7 +110,7 @@ class Messages:
             of_ratio, of_size = codec.ratio_code(ratio, steps), codec.log_code(said[1])
             size = codec.log_value(of_size)
             heard = (self.rounded(codec.ratio_value(of_ratio, steps) * size), size)
-            fits = -0.5 <= ratio <= 1.5 and said[1] < codec.LARGEST_LOG
+            fits = -0.5 <= ratio <= 1.5 and abs(said[1]) <= codec.LARGEST_LOG
             return struct.pack("<HB" if coding == "ratio16" else "<BB", int(of_ratio), int(of_size)), heard, fits
         if coding == "float32":
             code = struct.pack("<f", min(max(x, -LARGEST), LARGEST))
@@ -120,7 +120,7 @@ class Messages:
             return struct.pack("<H", int(code)), (codec.half_value(code),), abs(x) <= codec.LARGEST_HALF
         if coding == "log8":
             code = codec.log_code(x)
-            return struct.pack("<B", int(code)), (codec.log_value(code),), x < codec.LARGEST_LOG
+            return struct.pack("<B", int(code)), (codec.log_value(code),), abs(x) <= codec.LARGEST_LOG
         if coding in MOST:
             code = codec.whole_code(x, MOST[coding])
             return struct.pack("<H" if coding == "whole16" else "<B", int(code)), (code,), 0.0 <= x <= MOST[coding]
@@ -198,7 +198,7 @@ class Robot:
         self.period = period
         self.readings = readings
         self.luck = luck
-        self.budget = period // 2 if budget is None else budget
+        self.budget = max(1, period // 2) if budget is None else budget
         self.most = most  # messages a tick
         self.me = me = Me()
         self.fields = sorted(brain.MEMORY)  # the dicts of MicroPython have no order

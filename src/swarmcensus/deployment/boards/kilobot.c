@@ -1,0 +1,178 @@
+// What this Kilobot runs: its brain is in brain.h, made from the Python file that was simulated.
+
+#include <avr/eeprom.h>
+#include <kilolib.h>
+#include <util/atomic.h>
+
+#include "brain.h"
+#include "settings.h"
+
+#define HEADER 6           // mark, boot count, sender (2), tick (2)
+#define WAITING 6          // messages that wait for the next tick
+#define SENDERS 16         // of whom the last message is known
+#define FORGET 1000        // ticks after which a sender is as good as new
+#define BOOTS ((uint8_t *)0x1f0)  // where the memory of power cuts holds the boot count
+
+_Static_assert(HEADER + BRAIN_MESSAGE_BYTES <= 9, "a Kilobot's message holds 9 bytes");
+
+struct sender {
+    uint16_t number, tick, heard;
+    uint8_t boot;
+};
+
+static struct brain me;
+static struct sender senders[SENDERS];
+static uint8_t known;                        // senders so far
+static volatile uint8_t inbox[WAITING][9];   // written when a message arrives, at any time
+static volatile uint8_t arrived;
+static message_t outgoing;
+static bool speaks;
+static uint16_t tick;
+static uint8_t boot;
+static uint32_t due;
+
+// ============================== FILL IN: YOUR SENSOR ==============================
+// 1 for black, 0 for white, -1 for no reading.
+static int8_t read_sensor(void) {
+    const int16_t light = get_ambientlight();
+    return light < 0 ? -1 : light < 300;
+}
+// ==================================================================================
+
+static void message_rx(message_t *message, distance_measurement_t *distance) {
+    (void)distance;
+    if (message->type == NORMAL && message->data[0] == (MARK & 255) && arrived < WAITING) {
+        for (uint8_t k = 0; k < 9; k++) {
+            inbox[arrived][k] = message->data[k];
+        }
+        arrived++;
+    }
+}
+
+static message_t *message_tx(void) { return speaks ? &outgoing : 0; }
+
+// Whether a message is newer than the last one of its sender, which it then becomes.
+static bool is_new(const uint8_t *data) {
+    const uint8_t from_boot = data[1];
+    const uint16_t number = (uint16_t)(data[2] | data[3] << 8), sent = (uint16_t)(data[4] | data[5] << 8);
+    uint8_t at = 0;
+    while (at < known && senders[at].number != number) {
+        at++;
+    }
+    if (at < known && (uint16_t)(tick - senders[at].heard) < FORGET) {
+        const uint8_t boots = (uint8_t)(from_boot - senders[at].boot);
+        const uint16_t ticks = (uint16_t)(sent - senders[at].tick);
+        if (boots >= 128 || (boots == 0 && (ticks == 0 || ticks >= 32768))) {
+            return false;
+        }
+    } else if (at == known && known < SENDERS) {
+        known++;
+    } else if (at == known) {  // in place of the one unheard for longest
+        at = 0;
+        for (uint8_t k = 1; k < SENDERS; k++) {
+            if ((uint16_t)(tick - senders[k].heard) > (uint16_t)(tick - senders[at].heard)) {
+                at = k;
+            }
+        }
+    }
+    senders[at].number = number;
+    senders[at].boot = from_boot;
+    senders[at].tick = sent;
+    senders[at].heard = tick;
+    return true;
+}
+
+static void take_luck(void) {
+#if LUCK
+    me.luck = (number)(((uint16_t)(rand_soft() << 8 | rand_soft()) + 0.5f) / 65536.0f);
+#endif
+}
+
+static void begin(void) {
+#if NAMED
+    brain_start(&me, B, W, (number)kilo_uid);
+#else
+    brain_start(&me, B, W);
+#endif
+}
+
+static void talk(void) {
+    message_t next;
+    next.type = NORMAL;
+    next.data[0] = MARK & 255;
+    next.data[1] = boot;
+    next.data[2] = (uint8_t)(kilo_uid & 255);
+    next.data[3] = (uint8_t)(kilo_uid >> 8);
+    next.data[4] = (uint8_t)(tick & 255);
+    next.data[5] = (uint8_t)(tick >> 8);
+    for (uint8_t k = HEADER; k < 9; k++) {
+        next.data[k] = 0;
+    }
+    const bool says = brain_send(&me, next.data + HEADER);
+    next.crc = message_crc(&next);
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+        outgoing = next;
+        speaks = says;
+    }
+}
+
+static void hear(void) {
+    static uint8_t data[WAITING][9];
+    uint8_t count = 0;
+    ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
+        count = arrived;
+        for (uint8_t k = 0; k < count; k++) {
+            for (uint8_t at = 0; at < 9; at++) {
+                data[k][at] = inbox[k][at];
+            }
+        }
+        arrived = 0;
+    }
+    for (uint8_t k = 0; k < count; k++) {
+        if (is_new(data[k])) {
+            take_luck();
+            brain_hear(&me, data[k] + HEADER);
+        }
+    }
+}
+
+static void show(number x) {
+    if (!(x >= 0 && x <= 1)) {  // a forged message, or a fault: it begins anew
+        begin();
+        x = (number)0.5;
+    }
+    set_color(RGB(x > (number)0.5 ? 3 : 0, 0, x > (number)0.5 ? 0 : 3));  // red: mostly black; blue: mostly white
+}
+
+static void setup(void) {
+    boot = (uint8_t)(eeprom_read_byte(BOOTS) + 1);
+    eeprom_write_byte(BOOTS, boot);
+    begin();
+    due = kilo_ticks;
+}
+
+static void loop(void) {
+    if ((int32_t)(kilo_ticks - due) < 0) {
+        return;
+    }
+    due = kilo_ticks + PERIOD;
+    tick++;
+    const int8_t black = IS_DONE ? -1 : read_sensor();
+    if (black >= 0) {
+        take_luck();
+        observe(&me, (number)black, (number)1);
+    }
+    talk();
+    hear();
+    take_luck();
+    fuse(&me);
+    show((number)estimate(&me));
+}
+
+int main(void) {
+    kilo_init();
+    kilo_message_rx = message_rx;
+    kilo_message_tx = message_tx;
+    kilo_start(setup, loop);
+    return 0;
+}

@@ -1,0 +1,37 @@
+def clock():
+    """Milliseconds, on boards and on computers."""
+    if hasattr(time, "ticks_ms"):
+        return time.ticks_ms()
+    return int(time.monotonic() * 1000) & WRAP
+
+
+def own_number():
+    """The robot's number, or else one that the chip's own makes: two robots have the same by a chance of 1 in 65536."""
+    if settings.NUMBER is not None:
+        return settings.NUMBER
+    import machine
+
+    return checksum(machine.unique_id(), 0)
+
+
+def main():
+    """Run for ever; a line every hundred ticks tells how the robot is."""
+    s = settings
+    messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
+    robot = Robot(
+        brain, messages, Sensor(), Radio(), clock, s.B, s.W, own_number(), s.PERIOD, s.READINGS, s.PARAMETERS,
+        random.random if s.LUCK else None,
+    )  # fmt: skip
+    robot.keep("memory", s.SAVE_EVERY)
+    # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
+    told = robot.ticks
+    while True:
+        time.sleep(robot.poll() / 1000)
+        # dog.feed()
+        if robot.ticks >= told + 100:
+            told = robot.ticks
+            print(robot.status())
+
+
+if __name__ == "__main__":
+    main()

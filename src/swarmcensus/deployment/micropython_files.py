@@ -1,0 +1,86 @@
+"""The files of a robot that runs MicroPython: its brain, codec, runtime, settings, main program and self-test."""
+
+import pprint
+from pathlib import Path
+
+from swarmcensus.deployment.plans import RADIOS, Plan
+from swarmcensus.robot import codec, runtime
+
+BOARDS = Path(__file__).parent / "boards"
+HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
+
+{imports}
+
+import brain
+import settings
+from runtime import WRAP, Messages, Robot, checksum
+'''
+README = """# {brain} on MicroPython, over {radio}
+
+1. Measure your sensor: b and w are the shares of right readings on black and on white. They are in settings.py.
+2. Fill in what is marked FILL IN in main.py. NUMBER in settings.py is another one for each robot; None takes one from
+   the chip.
+3. Copy the files, and let the board prove that it computes what the simulator does:
+
+       mpremote cp *.py :
+       mpremote run selftest.py > board.txt
+       swarmcensus deploy --check board.txt .
+
+4. Restart the board. Every hundred ticks it prints a line: its estimate, and what went wrong so far.
+
+A message has {body} bytes, a datagram {size}; {checked}.
+Memory is saved every {save} ticks. It outlives a power cut; delete the files memory* for a fresh start.
+Nobody signs the messages: who knows the format can lie to the robots.
+"""
+
+
+def micropython_files(plan: Plan) -> dict[str, str]:
+    """The texts of all files by name."""
+    radio = (BOARDS / f"radio_{plan.radio}.py").read_text(encoding="utf-8")
+    needed, _, rest = radio.partition("\n\n")
+    imports = "\n".join(sorted([*needed.splitlines(), "import random", "import time"]))
+    parts = [
+        HEAD.format(brain=plan.brain.label, radio=RADIOS[plan.radio].what, imports=imports),
+        (BOARDS / "sensor.py").read_text(encoding="utf-8"),
+        rest.strip("\n") + "\n\n",
+        (BOARDS / "loop.py").read_text(encoding="utf-8"),
+    ]
+    checked = "2 of them are a checksum" if plan.checked else "the radio has a checksum of its own"
+    readme = README.format(
+        brain=plan.brain.label, radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes, size=plan.datagram_bytes,
+        checked=checked, save=plan.save_every,
+    )  # fmt: skip
+    return {
+        "brain.py": plan.brain.source,
+        "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
+        "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
+        "settings.py": settings_text(plan),
+        "main.py": "\n".join(parts),
+        "selftest.py": (BOARDS / "selftest.py").read_text(encoding="utf-8"),
+        "README.md": readme,
+    }
+
+
+def settings_text(plan: Plan) -> str:
+    """The settings of a robot, as constants of Python."""
+    brain = plan.brain
+    values = {
+        "BRAIN": (brain.name, ""),
+        "NUMBER": (plan.number, "of this robot, 0 to 65535, another one for each"),
+        "B": (plan.b, "share of right readings on black"),
+        "W": (plan.w, "and on white"),
+        "PERIOD": (plan.period, "milliseconds a tick"),
+        "READINGS": (1, "a tick"),
+        "SAVE_EVERY": (plan.save_every, "ticks: memory cells wear out"),
+        "PARAMETERS": (dict(brain.overrides), "of the brain, that differ from its file"),
+        "LUCK": (brain.uses.luck, "whether the brain uses luck"),
+        "LENGTHS": (tuple(brain.message.values()), "of the message's fields, 0 for a number"),
+        "PLAN": (tuple(tuple(part) for part in brain.parts), "coding, numbers of the message, owed"),
+        "MARK": (plan.mark, "of brain and format"),
+        "CHECKED": (plan.checked, "whether a checksum is sent"),
+    }
+    lines = [
+        f"{name} = {pprint.pformat(value, width=100)}{f'  # {what}' if what else ''}"
+        for name, (value, what) in values.items()
+    ]
+    return "\n".join([f'"""The settings of a robot with the brain {brain.label}."""', "", *lines, ""])
