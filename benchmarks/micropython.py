@@ -11,7 +11,7 @@ import tempfile
 from pathlib import Path
 
 from rich.console import Console
-from rich.table import Table
+from rich.table import Column, Table
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 
@@ -24,7 +24,7 @@ BRAIN = """
 import gc
 import time
 
-STEPS = 7
+STEPS = 5
 sizes = []
 
 
@@ -47,6 +47,7 @@ def tick():
 def step():
     global brain, me
     number = len(sizes)
+    sizes.append(gc.mem_alloc())  # garbage was collected before
     if number == 1:
         import brain
     elif number == 2:
@@ -58,32 +59,26 @@ def step():
     elif number == 3:
         tick()
     elif number == 4:
-        gc.disable()
         begun = gc.mem_alloc()
         tick()
-        sizes.append(gc.mem_alloc() - begun)
-        gc.enable()
-        gc.collect()
-        return
-    elif number == 5:
+        garbage = gc.mem_alloc() - begun
         begun = time.ticks_us()
         for _ in range(300):
             tick()
         spent = time.ticks_diff(time.ticks_us(), begun) / 300
-        code, mind = sizes[2] - sizes[1], sizes[3] - sizes[2]
-        print(code, mind, sizes[4], spent)
+        print(sizes[2] - sizes[1], sizes[3] - sizes[2], garbage, spent)
     gc.collect()
-    sizes.append(gc.mem_alloc())
 """
 RUNTIME = """
 import gc
 
-STEPS = 6
+STEPS = 5
 sizes = []
 
 
 def step():
     number = len(sizes)
+    sizes.append(gc.mem_alloc())
     if number == 1:
         import codec
     elif number == 2:
@@ -99,7 +94,6 @@ def step():
     elif number == 4:
         print(*[after - before for before, after in zip(sizes, sizes[1:])])
     gc.collect()
-    sizes.append(gc.mem_alloc())
 """
 
 
@@ -112,7 +106,7 @@ def main(names):
     if micropython() is None:
         sys.exit("needs Node and the package @micropython/micropython-webassembly-pyscript: see tests/boards.py")
     heads = ("brain", "code, bytes", "a mind, bytes", "garbage a tick, bytes", "a tick, us")
-    table = Table(*heads)
+    table = Table(*heads[:1], *(Column(head, justify="right") for head in heads[1:]))
     for name in names or brains.shipped():
         brain = brains.load(name)
         if brain.is_oracle:
@@ -121,8 +115,8 @@ def main(names):
         code, mind, garbage, spent = run({"brain.py": brain.source, "main.py": source})
         table.add_row(name, *(f"{int(x):,}" for x in (code, mind, garbage)), f"{float(spent):.0f}")
     files = micropython_files(plan_for(brains.load("commons"), "udp", 0.9, 0.8, "ratio16"))
-    codec, runtime, robot = run(files | {"main.py": RUNTIME})
-    for name, size in (("codec.py", codec), ("runtime.py", runtime), ("brain.py and a robot, commons", robot)):
+    _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
+    for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):
         table.add_row(name, f"{int(size):,}")
     Console().print(table)
 
