@@ -263,6 +263,45 @@ class ADC:
 def unique_id():
     return b"board"
 """
+FAKE_NOW = """
+class ESPNow:
+    made = []
+
+    def __init__(self):
+        self.box, self.peers, self.on = [], [], False
+        ESPNow.made.append(self)
+
+    def config(self, rxbuf):
+        assert not self.on
+
+    def active(self, on):
+        self.on = on
+
+    def add_peer(self, mac):
+        assert self.on
+        self.peers.append(mac)
+
+    def send(self, mac, data, sync):
+        if mac not in self.peers or len(data) > 250 or sync:
+            raise OSError("ESP_ERR_ESPNOW_NOT_FOUND")
+        for other in ESPNow.made:
+            if other is not self:
+                other.box.append((b"sender", data))
+
+    def recv(self, timeout):
+        return self.box.pop(0) if self.box and timeout == 0 else (None, None)
+"""
+FAKE_NETWORK = """
+STA_IF = 0
+
+
+class WLAN:
+    def __init__(self, kind):
+        pass
+
+    def active(self, on):
+        pass
+"""
 TWO = """
 import main as program
 import settings
@@ -303,7 +342,20 @@ def test_serial_robots_hear_each_other_on_boards(tmp_path):
     first, second = on_board(tmp_path / "node", files).splitlines()
     assert "heard 99 stale 0 refused 20" in first
     assert "heard 100 stale 0 refused 0" in second
-    assert "undone 0 sensor_faults 0 radio_faults 0" in first
+    assert "undone 0 blanked 0 sensor_faults 0 radio_faults 0" in first
+
+
+@needs_micropython
+def test_robots_with_espnow_hear_each_other_on_boards(tmp_path):
+    files = texts(deployed(tmp_path / "robot", "commons", "espnow"))
+    files["robot.py"] = files.pop("main.py")
+    program = TWO.replace("import main", MADE.replace("tick % 10 == 0", "False") + "import robot")
+    files |= {"machine.py": FAKE, "espnow.py": FAKE_NOW, "network.py": FAKE_NETWORK, "main.py": program}
+    (tmp_path / "node").mkdir()
+    first, second = on_board(tmp_path / "node", files).splitlines()
+    assert "heard 99 stale 0 refused 0" in first
+    assert "heard 100 stale 0 refused 0" in second
+    assert "sensor_faults 0 radio_faults 0" in second
 
 
 def free_port():

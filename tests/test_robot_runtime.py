@@ -371,3 +371,33 @@ def test_noise_changes_nothing(untraced, datagrams):
     assert robot.numbers() == quiet.numbers()
     assert robot.estimate == quiet.estimate
     assert robot.undone == 0
+
+
+@pytest.mark.parametrize("format_", ["float32", "ratio8"])
+@pytest.mark.parametrize("name", [name for name in brains.shipped() if name != "oracle"])
+def test_forged_messages_leave_a_robot_that_works(name, format_):
+    """Whoever knows the format can say anything: the estimate stays one, and the robot goes on or begins anew."""
+    brain, air, random_ = brains.load(name), Air(), random.Random(2)
+    readings = (random_.random() < 0.8 for _ in itertools.count())
+    robot = robot_of(brain, radio=air.radio(), message=format_, readings=readings, luck=random_.random)
+    forged = messages_of(brain, format_)
+    for tick in range(1, 61):
+        for sender in range(2, 5):
+            body = random_.randbytes(forged.size - 8)
+            data = struct.pack("<BBHH", forged.mark & 0xFF, 0, sender, tick) + body
+            air.boxes[0].append(data + struct.pack("<H", runtime.checksum(data, forged.mark)))
+        robot.tick()
+        assert 0.0 <= robot.estimate <= 1.0
+        assert all(map(math.isfinite, robot.numbers()))
+    assert robot.heard > 100
+    assert robot.stuck < runtime.PATIENCE
+
+
+def test_a_mind_that_no_round_can_end_starts_blank(tmp_path):
+    brain = brains.parse(POISON.replace("me.v[1] = 0.0", "me.v[0] /= me.v[0] - 3.0"), "poison", tmp_path / "poison.py")
+    robot = robot_of(brain, readings=itertools.chain([True], NOTHING), message="float32")
+    robot.me.v[0] = 2.0
+    for tick in range(1, runtime.PATIENCE + 2):
+        assert robot.blanked == (tick > runtime.PATIENCE)
+        robot.tick()
+    assert robot.numbers() == [0.0, 0.0, 0.5]

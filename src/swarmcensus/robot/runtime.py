@@ -35,6 +35,7 @@ LARGEST = 3.4028234e38  # of float32
 WRAP = 0x3FFFFFFF  # after so many milliseconds MicroPython's clock begins again
 SENDERS = 20  # of whom the last message is known
 FORGET = 1000  # ticks after which a sender is as good as new
+PATIENCE = 10  # ticks in a row that cannot be ended, after which the mind starts blank
 
 
 def checksum(data, start):
@@ -204,9 +205,8 @@ class Robot:
         self.fields = sorted(brain.MEMORY)  # the dicts of MicroPython have no order
         given = dict(getattr(brain, "PARAMETERS", {}))
         given.update(parameters or {})
-        for fields in (brain.MEMORY, given):
-            for name, value in fields.items():
-                setattr(me, name, list(value) if isinstance(value, (tuple, list)) else 1.0 * value)
+        self._give(brain.MEMORY)
+        self._give(given)
         me.b, me.w, me.luck, me.name = 1.0 * b, 1.0 * w, 0.5, 1.0 * number
         self.before = [list(v) if isinstance(v, list) else v for v in [getattr(me, name) for name in self.fields]]
         self.senders = []  # of each: number, boot count, tick, and our tick when it was heard
@@ -224,6 +224,8 @@ class Robot:
         self.radio_faults = 0
         self.file_faults = 0
         self.undone = 0  # calls of the brain that failed
+        self.blanked = 0  # times that the mind started blank, because forged numbers had made it unusable
+        self.stuck = 0  # ticks in a row that could not be ended
         self.estimate = 0.5
         self.decision = -1  # of brains that decide
         self.course = None  # of brains that steer: metres and radians a second, or None
@@ -258,10 +260,20 @@ class Robot:
         for _ in range(self.most):
             if since(self.clock(), begun) >= self.budget or not self._hear():
                 break
-        self._do(self.brain.fuse)
+        self.stuck = 0 if self._do(self.brain.fuse) else self.stuck + 1
+        if self.stuck >= PATIENCE:
+            self._give(self.brain.MEMORY)
+            self.messages.owed[:] = [0.0] * self.messages.count
+            self.blanked += 1
+            self.stuck = 0
         self._ask()
         if self.every and self.ticks % self.every == 0:
             self.save()
+
+    def _give(self, fields):
+        """Set fields of the mind."""
+        for name, value in fields.items():
+            setattr(self.me, name, list(value) if isinstance(value, (tuple, list)) else 1.0 * value)
 
     def _look(self):
         """How many of the readings say black, and how many there are; a sensor that raises has no more of them."""
@@ -338,7 +350,10 @@ class Robot:
         return True
 
     def _do(self, function, *given):
-        """Call a function of the brain; if it raises, or a number becomes NaN or infinite, the mind is as before."""
+        """Call a function of the brain; returns whether that worked.
+
+        If it raises, or a number becomes NaN or infinite, the mind is as before.
+        """
         me, before = self.me, self.before
         for k, name in enumerate(self.fields):
             value = getattr(me, name)
@@ -351,7 +366,7 @@ class Robot:
                 me.luck = self.luck()
             function(me, *given)
             if all(finite(x) for x in self.numbers()):
-                return
+                return True
         except Exception:
             pass
         self.undone += 1
@@ -360,12 +375,17 @@ class Robot:
                 getattr(me, name)[:] = before[k]
             else:
                 setattr(me, name, before[k])
+        return False
 
     def _ask(self):
         """What the brain estimates, decides and wants."""
         brain, me = self.brain, self.me
         try:
-            self.estimate = brain.estimate(me)
+            x = brain.estimate(me)
+            if 0.0 <= x <= 1.0:
+                self.estimate = x
+            else:
+                self.undone += 1
             if hasattr(brain, "decide"):
                 self.decision = brain.decide(me)
             if hasattr(brain, "done"):
@@ -429,8 +449,10 @@ class Robot:
 
     def status(self):
         """One line of what happened so far."""
-        told = ("ticks", "boot", "heard", "stale", "refused", "missed", "undone", "sensor_faults", "radio_faults",
-                "file_faults")  # fmt: skip
+        told = (
+            "ticks", "boot", "heard", "stale", "refused", "missed", "undone", "blanked", "sensor_faults",
+            "radio_faults", "file_faults",
+        )  # fmt: skip
         return " ".join([f"estimate {self.estimate:.4f}"] + [f"{name} {getattr(self, name)}" for name in told])
 
 
