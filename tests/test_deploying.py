@@ -16,7 +16,7 @@ import pytest
 
 from swarmcensus import brains
 from swarmcensus.cli.commands import main
-from swarmcensus.deployment import selftests
+from swarmcensus.deployment import board_tests
 from tests.boards import needs_micropython, on_board
 
 NEEDED = ["--b", ".9", "--w", ".85"]
@@ -130,7 +130,7 @@ def test_files_appear_whole_or_not_at_all(tmp_path, capsys, monkeypatch):
 
 def output_of(folder, single=False):
     brain = brains.load(str(folder / "brain.py"))
-    return selftests.reference(brain, selftests._settings(folder / "settings.py"), single)
+    return board_tests.reference(brain, board_tests._settings(folder / "settings.py"), single)
 
 
 @needs_micropython
@@ -406,7 +406,7 @@ def test_programs_over_udp_hear_each_other(tmp_path):
 
 KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")
 HOST = pytest.mark.skipif(not shutil.which("gcc"), reason="needs gcc")
-BOARDS = Path(selftests.__file__).parent / "boards"
+BOARDS = Path(board_tests.__file__).parent / "boards"
 HARNESS = """
 #include <stdio.h>
 #include <string.h>
@@ -494,8 +494,8 @@ def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
     ]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
 
-    codec = selftests.codec_in_single()
-    runtime = selftests._module(Path(sys.modules["swarmcensus.robot.runtime"].__file__), {"codec": codec})
+    codec = board_tests.codec_in_single()
+    runtime = board_tests._module(Path(sys.modules["swarmcensus.robot.runtime"].__file__), {"codec": codec})
     brain = brains.load("commons").with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)
     plan = tuple(tuple(part) for part in brain.parts)

@@ -38,6 +38,7 @@ OTHER_PROGRAMS = {
     "mypy",
     "pre-commit",
     "mkdocs",
+    "mpremote",
     "source",
     ".ci/run",
 }

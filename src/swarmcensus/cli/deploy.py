@@ -11,7 +11,7 @@ from swarmcensus.cli.output import answer, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.deployment.deploying import Deployed
-    from swarmcensus.deployment.selftests import Comparison
+    from swarmcensus.deployment.board_tests import Comparison
 
 SHOWN = 8  # differences that are listed
 
@@ -91,7 +91,7 @@ def _parameters(given: list[str]) -> dict[str, Any]:
 
 
 def _check(options: argparse.Namespace) -> int:
-    from swarmcensus.deployment.selftests import compare
+    from swarmcensus.deployment.board_tests import compare
 
     given = [
         name for name in ("to", "radio", "b", "w", "message", "hz", "parameter", "number") if _is_given(options, name)

@@ -363,7 +363,7 @@ class Robot:
                 before[k] = value
         try:
             if self.luck:
-                me.luck = self.luck()
+                me.luck = self.luck() or 0.5
             function(me, *given)
             if all(finite(x) for x in self.numbers()):
                 return True
@@ -392,7 +392,7 @@ class Robot:
                 self.done = bool(brain.done(me))
             if hasattr(brain, "steer"):
                 if self.luck:
-                    me.luck = self.luck()
+                    me.luck = self.luck() or 0.5
                 self.course = brain.steer(me)
         except Exception:
             self.undone += 1
