@@ -10,13 +10,17 @@ import subprocess
 import sys
 import textwrap
 import time
+import types
 from pathlib import Path
 
 import pytest
 
 from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.deployment import board_tests
+from swarmcensus.deployment.messages import codec as codec_of
 from tests.boards import needs_micropython, on_board
 
 NEEDED = ["--b", ".9", "--w", ".85"]
@@ -465,11 +469,6 @@ def test_a_kilobots_program_compiles_without_a_warning(tmp_path, name, capsys):
 @KILOBOT
 def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
     """The same program for this machine, byte for byte beside the runtime, through doubled and foreign messages."""
-    import types
-
-    from swarmcensus.brains.packing import Numbers
-    from swarmcensus.brains.single import rounded_to_single
-
     folder = deployed(tmp_path / "robot", "commons", "kilobot")
     for name, text in {
         "avr/eeprom.h": "static inline uint8_t eeprom_read_byte(const uint8_t *at) { (void)at; return 4; }\n"
@@ -494,7 +493,7 @@ def test_a_kilobot_says_what_a_robot_of_single_precision_says(tmp_path):
     ]
     subprocess.run(command, cwd=folder, check=True, capture_output=True)
 
-    codec = board_tests.codec_in_single()
+    codec = codec_of(True)[3]
     runtime = board_tests._module(Path(sys.modules["swarmcensus.robot.runtime"].__file__), {"codec": codec})
     brain = brains.load("commons").with_numbers(Numbers("single", "ratio16"))
     mark = int(re.search(r"MARK 0x(\w+)", (folder / "settings.h").read_text())[1], 16)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 
 from swarmcensus import brains
-from swarmcensus.brains.packing import BYTES
+from swarmcensus.brains.packing import BYTES, Numbers
+from swarmcensus.deployment.messages import Radio
 from swarmcensus.robot import codec, runtime
 from tests.boards import Air, Clock, Readings, messages_of
 
@@ -97,6 +98,23 @@ def test_what_rounding_took_is_said_later(name, format_):
         assert abs(told[k] - heard[k]) < (0.4 if k in owes else 30.0)
         if k in owes:
             assert math.isclose(told[k] - heard[k], messages.owed[k], abs_tol=1e-9)
+
+
+@pytest.mark.parametrize("format_", ["float32", "float16", "ratio16", "ratio8"])
+@pytest.mark.parametrize("name", brains.shipped())
+def test_bytes_are_those_of_the_translation_to_c(name, format_):
+    """Packed and unpacked, with what is owed: large, small, negative and plain numbers."""
+    brain = brains.load(name).with_numbers(Numbers(message=format_))
+    ours, theirs, random_ = messages_of(brain, format_), Radio(brain), random.Random(5)
+    for tick in range(60):
+        size = 10.0 ** random_.randint(-8, 20) if tick % 3 else 1.0
+        said = [
+            [random_.gauss(0.5, 1.0) * size for _ in range(items)] if items else random_.gauss(0.5, 1.0) * size
+            for items in brain.message.values()
+        ]
+        data = ours.pack(tuple(said), 0, 1, tick)
+        assert data[runtime.HEADER : -runtime.CHECKSUM] == theirs.pack(said)
+        assert ours.unpack(data)[3] == theirs.unpack(data[runtime.HEADER :])
 
 
 def test_too_large_numbers_become_the_largest_and_owe_nothing():

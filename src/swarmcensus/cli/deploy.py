@@ -10,8 +10,8 @@ from swarmcensus.cli.options import from_zero
 from swarmcensus.cli.output import answer, wrote
 
 if TYPE_CHECKING:
-    from swarmcensus.deployment.deploying import Deployed
     from swarmcensus.deployment.board_tests import Comparison
+    from swarmcensus.deployment.deploying import Deployed
 
 SHOWN = 8  # differences that are listed
 

@@ -13,13 +13,11 @@ from pathlib import Path
 from typing import Any
 
 from swarmcensus import brains
-from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.fields import slots
-from swarmcensus.brains.kinds import REAL, Kinds
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import in_single, rounded_to_single
-from swarmcensus.brains.syntax import functions_of
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.deployment.messages import codec as codec_of
 from swarmcensus.deployment.micropython_files import BOARDS
 from swarmcensus.robot import codec, runtime
 
@@ -101,20 +99,12 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
         given["PARAMETERS"] = {k: _rounded(v) for k, v in given["PARAMETERS"].items()}
         given |= {"B": rounded_to_single(given["B"]), "W": rounded_to_single(given["W"]), "ROUNDED": rounded_to_single}
     modules = {"brain": brain.functions, "settings": types.SimpleNamespace(**given)}
-    modules["codec"] = codec_in_single() if single else codec
+    modules["codec"] = codec_of(single)[3]
     modules["runtime"] = _module(Path(runtime.__file__), modules)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         _module(BOARDS / "selftest.py", modules)
     text = printed.getvalue()
     return text.replace(f"bits {DOUBLE}", f"bits {SINGLE}") if single else text
-
-
-def codec_in_single() -> types.ModuleType:
-    """The codec in single precision."""
-    path = Path(codec.__file__)
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    first = {name: (REAL,) * len(function.args.args) for name, function in functions_of(tree).items()}
-    return safe_source.run(in_single(tree, Kinds(tree, {}, first)), "codec", path)
 
 
 def _module(path: Path, modules: Mapping[str, Any]) -> types.ModuleType:

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from swarmcensus.deployment.folders import new_folder, write_texts
+from swarmcensus.deployment.kilobot_files import check_fits, kilobot_files
 from swarmcensus.deployment.micropython_files import micropython_files
 from swarmcensus.deployment.plans import Plan
 
@@ -25,8 +26,6 @@ def deploy(plan: Plan, folder: Path) -> Deployed:
     """Write the files of a robot into a new folder, whole or not at all. Raises InputError."""
     flash = ram = None
     if plan.radio == "kilobot":
-        from swarmcensus.deployment.kilobot_files import check_fits, kilobot_files
-
         texts = kilobot_files(plan)
         flash, ram = check_fits(plan, texts)
     else:

@@ -1,8 +1,5 @@
 """The files of a Kilobot: its brain as C, a main program for Kilobot's own library, and a Makefile."""
 
-import re
-import shutil
-import subprocess
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
@@ -10,6 +7,7 @@ from pathlib import Path
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.deployment.chips import KILOBOT, avr_size, for_avr, missing
 from swarmcensus.deployment.folders import write_texts
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.micropython_files import BOARDS
@@ -17,8 +15,7 @@ from swarmcensus.deployment.plans import Plan
 
 TICKS_A_SECOND = 32  # of a Kilobot's clock
 FLASH, RAM = 20_000, 1_300  # bytes left beside Kilobot's own library, its boot loader and a stack
-FLAGS = ("-mmcu=atmega328p", "-DF_CPU=8000000UL", "-std=gnu99", "-Os", "-ffp-contract=off", "-ffunction-sections",
-         "-fpack-struct", "-fshort-enums", "-w")  # fmt: skip
+FLAGS = ("-funsigned-char", "-funsigned-bitfields", "-fpack-struct", "-fshort-enums")  # those of Kilobot's library
 EMPTY = """
 #include "kilolib.h"
 volatile uint32_t kilo_ticks;
@@ -29,8 +26,8 @@ void kilo_init(void) {}
 void kilo_start(void (*setup)(void), void (*loop)(void)) { setup(); for (;;) loop(); }
 int16_t get_ambientlight(void) { return 0; }
 uint8_t rand_soft(void) { return 0; }
-void set_color(uint8_t color) {}
-uint16_t message_crc(const message_t *message) { return 0; }
+void set_color(uint8_t color) { (void)color; }
+uint16_t message_crc(const message_t *message) { (void)message; return 0; }
 """
 SETTINGS = """\
 // The settings of a robot with the brain {brain}.
@@ -85,22 +82,14 @@ def check_fits(plan: Plan, texts: Mapping[str, str]) -> tuple[int | None, int | 
             f"the brain {name!r} remembers {plan.brain.memory_bytes:,} bytes, and a Kilobot has {RAM:,} for it: it is "
             "too large"
         )
-    if not (shutil.which("avr-gcc") and shutil.which("avr-size")):
+    if missing(("avr-gcc", "avr-size")):
         return None, None
     with tempfile.TemporaryDirectory() as made:
         folder = Path(made)
         write_texts(folder, texts)
         write_texts(folder, {"kilolib.c": EMPTY, "kilolib.h": (BOARDS / "kilolib.h").read_text(encoding="utf-8")})
-        command = ["avr-gcc", *FLAGS, "-I.", "-Wl,--gc-sections", "main.c", "kilolib.c", "-lm", "-o", "robot.elf"]
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-        if done.returncode:
-            fault = next(
-                (line for line in done.stderr.splitlines() if re.search(r"error|undefined|overflow", line)), ""
-            )
-            raise InputError(f"the brain {name!r} cannot be built for a Kilobot: {fault.strip()}")
-        printed = subprocess.run(["avr-size", "robot.elf"], cwd=folder, capture_output=True, text=True, check=True)
-    text, data, bss = map(int, printed.stdout.splitlines()[1].split()[:3])
-    flash, ram = text + data, data + bss
+        program = for_avr(folder / "main.c", KILOBOT, *FLAGS, f"-I{folder}", str(folder / "kilolib.c"))
+        flash, ram = avr_size(program)
     if flash > FLASH or ram > RAM:
         raise InputError(
             f"the brain {name!r} needs {flash:,} bytes of flash and {ram:,} of memory, and a Kilobot has {FLASH:,} and "
