@@ -14,7 +14,7 @@ from swarmcensus.robot import runtime
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = "@micropython/micropython-webassembly-pyscript"
-FOLDER = "MICROPYTHON_MODULES"  # the environment's variable that names a folder of Node's packages
+FOLDER = "MICROPYTHON_MODULES"  # the environment's variable that names the folder of Node's packages, or the one above
 HEAP = 64 * 1024 * 1024
 ROBOT = ROOT / "src" / "swarmcensus" / "robot"
 
@@ -34,7 +34,7 @@ for (let step = 0; step < steps; step++) board.runPython("main.step()"); // garb
 def micropython():
     """The path of MicroPython's module for Node; None if it, or Node, is absent."""
     folders = [Path(os.environ[FOLDER])] if FOLDER in os.environ else []
-    for folder in [*folders, Path("node_modules"), ROOT / "node_modules"]:
+    for folder in [*folders, *(folder / "node_modules" for folder in (*folders, Path(), ROOT))]:
         module = folder / PACKAGE / "micropython.mjs"
         if module.is_file() and shutil.which("node"):
             return module.resolve()

@@ -81,6 +81,7 @@ WRONG = [
     (["--w", "-0.1"], "--w -0.1: should be a share of right readings, from 0 to 1"),
     (["--hz", "0"], "--hz 0: should be ticks a second, from 0.001 to 1000"),
     (["--number", "65536"], "--number 65536: should be from 0 to 65535"),
+    (["--number", "1", "--radio", "kilobot"], "--number 1 does not go with --radio kilobot"),
     (["--parameter", "keep"], "--parameter keep: should be NAME=VALUE"),
     (["--parameter", "keep=0.5"], "--parameter the brain 'commons' has no parameter 'keep': it has none"),
     (["--radio", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, and a "
@@ -190,6 +191,7 @@ def test_a_wrong_number_is_named(tmp_path, capsys):
         (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
         (lambda text: text.replace("tick 20 1", "tuck 20 1"), "lacks lines of the self-test"),
         (lambda text: text.replace("commons", "sure"), "of the brain 'sure'"),
+        (lambda text: re.sub(r"(tick 20 1 .*) \S+\n", r"\1\n", text), "lines without the 6 numbers"),
         (lambda text: re.sub(r"(tick 20 1 \S+ ....)", r"\1 ", text), "has a damaged line: 'tick 20 1"),
     ],
 )
@@ -212,6 +214,8 @@ def test_files_that_were_changed_are_found_out(tmp_path, capsys):
     assert "should be a plain value" in checked(capsys, folder, output)[1]
     (folder / "settings.py").write_text(settings.replace("PLAN", "PLANS"))
     assert "PLAN is missing" in checked(capsys, folder, output)[1]
+    (folder / "settings.py").write_text(settings.replace("B = 0.9", "B = 'high'"))
+    assert "the self-test cannot run with these settings" in checked(capsys, folder, output)[1]
     (folder / "settings.py").unlink()
     assert "should be one made by `swarmcensus deploy`" in checked(capsys, folder, output)[1]
     assert main(["deploy", "--check", "nothing.txt", str(folder)]) == 2
@@ -406,6 +410,13 @@ def test_programs_over_udp_hear_each_other(tmp_path):
     assert int(re.search(r"heard (\d+)", last)[1]) > heard
     assert "boot 1" in again
     assert float(re.search(r"estimate (\S+)", again)[1]) > 0.9
+
+
+def test_a_computer_without_a_number_says_so(tmp_path):
+    folder = deployed(tmp_path / "robot")
+    done = subprocess.run([sys.executable, "main.py"], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr == "NUMBER in settings.py should be this robot's: a computer has no chip that tells one\n"
 
 
 KILOBOT = pytest.mark.skipif(not shutil.which("avr-gcc"), reason="needs avr-gcc, of Debian's package gcc-avr")

@@ -71,11 +71,16 @@ def compare(output: str, folder: Path) -> Comparison:
     brain = brains.load(str(folder / "brain.py"))
     for own in ("codec.py", "runtime.py", "selftest.py"):
         _check_same(folder / own)
-    expected = _lines(reference(brain, settings, single=bits < DOUBLE))
+    try:
+        expected = _lines(reference(brain, settings, single=bits < DOUBLE))
+    except Exception as error:  # whatever settings that are no longer ours make it raise
+        raise InputError(f"{folder / 'settings.py'}: the self-test cannot run with these settings: {error}") from error
     fields = [*(slot for field in sorted(brain.lengths) for slot in slots({field: brain.lengths[field]})), "estimate"]
     there, here = list(_values(lines)), list(_values(expected))
     if [row[0] for row in there] != [row[0] for row in here]:
         raise InputError("the output is not whole: it lacks lines of the self-test")
+    if any(len(row[2]) != len(fields) for row in there):
+        raise InputError(f"the output has lines without the {len(fields)} numbers that they should have")
     allowed = CLOSE.get(bits, ROUGH)
     numbers = equal = same = 0
     largest, wrong = 0.0, []

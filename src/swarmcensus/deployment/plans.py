@@ -83,6 +83,8 @@ def plan_for(
         raise InputError(f"--hz {hz:g}: should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
     if number is not None and not 0 <= number <= 0xFFFF:
         raise InputError(f"--number {number}: should be from 0 to 65535")
+    if number is not None and radio == "kilobot":
+        raise InputError(f"--number {number} does not go with --radio kilobot: a Kilobot has a number of its own")
     if brain.is_oracle:
         raise InputError(f"the brain {brain.name!r} is a bound: no robot hears all others and knows every sensor")
     try:

@@ -6,10 +6,15 @@ def clock():
 
 
 def own_number():
-    """The robot's number, or else one that the chip's own makes: two robots have the same by a chance of 1 in 65536."""
+    """The robot's number, or one made of the chip's: two robots have the same by a chance of 1 in 65536."""
     if settings.NUMBER is not None:
         return settings.NUMBER
-    import machine
+    try:
+        import machine
+    except ImportError:
+        raise SystemExit(
+            "NUMBER in settings.py should be this robot's: a computer has no chip that tells one"
+        ) from None
 
     return checksum(machine.unique_id(), 0)
 
