@@ -6,7 +6,8 @@ from swarmcensus.deployment import chips
 from tests.translated import BRAINS, CLOSE, differs, is_exact, load_busy, named
 
 AVR = pytest.mark.skipif(
-    bool(chips.missing(chips.AVR)), reason=f"not installed: {', '.join(chips.missing(chips.AVR))} (tools/install-chips.sh)"
+    bool(chips.missing(chips.AVR)),
+    reason=f"not installed: {', '.join(chips.missing(chips.AVR))} (tools/install-chips.sh)",
 )
 CORTEX = pytest.mark.skipif(
     bool(chips.missing(chips.CORTEX)),

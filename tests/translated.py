@@ -36,7 +36,9 @@ def load_busy(name, precision, message="float32", busy=True):
 def is_exact(brain):
     """Whether a brain uses only what IEEE 754 defines to the last bit."""
     nodes = list(ast.walk(ast.parse(brain.source)))
-    called = {node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"}
+    called = {
+        node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"
+    }
     powers = (node for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))
     exponents = {ast.unparse(node.right) for node in powers} - {"2", "(-20)", "-20", "BINS"}
     return called <= EXACT and not exponents

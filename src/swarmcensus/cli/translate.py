@@ -35,9 +35,7 @@ def add_translate_options(sub: argparse.ArgumentParser) -> None:
         metavar="|".join(MESSAGES),
         help="how numbers become bytes in messages (default: float32)",
     )
-    sub.add_argument(
-        "--out", type=Path, metavar="FOLDER", help="folder to write to (default: BRAIN-c)"
-    )
+    sub.add_argument("--out", type=Path, metavar="FOLDER", help="folder to write to (default: BRAIN-c)")
 
 
 def translate(options: argparse.Namespace) -> int:

@@ -45,7 +45,9 @@ def write(brain: Brain, folder: Path) -> list[Path]:
     """Write the files of a brain in C; older ones are replaced. Raises InputError if the folder holds other files."""
     if folder.exists() and not folder.is_dir():
         raise InputError(f"{folder} is a file: a translation needs a folder")
-    others = sorted(path.name for path in folder.iterdir() if path.name not in (*FILES, *MADE)) if folder.is_dir() else []
+    others = (
+        sorted(path.name for path in folder.iterdir() if path.name not in (*FILES, *MADE)) if folder.is_dir() else []
+    )
     if others:
         raise InputError(f"{folder} holds {others[0]!r}, which is no part of a translation: name a new folder")
     texts = translate(brain)
