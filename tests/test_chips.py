@@ -17,18 +17,17 @@ SHORT = 17  # rounds in an AVR, which is slow to simulate
 STACK = 400  # bytes of RAM that the self-test needs beside its robots
 
 
-def avr_of(brain, rounds):
-    """A run of the self-test on the smallest chip that has room for its swarm."""
-    numbers = 6 * (sum(max(items, 1) for items in brain.lengths.values()) + 6)
-    chip = chips.KILOBOT if 4 * numbers < chips.RAM[chips.KILOBOT] - STACK else chips.LARGE
-    return lambda source: chips.on_avr(source, chip, f"-DROUNDS={rounds}")
+def on_atmega(source):
+    """Run the first rounds of a self-test on the smallest chip that has room for its swarm."""
+    rounds = f"-DROUNDS={SHORT}"
+    return chips.on_avr(source, chips.avr_for(source, STACK, rounds), rounds)
 
 
 @AVR
 @pytest.mark.parametrize("name", ["commons", "minimalistic"])
 def test_atmega(name, tmp_path):
     brain = load_busy(name, "single", "ratio16")
-    assert differs(brain, tmp_path, avr_of(brain, SHORT), SHORT).line == 0
+    assert differs(brain, tmp_path, on_atmega, SHORT).line == 0
 
 
 @CORTEX
@@ -42,7 +41,7 @@ def test_cortex(name, tmp_path):
 @pytest.mark.parametrize("name", BRAINS, ids=named)
 def test_all_on_atmega(name, tmp_path):
     brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
-    difference = differs(brain, tmp_path, avr_of(brain, SHORT), SHORT)
+    difference = differs(brain, tmp_path, on_atmega, SHORT)
     assert difference.line == 0 if is_exact(brain) else difference.largest < CLOSE
 
 

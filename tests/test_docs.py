@@ -28,8 +28,10 @@ ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
 BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
-SHOWN = {"text", "csv", "r", "matlab"}
+SHOWN = {"text", "csv", "r", "matlab", "c"}
 OTHER_PROGRAMS = {
+    "make",
+    "sh",
     "pip",
     "python",
     "pytest",

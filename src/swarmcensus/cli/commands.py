@@ -206,7 +206,7 @@ COMMANDS = {
     ),
     "translate": Command(
         "Write a brain as C for a robot without Python, with a test that compares its bits with Python's.",
-        translate.translate, translate.add_translate_options, json=False,
+        translate.translate, translate.add_translate_options,
     ),
     "new": Command(
         "Write a study or a brain to start from, with every line explained.",

@@ -4,7 +4,7 @@ import argparse
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.output import say, wrote
+from swarmcensus.cli.output import answer, say, wrote
 
 NUMBERS = {"float": "single", "double": "double"}  # types of C, and the precisions they have
 MESSAGES = ("float32", "float16", "ratio16", "ratio8")
@@ -52,8 +52,13 @@ def translate(options: argparse.Namespace) -> int:
         raise InputError(f"--parameter: {error}") from None
     brain = brain.with_numbers(Numbers(precision=NUMBERS[options.number], message=options.message))  # type: ignore[arg-type]
     folder = options.out or Path(f"{Path(options.brain).stem}-c")
-    for path in write(brain, folder):
+    paths = write(brain, folder)
+    for path in paths:
         wrote(path)
+    if options.json:
+        about = {"brain": brain.label, "number": options.number, "message": options.message}
+        size = {"memory_bytes": brain.memory_bytes, "message_bytes": brain.message_bytes}
+        answer("translation", about | size | {"files": [str(path) for path in paths]})
     say(f"next: make -C {folder} check, which compares the C with Python bit for bit")
     return 0
 

@@ -32,9 +32,14 @@ void reset(void);
 __attribute__((section(".vectors"), used)) static const uintptr_t vectors[] = {0x20200000, (uintptr_t)reset};
 
 __attribute__((naked)) void reset(void) {
-    __asm__ volatile("ldr r0, =0xE000ED88\\n ldr r1, [r0]\\n orr r1, r1, #0xF00000\\n str r1, [r0]\\n dsb\\n isb\\n b _start");
+    __asm__ volatile(
+        "ldr r0, =0xE000ED88\\n ldr r1, [r0]\\n orr r1, r1, #0xF00000\\n str r1, [r0]\\n dsb\\n isb\\n b _start");
 }
 """
+
+
+class NoRoom(InputError):
+    """A program is larger than its chip."""
 
 
 class Size(NamedTuple):
@@ -72,6 +77,15 @@ def for_avr(source: Path, chip: str, *more: str) -> Path:
     return program
 
 
+def avr_for(source: Path, stack: int, *more: str) -> str:
+    """The smallest of two AVRs that has room for a program and a stack of so many bytes."""
+    try:
+        fits = avr_size(for_avr(source, KILOBOT, *more)).ram + stack <= RAM[KILOBOT]
+    except NoRoom:
+        fits = False
+    return KILOBOT if fits else LARGE
+
+
 def avr_size(program: Path) -> Size:
     """The size of a program for an AVR."""
     rows = [line.split() for line in _run("avr-size", "-A", str(program)).stdout.splitlines()]
@@ -99,6 +113,8 @@ def _run(*command: str) -> "subprocess.CompletedProcess[str]":
     except subprocess.TimeoutExpired:
         raise InputError(f"{command[0]} {command[-1]} did not end within {SECONDS:g} s") from None
     if done.returncode:
+        if any(word in done.stderr for word in ("overflowed by", "will not fit", "is not within region")):
+            raise NoRoom(f"{command[-2]} is larger than its chip")
         errors = [line for line in done.stderr.splitlines() if "error" in line] or done.stderr.splitlines()
         raise InputError(f"{command[0]} failed: {errors[0] if errors else f'exit code {done.returncode}'}")
     return done

@@ -17,7 +17,7 @@ from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment.comments import Comments
 from swarmcensus.deployment.unit import Record, Unit, arguments_of
 
-LARGEST = {"float32": 3.4028234663852886e38, "float16": 65504.0, "log8": 2.0**47.5}
+LARGEST: dict[str, float] = {"float32": 3.4028234663852886e38, "float16": 65504.0, "log8": 2.0**47.5}
 CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2, "whole8": 1}
 
 
@@ -81,9 +81,9 @@ class Radio:
     def _fits(self, part: Part, wanted: list[float]) -> bool:
         """Whether a format has room for the numbers, so that only rounding can take something of them."""
         if part.coding in STEPS:
-            ratio: float = wanted[0] if len(wanted) == 1 else self.codec.ratio_of(*wanted)
+            ratio = wanted[0] if len(wanted) == 1 else float(self.codec.ratio_of(*wanted))
             is_large = len(wanted) == 2 and not abs(wanted[1]) <= LARGEST["log8"]
-            return -0.5 <= ratio <= 1.5 and not is_large
+            return not is_large and -0.5 <= ratio <= 1.5
         return abs(wanted[0]) <= LARGEST.get(part.coding, math.inf)
 
     def _code(self, part: Part, wanted: list[float]) -> bytes:
@@ -185,7 +185,7 @@ def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[s
     else:
         lines = []
     size = other or one
-    largest = LARGEST["log8"] if other else LARGEST.get(part.coding, 0.0)
+    largest = LARGEST["log8"] if other else LARGEST.get(part.coding, math.inf)
     if other or part.coding not in STEPS:
         tests.append(f"{unit.math('fabs')}({size}) <= {unit.real(largest)}")
     wanted = [f"const number wanted{k + 1} = {name};" for k, name in enumerate(names[: len(part.places)])]

@@ -253,14 +253,17 @@ class _Function:
         self._write(f"for (int32_t {place} = 0; {place} < {items}; {place}++) {{", depth, remark)
         assert isinstance(node.target, ast.Name)
         name = self.unit.local(node.target.id)
-        given = "number " if id(node) in self.scopes.private else ""
-        self._write(f"{given}{name} = {self.say.vector(node.iter).text}[{place}];", depth + 1)
+        is_own = id(node) in self.scopes.private
+        item = f"{self.say.vector(node.iter).text}[{place}]"
+        self._write(f"{'number ' if is_own else ''}{name} = {item};", depth + 1)
+        if is_own:
+            self._write(f"(void){name};", depth + 1)
         self._block(node.body, depth + 1)
         self._write("}", depth)
 
     def _new(self, like: str) -> str:
         """A name that the function does not use."""
-        taken = {self.unit.local(name) for name in self.scopes.found}
+        taken = {self.unit.local(node.id) for node in ast.walk(self.node) if isinstance(node, ast.Name)}
         name = like
         while name in taken:
             name += "_"

@@ -32,10 +32,9 @@ clean:
 
 def translate(brain: Brain) -> dict[str, str]:
     """The files of a brain in C, by name, in its number formats. Raises InputError if C has no such thing."""
-    unit = unit_of(brain)
     return {
         "brain.h": header(brain),
-        "selftest.c": selftest.in_c(brain, unit),
+        "selftest.c": selftest.in_c(brain, unit_of(brain)),
         "expected.txt": selftest.expected(brain),
         "Makefile": MAKEFILE,
     }

@@ -1,0 +1,216 @@
+"""What a brain takes of an ATmega328P, which Kilobots and many Arduinos have: flash, RAM, stack and cycles.
+
+Each figure is that of a program that lives many ticks, less that of the same program around an empty brain. A tick is a
+reading, `broadcast`, two messages received, `fuse` and `estimate`. The chip's own timer counts cycles.
+"""
+
+import tempfile
+from pathlib import Path
+from typing import NamedTuple
+
+from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.deployment import chips
+from swarmcensus.deployment.header import header
+
+NUMBERS = Numbers(precision="single", message="ratio16")
+TICKS = 200
+LUCKY = 16  # a tick's luck, in sixteenths
+KILOBOT_FLASH = 32768 - 4096 - 7168  # less its bootloader, and its library with rules for its radio
+KILOBOT_RAM = 2048 - 256  # less the variables of the library, and what interrupts put on the stack
+KILOBOT_MESSAGE = 9 - 6  # bytes of its messages, less a header by which robots are told apart and losses are noticed
+
+
+class Cost(NamedTuple):
+    """What a brain takes of an ATmega328P: alone, and with its messages as bytes (ratio16)."""
+
+    name: str
+    flash: int  # bytes of program and tables
+    cycles: int  # a tick, on average
+    coded_flash: int  # with messages as bytes
+    coded_cycles: int
+    longest: int  # cycles of the longest tick, with messages as bytes
+    ram: int  # bytes of memory, and what the compiler puts beside it
+    stack: int  # bytes, at most
+    message: int  # bytes
+    chip: str  # on which cycles were counted: a larger one of the same core if its memory has no room here
+
+    @property
+    def milliseconds(self) -> float:
+        """A tick with messages as bytes, at 8 MHz."""
+        return 1000.0 * self.coded_cycles / chips.CLOCK
+
+    @property
+    def too_large(self) -> str:
+        """What a Kilobot has no room for; empty if it has room."""
+        needs = {
+            "flash": self.coded_flash > KILOBOT_FLASH,
+            "RAM": self.ram + self.stack > KILOBOT_RAM,
+            "message": self.message > KILOBOT_MESSAGE,
+        }
+        return ", ".join(name for name, is_too_large in needs.items() if is_too_large)
+
+
+class _Figures(NamedTuple):
+    """Of one program."""
+
+    flash: int
+    ram: int
+    cycles: int
+    stack: int
+    longest: int
+
+
+def cost(brain: Brain) -> Cost:
+    """What a brain takes of an ATmega328P. Raises InputError if it has no translation, or a tool is missing."""
+    brain = brain.with_numbers(NUMBERS)
+    with tempfile.TemporaryDirectory() as folder:
+        chip = chips.KILOBOT
+        try:
+            plain = _measure(header(brain), brain, Path(folder), chip, coded=False)
+        except chips.NoRoom:
+            chip = chips.LARGE
+            plain = _measure(header(brain), brain, Path(folder), chip, coded=False)
+        coded = _measure(header(brain), brain, Path(folder), chip, coded=True)
+        nothing, nothing_coded = (
+            _measure(EMPTY, brain, Path(folder), chip, coded=coded, empty=True) for coded in (False, True)
+        )
+    own = _Figures(*(one - other for one, other in zip(plain, nothing, strict=True)))
+    talking = _Figures(*(one - other for one, other in zip(coded, nothing_coded, strict=True)))
+    return Cost(
+        brain.name, own.flash, own.cycles, talking.flash, talking.cycles, talking.longest, talking.ram, talking.stack,
+        brain.message_bytes, chip,
+    )  # fmt: skip
+
+
+def _measure(text: str, brain: Brain, folder: Path, chip: str, coded: bool, empty: bool = False) -> _Figures:
+    """Compile and run the program around a brain."""
+    (folder / "brain.h").write_text(text)
+    source = folder / "cost.c"
+    lucky = brain.uses.luck and not empty
+    source.write_text(
+        PROGRAM.format(
+            ticks=TICKS,
+            start=", 1" if brain.uses.name and not empty else "",
+            luck=f"cost_me.luck = ((number)(tick % {LUCKY}) + 0.5f) / {LUCKY}.0f;" if lucky else "",
+            talk=CODED if coded else PLAIN,
+        )
+    )
+    printed = chips.on_avr(source, chip).split()
+    if len(printed) != 3:  # the stack has overwritten the program's memory
+        raise chips.NoRoom(f"brain {brain.name}: its stack has no room on an {chip}")
+    total, stack, longest = map(int, printed)
+    size = chips.avr_size(source.with_suffix(f".{chip}.elf"))
+    return _Figures(size.flash, size.ram, round(total * PRESCALER / TICKS), stack, longest * PRESCALER)
+
+
+PRESCALER = 8  # the timer counts every so many cycles
+EMPTY = """\
+#include <stdbool.h>
+#include <stdint.h>
+typedef float number;
+struct brain {
+    char nothing;
+};
+struct message {
+    char nothing;
+};
+#define BRAIN_MESSAGE_BYTES 1
+static inline void brain_start(struct brain *me, number b, number w) { (void)me, (void)b, (void)w; }
+static inline void observe(struct brain *me, number blacks, number looks) { (void)me, (void)blacks, (void)looks; }
+static inline bool broadcast(const struct brain *me, struct message *message) { return (void)me, (void)message, true; }
+static inline void receive(struct brain *me, const struct message *message) { (void)me, (void)message; }
+static inline void fuse(struct brain *me) { (void)me; }
+static inline number estimate(const struct brain *me) { return (void)me, 0.5f; }
+static inline bool brain_send(struct brain *me, uint8_t *out) { return (void)me, (void)out, true; }
+static inline void brain_hear(struct brain *me, const uint8_t *bytes) { (void)me, (void)bytes; }
+"""
+PLAIN = """\
+        if (broadcast(&cost_me, &cost_said)) {
+            receive(&cost_me, &cost_said);
+            receive(&cost_me, &cost_said);
+        }"""
+CODED = """\
+        if (brain_send(&cost_me, cost_bytes)) {
+            brain_hear(&cost_me, cost_bytes);
+            brain_hear(&cost_me, cost_bytes);
+        }"""
+PROGRAM = """\
+#include "brain.h"
+#include <avr/interrupt.h>
+#include <avr/io.h>
+#include <avr/sleep.h>
+
+extern uint8_t __heap_start;
+static struct brain cost_me;
+struct message cost_said;
+uint8_t cost_bytes[BRAIN_MESSAGE_BYTES];
+volatile uint8_t cost_floor_seen;
+volatile float cost_believed;
+
+static void cost_put(char c) {{
+    while (!(UCSR0A & _BV(UDRE0))) {{
+    }}
+    UDR0 = (uint8_t)c;
+}}
+
+static void cost_put_number(uint32_t x) {{
+    char digits[10];
+    uint8_t n = 0;
+    do {{
+        digits[n++] = (char)('0' + x % 10);
+        x /= 10;
+    }} while (x > 0);
+    while (n > 0) {{
+        cost_put(digits[--n]);
+    }}
+    cost_put('\\n');
+}}
+
+static void __attribute__((noinline)) cost_live(uint16_t tick) {{
+        {luck}
+        cost_floor_seen = (uint8_t)((tick * 5 % 8) < 3);
+        observe(&cost_me, cost_floor_seen, 1);
+{talk}
+        fuse(&cost_me);
+        cost_believed = estimate(&cost_me);
+}}
+
+int main(void) {{
+    uint32_t total = 0;
+    uint32_t longest = 0;
+    uint8_t *free = &__heap_start;
+    UBRR0 = 0;
+    UCSR0B = _BV(TXEN0);
+    brain_start(&cost_me, 0.9f, 0.8f{start});
+    uint8_t *const top = (uint8_t *)SP - 2;
+    for (uint8_t *p = free; p < top; p++) {{
+        *p = 0xA5;  // to see how deep the stack goes
+    }}
+    TCCR1A = 0;
+    TCCR1B = _BV(CS11);
+    for (uint16_t tick = 0; tick < {ticks}; tick++) {{
+        TIFR1 = _BV(TOV1);
+        TCNT1 = 0;
+        cost_live(tick);
+        uint32_t counted = TCNT1;
+        if (TIFR1 & _BV(TOV1)) {{
+            counted += UINT32_C(65536);
+        }}
+        total += counted;
+        longest = counted > longest ? counted : longest;
+    }}
+    while (free < top && *free == 0xA5) {{
+        free++;
+    }}
+    cost_put_number(total);
+    cost_put_number((uint32_t)(top - free));
+    cost_put_number(longest);
+    while (!(UCSR0A & _BV(UDRE0))) {{
+    }}
+    cli();
+    sleep_enable();
+    sleep_cpu();
+    return 0;
+}}
+"""
