@@ -26,6 +26,6 @@ number number_min number_max number_square whole_min whole_max number_modulo who
 number_floor_divide whole_floor_divide whole_power whole_abs to_whole nearest_even item_at split_number
 """.split()  # noqa: SIM905 - read more easily than a list
 PUBLIC = ["brain_start", "brain_send", "brain_hear", "brain_luck"]
-OF_FIELDS = frozenset([*WORDS, "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
+OF_FIELDS = frozenset([*WORDS, "number", "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
 OF_LOCALS = OF_FIELDS.union(MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
 OF_FUNCTIONS = OF_LOCALS.union((f"{name}l" for name in MATH), LIBRARY, PUBLIC)

@@ -7,6 +7,7 @@ import struct
 from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
+from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain, numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.deployment.messages import Radio
@@ -45,8 +46,14 @@ class Draws:
 
 
 def expected(brain: Brain) -> str:
-    """What the self-test of a brain prints, from CPython. Raises InputError through the brain's own faults."""
-    return "".join(f"{line}\n" for line in _lines(brain))
+    """What the self-test of a brain prints, from CPython. Raises InputError if the brain fails in it."""
+    try:
+        return "".join(f"{line}\n" for line in _lines(brain))
+    except Exception as error:
+        what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
+        raise InputError(
+            f"brain {brain.name!r} fails in the self-test: {what}; swarmcensus brains --check {brain.name} shows where"
+        ) from error
 
 
 def _lines(brain: Brain) -> Iterator[str]:
