@@ -1,8 +1,14 @@
 """Translated brains on simulated chips give the bits of CPython in single precision."""
 
+import re
+from pathlib import Path
+
 import pytest
 
+from swarmcensus.brains import load
+from swarmcensus.brains.brain import shipped
 from swarmcensus.deployment import chips
+from swarmcensus.deployment.costs import cost
 from tests.translated import BRAINS, CLOSE, differs, is_exact, load_busy, named
 
 AVR = pytest.mark.skipif(
@@ -52,3 +58,31 @@ def test_all_on_cortex(name, tmp_path):
     brain = load_busy(name, "single", "ratio8" if is_exact(load_busy(name, "single")) else "float32")
     difference = differs(brain, tmp_path, chips.on_cortex)
     assert difference.line == 0 if is_exact(brain) else difference.largest < CLOSE
+
+
+def page_of_costs():
+    """The rows of the table of docs/in-c.md, by brain."""
+    page = (Path(__file__).parents[1] / "docs" / "in-c.md").read_text(encoding="utf-8")
+    rows = [
+        re.split(r" *\| *", line)[1:-1] for line in page.splitlines() if line.startswith("| `") and line.count("|") > 9
+    ]
+    return {row[0].strip("`*\\"): row[1:] for row in rows}
+
+
+def test_the_page_has_the_costs_of_all_brains():
+    rows = page_of_costs()
+    assert list(rows) == shipped()
+    assert rows["commons"][-1] == "yes"
+    assert rows["bayes-bots"][-1].startswith("no: RAM")
+
+
+@AVR
+def test_costs():
+    one = cost(load("commons"))
+    written = [float(cell.replace(",", "")) for cell in page_of_costs()["commons"][:-1]]
+    found = (one.flash, one.cycles, one.coded_flash, one.coded_cycles, one.longest, one.ram, one.stack, one.message)
+    assert written == pytest.approx([*found, one.milliseconds], rel=0.1)  # other compilers have other figures
+    assert 28 <= one.ram < 64
+    assert one.too_large == ""
+    assert one._replace(ram=1800).too_large == "RAM"
+    assert one._replace(message=4, coded_flash=30_000).too_large == "flash, message"

@@ -9,6 +9,7 @@ import pytest
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import parse
+from swarmcensus.brains.kinds import RECORD, WHOLE
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
@@ -235,6 +236,16 @@ def test_comparing():
     assert compare("1 0 3f000000 silent\n", "1 0 3f000000 00\n").largest == float("inf")
     assert compare("1 0 nan 00\n", "1 0 3f000000 00\n").largest == float("inf")
     assert compare("1 0 3f000000 00\n2 0 nan 00\n", "1 0 3f000000 00\n") == (2, float("inf"))
+
+
+def test_kinds_do_not_depend_on_the_order_of_functions():
+    """`helper` stands before what calls it, and is given a whole number and the record."""
+    brain = trying("me.x = helper(me, 3)", "\n\ndef helper(me, k):\n    return deeper(me, k + 1)\n\n\n" + DEEPER)
+    assert brain.kinds.names["deeper"] == {"me": RECORD, "k": WHOLE}
+    assert brain.kinds.results["deeper"] == WHOLE
+
+
+DEEPER = "def deeper(me, k):\n    return k * 2 if me.x > 0.0 else k\n"
 
 
 def test_comments_and_words_are_kept():

@@ -233,7 +233,8 @@ class Expressions:
 
     def _side(self, node: ast.expr, want: Kind) -> Kind:
         """The kind in which an operand of arithmetic is worked out: a truth counts as a whole number."""
-        if want == REAL and literal(node) is not None:
+        is_rounding = isinstance(node, ast.Call) and self._rounding(node) is not None
+        if want == REAL and (literal(node) is not None or is_rounding):
             return REAL
         kind = self.kind(node)
         return WHOLE if kind == TRUTH else kind

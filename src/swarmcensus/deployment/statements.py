@@ -93,7 +93,7 @@ class _Function:
                 case ast.Assign(targets=targets, value=value):
                     for target in targets:
                         for part in ast.walk(target):
-                            if isinstance(part, ast.Name):
+                            if isinstance(part, ast.Name) and isinstance(part.ctx, ast.Store):
                                 yield part.id, value if part is target else None
                 case ast.AugAssign(target=ast.Name(id=name) as target, op=operation, value=value):
                     yield name, ast.BinOp(_loaded(target), operation, value)
