@@ -239,13 +239,23 @@ def test_comparing():
 
 
 def test_kinds_do_not_depend_on_the_order_of_functions():
-    """`helper` stands before what calls it, and is given a whole number and the record."""
-    brain = trying("me.x = helper(me, 3)", "\n\ndef helper(me, k):\n    return deeper(me, k + 1)\n\n\n" + DEEPER)
-    assert brain.kinds.names["deeper"] == {"me": RECORD, "k": WHOLE}
-    assert brain.kinds.results["deeper"] == WHOLE
+    """`helper` stands before what calls it, and calls others."""
+    source = BRAIN.replace("def observe", f"{HELPER}def observe").replace("FUSE", "    me.x = helper(me, 3)")
+    kinds = parse(source, "trying", Path("trying.py")).kinds
+    assert kinds.names["helper"] == {"me": RECORD, "k": WHOLE}
+    assert kinds.names["estimate"] == {"me": RECORD}
+    assert kinds.names["deeper"] == {"k": WHOLE}
 
 
-DEEPER = "def deeper(me, k):\n    return k * 2 if me.x > 0.0 else k\n"
+HELPER = """def helper(me, k):
+    return estimate(me) * deeper(k + 1)
+
+
+def deeper(k):
+    return k * 2
+
+
+"""
 
 
 def test_comments_and_words_are_kept():
