@@ -97,7 +97,9 @@ class Formats:
         self.clipped[i] += not all(holds)
         for k, (*_, role) in enumerate(flat):
             if role in CARRIED:
-                self.owed[i][k] = self.rounded(wanted[k] - read[k]) if holds[k] else 0.0
+                lost = self.rounded(owed[k] - self.rounded(wanted[k] - self.rounded(flat[k][0])))  # in adding it
+                rest = self.rounded(self.rounded(wanted[k] - read[k]) + lost)
+                self.owed[i][k] = rest if holds[k] else 0.0
         numbers = iter(map(float, read))
         return tuple(
             tuple(next(numbers) for _ in range(items)) if items else next(numbers)

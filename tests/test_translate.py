@@ -15,7 +15,7 @@ from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.deployment import chips
 from swarmcensus.deployment.header import header
-from swarmcensus.deployment.messages import Radio
+from swarmcensus.deployment.messages import messages_of
 from swarmcensus.deployment.selftest import compare
 from swarmcensus.deployment.translating import translate, write
 from tests.translated import BRAINS, CLOSE, compiled, differs, is_exact, load_busy, named
@@ -287,7 +287,6 @@ FAULTS = {
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
     "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
-    "me.x = math.gcd(4, 6)": "math.gcd has no translation to C",
     "me.x = either(me)": "either may return a value or nothing, which C cannot tell apart",
 }
 HELPERS = {
@@ -373,9 +372,9 @@ def test_the_page_shows_a_robot_that_works(tmp_path):
     top, start, rest = page.partition("```c\n")[2].partition("```")[0].partition("brain_start")
     body = f'{start}{rest}printf("%.9g", x);\nreturn 0;'
     printed = compiled(tmp_path, f"#include <stdio.h>\n{top}int main(void) {{\n{body}\n}}\n", "-I", str(tmp_path))
-    me, radio, call = brain.robot(rounded_to_single(0.9), rounded_to_single(0.8)), Radio(brain), brain.functions
+    me, radio, call = brain.robot(rounded_to_single(0.9), rounded_to_single(0.8)), messages_of(brain), brain.functions
     call.observe(me, 3.0, 10.0)
-    call.receive(me, radio.unpack(radio.pack(call.broadcast(me))))
+    call.receive(me, radio.read(radio.coded(call.broadcast(me))))
     call.fuse(me)
     assert float(printed) == pytest.approx(call.estimate(me), rel=1e-8)
     assert 0.1 < float(printed) < 0.2

@@ -102,7 +102,7 @@ def reference(brain: brains.Brain, settings: Mapping[str, Any], single: bool) ->
     if single:
         brain = brain.with_numbers(Numbers(precision="single"))
         given["PARAMETERS"] = {k: _rounded(v) for k, v in given["PARAMETERS"].items()}
-        given |= {"B": rounded_to_single(given["B"]), "W": rounded_to_single(given["W"]), "ROUNDED": rounded_to_single}
+        given |= {"B": rounded_to_single(given["B"]), "W": rounded_to_single(given["W"])}
     modules = {"brain": brain.functions, "settings": types.SimpleNamespace(**given)}
     modules["codec"] = codec_of(single)[3]
     modules["runtime"] = _module(Path(runtime.__file__), modules)

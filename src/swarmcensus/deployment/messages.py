@@ -2,22 +2,20 @@
 
 import ast
 import functools
-import math
-import struct
-from collections.abc import Sequence
 from importlib.resources import files
 from typing import Any
 
 from swarmcensus.basics import safe_source
 from swarmcensus.brains import Brain
 from swarmcensus.brains.kinds import REAL, Kinds
-from swarmcensus.brains.packing import BYTES, MOST, STEPS, Part, bytes_of
-from swarmcensus.brains.single import in_single, rounded_to_single
+from swarmcensus.brains.packing import BYTES, MOST, READ, STEPS, Part, bytes_of
+from swarmcensus.brains.single import in_single
 from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment.comments import Comments
 from swarmcensus.deployment.unit import Record, Unit, arguments_of
+from swarmcensus.robot.codec import LARGEST_REAL
+from swarmcensus.robot.runtime import Messages
 
-LARGEST: dict[str, float] = {"float32": 3.4028234663852886e38, "float16": 65504.0, "log8": 2.0**47.5}
 CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2, "whole8": 1}
 
 
@@ -38,86 +36,10 @@ def codec_unit(number: str) -> tuple[Unit, Comments]:
     return Unit(tree, kinds, constants, number, prefix="codec_"), Comments(source)
 
 
-class Radio:
-    """Packs what one robot says, and keeps what rounding took of it; and unpacks what it hears."""
-
-    def __init__(self, brain: Brain) -> None:
-        """Nothing is owed at first."""
-        self.brain = brain
-        self.is_single = brain.numbers.precision == "single"
-        self.codec = codec(self.is_single)[3]
-        self.round = rounded_to_single if self.is_single else float
-        self.owed = [0.0] * sum(max(items, 1) for items in brain.message.values())
-
-    def pack(self, said: Sequence[Any]) -> bytes:
-        """The bytes of a message."""
-        flat = [float(x) for part in said for x in (part if isinstance(part, list | tuple) else (part,))]
-        return b"".join(self._part(part, flat) for part in self.brain.parts)
-
-    def unpack(self, data: bytes) -> tuple[Any, ...]:
-        """The message in these bytes, as `receive` takes it."""
-        flat = [0.0] * len(self.owed)
-        at = 0
-        for part in self.brain.parts:
-            for place, value in zip(part.places, self._values(part, data[at:]), strict=True):
-                flat[place] = value
-            at += BYTES[part.coding]
-        out: list[Any] = []
-        for items in self.brain.message.values():
-            out.append(tuple(flat[:items]) if items else flat[0])
-            del flat[: max(items, 1)]
-        return tuple(out)
-
-    def _part(self, part: Part, flat: list[float]) -> bytes:
-        owes = part.owed and self.brain.numbers.feedback
-        wanted = [self.round(flat[p] + self.owed[p]) if owes else flat[p] for p in part.places]
-        data = self._code(part, wanted)
-        if owes:
-            fits = self._fits(part, wanted)
-            for place, want, value in zip(part.places, wanted, self._values(part, data), strict=True):
-                self.owed[place] = self.round(want - value) if fits else 0.0
-        return data
-
-    def _fits(self, part: Part, wanted: list[float]) -> bool:
-        """Whether a format has room for the numbers, so that only rounding can take something of them."""
-        if part.coding in STEPS:
-            ratio = wanted[0] if len(wanted) == 1 else float(self.codec.ratio_of(*wanted))
-            is_large = len(wanted) == 2 and not abs(wanted[1]) <= LARGEST["log8"]
-            return not is_large and -0.5 <= ratio <= 1.5
-        return abs(wanted[0]) <= LARGEST.get(part.coding, math.inf)
-
-    def _code(self, part: Part, wanted: list[float]) -> bytes:
-        x = wanted[0]
-        if len(part.places) == 2:
-            steps = float(STEPS[part.coding])
-            ratio = self.codec.ratio_code(self.codec.ratio_of(*wanted), steps)
-            return int(ratio).to_bytes(BYTES[part.coding] - 1, "little") + bytes([int(self.codec.log_code(wanted[1]))])
-        if part.coding == "float32":
-            return struct.pack("<f", min(max(x, -LARGEST["float32"]), LARGEST["float32"]) if x == x else x)
-        if part.coding == "float16":
-            code = self.codec.half_code(x)
-        elif part.coding in STEPS:
-            code = self.codec.ratio_code(x, float(STEPS[part.coding]))
-        elif part.coding in MOST:
-            code = self.codec.whole_code(x, float(MOST[part.coding]))
-        else:
-            code = self.codec.log_code(x)
-        return int(code).to_bytes(CODE_BYTES[part.coding], "little")
-
-    def _values(self, part: Part, data: bytes) -> list[float]:
-        if part.coding == "float32":
-            return [struct.unpack("<f", data[:4])[0]]
-        size = BYTES[part.coding] - (len(part.places) == 2)
-        code = float(int.from_bytes(data[:size], "little"))
-        if len(part.places) == 2:
-            confidence = self.codec.log_value(float(data[size]))
-            ratio = self.codec.ratio_value(code, float(STEPS[part.coding]))
-            return [self.round(ratio * confidence), confidence]
-        if part.coding == "float16":
-            return [self.codec.half_value(code)]
-        if part.coding in STEPS:
-            return [self.codec.ratio_value(code, float(STEPS[part.coding]))]
-        return [code if part.coding in MOST else self.codec.log_value(code)]
+def messages_of(brain: Brain) -> Messages:
+    """Packs what one robot says, and reads what it hears, in CPython."""
+    single = brain.numbers.precision == "single"
+    return Messages([*brain.message.values()], brain.parts, 0, False, brain.numbers.feedback, codec(single)[3])
 
 
 def in_c(brain: Brain, message: Record, unit: Unit) -> str:
@@ -129,7 +51,7 @@ def in_c(brain: Brain, message: Record, unit: Unit) -> str:
     for part in brain.parts:
         one, other = [*(f"message.{places[p]}" for p in part.places), ""][:2]
         owes = part.places[0] in owed
-        send += _owed_before(unit, part, (one, other), slot) if owes else []
+        send += _owed_before(part, (one, other), slot) if owes else []
         send += _send(unit, part, one, other, at)
         hear += (received := _hear(unit, part, one, other, at))
         if owes:
@@ -170,28 +92,25 @@ def _items(message: Record) -> list[tuple[str, int]]:
     return list(zip(message.items, message.lengths, strict=True))
 
 
-def _owed_before(unit: Unit, part: Part, names: tuple[str, str], slot: int) -> list[str]:
-    return [f"{names[k]} += me->owed[{slot + k}];" for k in range(len(part.places))]
+def _owed_before(part: Part, names: tuple[str, str], slot: int) -> list[str]:
+    lines = []
+    for k, name in enumerate(names[: len(part.places)]):
+        lines += [f"const number said{slot + k} = {name};", f"{name} = codec_added({name}, me->owed[{slot + k}]);"]
+    return lines
 
 
 def _owed_after(unit: Unit, part: Part, names: tuple[str, str], received: list[str], slot: int) -> list[str]:
-    """What rounding took is kept; a number beyond the format's largest owes nothing."""
-    one, other = names
-    tests = []
-    if part.coding in STEPS:
-        ratio = f"codec_ratio_of({one}, {other})" if other else one
-        lines = [f"const number ratio = {ratio};"]
-        tests.append(f"ratio >= {unit.real(-0.5)} && ratio <= {unit.real(1.5)}")
-    else:
-        lines = []
-    size = other or one
-    largest = LARGEST["log8"] if other else LARGEST.get(part.coding, math.inf)
-    if other or part.coding not in STEPS:
-        tests.append(f"{unit.math('fabs')}({size}) <= {unit.real(largest)}")
-    wanted = [f"const number wanted{k + 1} = {name};" for k, name in enumerate(names[: len(part.places)])]
-    lines += [f"const bool fits = {' && '.join(tests)};", *wanted, *received]
-    for k, name in enumerate(names[: len(part.places)]):
-        lines.append(f"me->owed[{slot + k}] = fits ? wanted{k + 1} - {name} : {unit.real(0.0)};")
+    """What rounding took is kept; a number that the format cannot hold owes nothing."""
+    names_here = names[: len(part.places)]
+    given = STEPS.get(part.coding) or MOST.get(part.coding)
+    arguments = ", ".join([*names_here, *([] if given is None else [unit.real(given)])])
+    lines = [f"const bool holds = codec_holds_{READ[part.coding]}({arguments});"]
+    lines += [f"const number sent{k} = {name};" for k, name in enumerate(names_here)]
+    lines += received
+    for k, name in enumerate(names_here):
+        owed = f"me->owed[{slot + k}]"
+        rest = f"codec_rest(said{slot + k}, {owed}, sent{k}, {name})"
+        lines.append(f"{owed} = holds ? {rest} : {unit.real(0.0)};")
     return ["{", *(f"    {line}" for line in lines), "}"]
 
 
@@ -272,7 +191,7 @@ static inline number codec_get_float(const uint8_t *bytes) {
 
 def bytes_in_c(text: str, number: str) -> str:
     """The functions that put numbers into bytes, as far as `text` calls them."""
-    largest = f"{LARGEST['float32']!r}{'f' if number == 'float' else ''}"
+    largest = f"{LARGEST_REAL!r}{'f' if number == 'float' else ''}"
     clamped = f"x > {largest} ? {largest} : x < -{largest} ? -{largest} : {'' if number == 'float' else '(float)'}x"
     if number == "double":
         clamped = f"(float)(x > {largest} ? {largest} : x < -{largest} ? -{largest} : x)"

@@ -10,8 +10,9 @@ from typing import Any, NamedTuple
 from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain, numbers
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.deployment.messages import Radio
+from swarmcensus.deployment.messages import messages_of
 from swarmcensus.deployment.unit import Unit
+from swarmcensus.robot.runtime import Messages
 
 ACCURACIES = ((0.9, 0.8), (0.75, 0.6), (0.3, 0.4), (1.0, 0.7), (0.5, 0.5), (0.8, 0.9))  # b and w of each robot
 ROBOTS = len(ACCURACIES)
@@ -61,7 +62,7 @@ def _lines(brain: Brain) -> Iterator[str]:
     width = rounded_to_single if single else float
     draws, call = Draws(), brain.functions
     minds = [brain.robot(width(b), width(w), float(i)) for i, (b, w) in enumerate(ACCURACIES)]
-    radios = [Radio(brain) for _ in minds]
+    radios = [messages_of(brain) for _ in minds]
 
     def bits(values: Sequence[float]) -> str:
         return " ".join(_bits(float(value), single) for value in values)
@@ -81,14 +82,14 @@ def _lines(brain: Brain) -> Iterator[str]:
         said: list[bytes | None] = []
         for me, radio in zip(minds, radios, strict=True):
             message = None if brain.jams and call.jam(me) else call.broadcast(me)
-            said.append(None if message is None else radio.pack(message))
+            said.append(None if message is None else radio.coded(message))
         for i, me in enumerate(minds):
             for j, data in enumerate(said):
                 near = (i - j) % ROBOTS in (1, ROBOTS - 1)
                 hears = i != j and (draws.below(FAR) == 0 or near) and draws.below(LOST) != 0
                 if hears and data is not None:
                     give(me)
-                    call.receive(me, radios[i].unpack(data))
+                    call.receive(me, radios[i].read(data))
         for i, me in enumerate(minds):
             give(me)
             call.fuse(me)
@@ -112,7 +113,7 @@ def _value(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _owed(brain: Brain, radio: Radio) -> list[float]:
+def _owed(brain: Brain, radio: Messages) -> list[float]:
     owing = brain.parts if brain.numbers.feedback else ()
     return [radio.owed[place] for part in owing if part.owed for place in part.places]
 
@@ -184,7 +185,7 @@ def in_c(brain: Brain, unit: Unit) -> str:
     memory = []
     for name, items in brain.lengths.items():
         memory += _put(unit.field(name), items)
-    owed = len(_owed(brain, Radio(brain)))
+    owed = len(_owed(brain, messages_of(brain)))
     memory += _put("owed", owed) if owed else []
     return SOURCE.format(
         robots=ROBOTS,

@@ -294,9 +294,9 @@ def _coded(brain: Brain, names: list[str]) -> list[str]:
         for item in range(long) if long else (None,):
             place = next(places)
             number = f"1.0 * {name}" if item is None else f"1.0 * {name}[{item}]"
-            if place in owed:
-                number += f" + me.{OWED.format(place)}"
-            lines.append(f"number_{place} = {ROUND}({number})" if single else f"number_{place} = {number}")
+            lines.append(f"plain_{place} = {ROUND}({number})" if single else f"plain_{place} = {number}")
+            sent = f"codec.added(plain_{place}, me.{OWED.format(place)})" if place in owed else f"plain_{place}"
+            lines.append(f"number_{place} = {sent}")
     lines += ["clipped = 0.0"]
     for part in brain.parts:
         lines += _code(part, owed, single)
@@ -320,9 +320,9 @@ def _code(part: Part, owed: Collection[int], single: bool) -> list[str]:
     lines += ["if not holds:", "    clipped = 1.0"]
     for place in places:
         if place in owed:
-            rest = f"number_{place} - read_{place}"
-            rest = f"{ROUND}({rest})" if single else rest
-            lines.append(f"me.{OWED.format(place)} = {rest} if holds else 0.0")
+            kept = f"me.{OWED.format(place)}"
+            rest = f"codec.rest(plain_{place}, {kept}, number_{place}, read_{place})"
+            lines.append(f"{kept} = {rest} if holds else 0.0")
     return lines
 
 

@@ -31,7 +31,6 @@ STEPS = {"ratio16": 32768.0, "ratio8": 128.0, "share16": 32768.0, "share8": 128.
 SIZES = {"float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
          "whole8": 1}  # fmt: skip
 MOST = {"whole16": 65535.0, "whole8": 255.0}
-LARGEST = 3.4028234e38  # of float32
 WRAP = 0x3FFFFFFF  # after so many milliseconds MicroPython's clock begins again
 SENDERS = 20  # of whom the last message is known
 FORGET = 1000  # ticks after which a sender is as good as new
@@ -65,17 +64,17 @@ class Messages:
 
     `lengths` has the length of each field, 0 for a number. `plan` has, for each part of the bytes, its coding, which
     numbers of the message are in it, and whether what rounding took is owed: it is then added to the next message.
-    `rounded` rounds what is worked out here; on a board nothing is to be done.
+    `codec` is the module; off a board it may be one in another precision.
     """
 
-    def __init__(self, lengths, plan, mark, checked, feedback=True, rounded=float):
+    def __init__(self, lengths, plan, mark, checked, feedback=True, codec=codec):
         """Owe nothing yet."""
         self.lengths = lengths
         self.plan = plan
         self.mark = mark
         self.checked = checked
         self.feedback = feedback
-        self.rounded = rounded
+        self.codec = codec
         self.count = sum([length or 1 for length in lengths])
         self.owed = [0.0] * self.count
         self.body = sum([SIZES[coding] for coding, _, _ in plan])
@@ -83,52 +82,53 @@ class Messages:
 
     def pack(self, message, boot, sender, tick):
         """The datagram of a message, a tuple as `broadcast` returns it. Raises whatever a wrong message raises."""
-        numbers = []
-        for part, length in zip(message, self.lengths):
-            if length:
-                numbers.extend(part)
-            else:
-                numbers.append(part)
         out = bytearray(struct.pack("<BBHH", self.mark & 0xFF, boot & 0xFF, sender & 0xFFFF, tick & 0xFFFF))
-        for coding, places, owes in self.plan:
-            said = [self.rounded(1.0 * numbers[k] + self.owed[k]) for k in places]
-            code, heard, fits = self.coded(coding, said)
-            out.extend(code)
-            if owes and self.feedback:
-                for k, x, y in zip(places, said, heard):
-                    debt = self.rounded(x - y)
-                    self.owed[k] = debt if fits and finite(debt) else 0.0  # else it would grow for ever
+        out.extend(self.coded(message))
         if self.checked:
             out.extend(struct.pack("<H", checksum(out, self.mark)))
         return bytes(out)
 
-    def coded(self, coding, said):
-        """The bytes of one part, the numbers that a receiver reads in them, and whether none was too large."""
-        x = said[0]
+    def coded(self, message):
+        """The bytes of a message without header and checksum; keeps what rounding takes of it."""
+        numbers = []
+        for part, length in zip(message, self.lengths):
+            if length:
+                numbers.extend([1.0 * x for x in part])
+            else:
+                numbers.append(1.0 * part)
+        out = bytearray()
+        for coding, places, owes in self.plan:
+            owed = [self.owed[k] for k in places]
+            sent = [self.codec.added(numbers[k], x) for k, x in zip(places, owed)]
+            code, heard, holds = self.part(coding, sent)
+            out.extend(code)
+            if owes and self.feedback:
+                for k, x, y, z in zip(places, owed, sent, heard):
+                    self.owed[k] = self.codec.rest(numbers[k], x, y, z) if holds else 0.0
+        return bytes(out)
+
+    def part(self, coding, sent):
+        """The bytes of one part, the numbers that a receiver reads in them, and whether the format holds them."""
+        codec, x = self.codec, sent[0]
         if coding in ("ratio16", "ratio8"):
             steps = STEPS[coding]
-            ratio = self.rounded(codec.ratio_of(x, said[1]))
-            of_ratio, of_size = codec.ratio_code(ratio, steps), codec.log_code(said[1])
-            size = codec.log_value(of_size)
-            heard = (self.rounded(codec.ratio_value(of_ratio, steps) * size), size)
-            fits = -0.5 <= ratio <= 1.5 and abs(said[1]) <= codec.LARGEST_LOG
-            return struct.pack("<HB" if coding == "ratio16" else "<BB", int(of_ratio), int(of_size)), heard, fits
+            ratio = int(codec.ratio_code(codec.ratio_of(x, sent[1]), steps))
+            code = struct.pack("<HB" if coding == "ratio16" else "<BB", ratio, int(codec.log_code(sent[1])))
+            return code, codec.read_pair(x, sent[1], steps), codec.holds_pair(x, sent[1], steps)
         if coding == "float32":
-            code = struct.pack("<f", min(max(x, -LARGEST), LARGEST))
-            return code, struct.unpack("<f", code), abs(x) <= LARGEST
+            code = struct.pack("<f", min(max(x, -codec.LARGEST_REAL), codec.LARGEST_REAL))
+            return code, struct.unpack("<f", code), codec.holds_real(x)
         if coding == "float16":
-            code = codec.half_code(x)
-            return struct.pack("<H", int(code)), (codec.half_value(code),), abs(x) <= codec.LARGEST_HALF
+            return struct.pack("<H", int(codec.half_code(x))), (codec.read_half(x),), codec.holds_half(x)
         if coding == "log8":
-            code = codec.log_code(x)
-            return struct.pack("<B", int(code)), (codec.log_value(code),), abs(x) <= codec.LARGEST_LOG
+            return struct.pack("<B", int(codec.log_code(x))), (codec.read_log(x),), codec.holds_log(x)
         if coding in MOST:
-            code = codec.whole_code(x, MOST[coding])
-            return struct.pack("<H" if coding == "whole16" else "<B", int(code)), (code,), 0.0 <= x <= MOST[coding]
+            most = MOST[coding]
+            code = struct.pack("<H" if coding == "whole16" else "<B", int(codec.whole_code(x, most)))
+            return code, (codec.read_whole(x, most),), codec.holds_whole(x, most)
         steps = STEPS[coding]
-        code = codec.ratio_code(x, steps)
-        heard = (codec.ratio_value(code, steps),)
-        return struct.pack("<H" if coding == "share16" else "<B", int(code)), heard, -0.5 <= x <= 1.5
+        code = struct.pack("<H" if coding == "share16" else "<B", int(codec.ratio_code(x, steps)))
+        return code, (codec.read_share(x, steps),), codec.holds_share(x, steps)
 
     def unpack(self, datagram):
         """The boot count, sender, tick and message of a datagram; None if it is not one of this brain and format."""
@@ -139,10 +139,15 @@ class Messages:
             if struct.unpack("<H", datagram[end:])[0] != checksum(datagram[:end], self.mark):
                 return None
         _, boot, sender, tick = struct.unpack("<BBHH", datagram[:HEADER])
+        message = self.read(datagram[HEADER : HEADER + self.body])
+        return None if message is None else (boot, sender, tick, message)
+
+    def read(self, code):
+        """The message in these bytes, without header and checksum; None if a number is not finite."""
         numbers = [0.0] * self.count
-        at = HEADER
+        at = 0
         for coding, places, _ in self.plan:
-            heard = self.decoded(coding, datagram[at : at + SIZES[coding]])
+            heard = self.decoded(coding, code[at : at + SIZES[coding]])
             at += SIZES[coding]
             for k, x in zip(places, heard):
                 if not finite(x):
@@ -153,14 +158,14 @@ class Messages:
         for length in self.lengths:
             message.append(tuple(numbers[k : k + length]) if length else numbers[k])
             k += length or 1
-        return boot, sender, tick, tuple(message)
+        return tuple(message)
 
     def decoded(self, coding, code):
         """The numbers of one part."""
+        codec = self.codec
         if coding in ("ratio16", "ratio8"):
             of_ratio, of_size = struct.unpack("<HB" if coding == "ratio16" else "<BB", code)
-            size = codec.log_value(1.0 * of_size)
-            return self.rounded(codec.ratio_value(1.0 * of_ratio, STEPS[coding]) * size), size
+            return codec.pair_value(1.0 * of_ratio, 1.0 * of_size, STEPS[coding])
         if coding == "float32":
             return struct.unpack("<f", code)
         number = 1.0 * struct.unpack("<H" if len(code) == 2 else "<B", code)[0]
