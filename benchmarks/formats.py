@@ -1,0 +1,109 @@
+"""What number formats cost every shipped brain: python benchmarks/formats.py [RESULTS] [--write].
+
+RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
+--write the tables go into docs/formats.md and the figure into docs/images/formats.png.
+"""
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+
+import swarmcensus as sc
+from swarmcensus import brains
+from swarmcensus.statistics.intervals import estimate
+from swarmcensus.studies.study import Study
+
+ROOT = Path(__file__).parents[1]
+PAGE, PICTURE = ROOT / "docs" / "formats.md", ROOT / "docs" / "images" / "formats.png"
+TRUTH = 0.55
+FORMATS = {  # precision and message format, as columns call them
+    "double": ("double", "double"), "single": ("single", "float32"), "float16": ("single", "float16"),
+    "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
+}  # fmt: skip
+COLOURS = {"double": "black", "single": "#0072b2", "float16": "#d55e00", "ratio16": "#009e73", "ratio8": "#cc79a7"}
+MARKS = {"double": "|", "single": "o", "float16": "X", "ratio16": "s", "ratio8": "D"}
+
+
+def errors_of(data, name, format_):
+    """Errors of a brain's robots (checkpoint, trial, robot); for an opinion, whether it is wrong."""
+    precision, message = FORMATS[format_]
+    chosen = (data["brain"] == name) & (data["precision"] == precision) & (data["message"] == message)
+    estimates = data["estimates"].isel(setting=int(np.flatnonzero(chosen.values)[0]))
+    values = estimates.transpose("checkpoint", "trial", "robot").values
+    return (values < 0.5) + 0.5 * (values == 0.5) if brains.load(name).is_opinion else np.abs(values - TRUTH)
+
+
+def found(data, name, format_, checkpoint):
+    """The median error, or an opinion's mean share of wrong robots, and its interval over trials."""
+    values = errors_of(data, name, format_)[checkpoint]
+    return estimate(values, "mean", share=True) if brains.load(name).is_opinion else estimate(values, "median")
+
+
+def table(data, names, checkpoint):
+    """One row a brain: a cell is marked where its interval lies wholly above twice the value in double precision."""
+    out = [f"| brain | {' | '.join(FORMATS)} |", f"|---|{'--:|' * len(FORMATS)}"]
+    for name in names:
+        plain = found(data, name, "double", checkpoint)
+        cells = []
+        for format_ in FORMATS:
+            one = found(data, name, format_, checkpoint)
+            worse = one.low > 2.0 * plain.value
+            cells.append(f"**{one.value:.4f}**" if worse else f"{one.value:.4f}")
+        out.append(f"| `{name}` | {' | '.join(cells)} |")
+    return "\n".join(out)
+
+
+def draw(data, names):
+    """Errors after a day: a row for each brain, a mark with its interval for each format."""
+    figure = Figure(figsize=(7.0, 0.24 * len(names) + 1.3), layout="constrained")
+    axes = figure.add_subplot()
+    for row, name in enumerate(names):
+        for k, format_ in enumerate(FORMATS):
+            one = found(data, name, format_, 2)
+            y = row + 0.16 * (k - 2)
+            axes.plot([max(one.low, 2e-5), one.high], [y, y], color=COLOURS[format_], linewidth=0.8)
+            label = {"double": "double precision", "single": "single, float32"}.get(format_, f"single, {format_}")
+            axes.plot(max(one.value, 2e-5), y, MARKS[format_], color=COLOURS[format_], markersize=4.5,
+                      label=label if row == 0 else None)  # fmt: skip
+        if row % 2:
+            axes.axhspan(row - 0.5, row + 0.5, color="0.95", zorder=0)
+    axes.set_xscale("log")
+    axes.set_ylim(len(names) - 0.5, -0.5)
+    axes.set_yticks(range(len(names)), names, size=8)
+    axes.tick_params(axis="y", length=0)
+    axes.set_xlabel("|x - f| after 864,000 readings, median over robots and 30 trials; lines: 95 % intervals")
+    figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8, handletextpad=0.2)
+    return figure
+
+
+def tables_of(data):
+    """The text between the comments of the page."""
+    names = [str(name) for name in dict.fromkeys(data["brain"].values)]
+    opinions = [name for name in names if brains.load(name).is_opinion]
+    names = sorted((n for n in names if n not in opinions), key=lambda n: found(data, n, "double", 2).value)
+    parts = []
+    for checkpoint, readings in enumerate(("1,000 readings", "10,000 readings", "864,000 readings")):
+        parts.append(f"### Errors after {readings}\n\n{table(data, names, checkpoint)}")
+    parts.append(f"### Share of wrong opinions after 864,000 readings\n\n{table(data, opinions, 2)}")
+    return "\n\n".join(parts[2:3] + parts[:2] + parts[3:]), names
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("results", nargs="?", metavar="RESULTS")
+    parser.add_argument("--write", action="store_true", help="put the tables and the figure into the docs")
+    options = parser.parse_args()
+    data = sc.load(options.results) if options.results else sc.run(Study.load(ROOT / "studies" / "formats.toml"))
+    text, names = tables_of(data)
+    print(text)
+    if options.write:
+        begin, end = "<!-- formats: python benchmarks/formats.py --write -->", "<!-- end of formats -->"
+        before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
+        PAGE.write_text(f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}", encoding="utf-8")
+        draw(data, names).savefig(PICTURE, dpi=130)
+
+
+if __name__ == "__main__":
+    main()
