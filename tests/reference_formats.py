@@ -8,8 +8,8 @@ from swarmcensus.brains import Brain
 
 RATIOS = {16: np.arange(65536) / 32768 - 0.5, 8: np.arange(256) / 128 - 0.5}
 LOGS = np.array([0.0, *(2.0 ** (k / 4 - 16) for k in range(255))])
-MOST = {"opinion": 255.0, "option": 65535.0, "name": 65535.0}
-SIZES = {"opinion": 1, "option": 2, "name": 2, "confidence": 1}
+MOST = {"option": 65535.0, "name": 65535.0}
+SIZES = {"opinion": 1, "option": 2, "name": 2, "confidence": 1, "belief": 2, "": 4}
 CARRIED = ("estimate", "information", "confidence", "belief")
 
 
@@ -92,8 +92,12 @@ class Formats:
                     read[k], holds[k] = self.rounded(log(wanted[k])), 0.0 <= wanted[k] <= LOGS[-1]
                 elif role in MOST:
                     read[k], holds[k] = min(max(round(wanted[k]), 0), MOST[role]), 0.0 <= wanted[k] <= MOST[role]
-                elif role in ("", "belief"):
+                elif role == "opinion":
+                    read[k], holds[k] = ratio(wanted[k], 8, self.rounded), -0.5 <= wanted[k] < 1.5
+                elif role == "belief":
                     read[k], holds[k] = half(wanted[k]), abs(wanted[k]) < 65520
+                elif role == "":
+                    read[k], holds[k] = real(wanted[k]), abs(single(wanted[k])) <= 3.4028234663852886e38
         self.clipped[i] += not all(holds)
         for k, (*_, role) in enumerate(flat):
             if role in CARRIED:
@@ -123,5 +127,6 @@ def size(brain: Brain) -> int:
     roles = [brain.roles.get(name, "") for name, items in brain.message.items() for _ in range(max(items, 1))]
     if format in ("float32", "float16"):
         return len(roles) * (4 if format == "float32" else 2)
-    return sum({"information": (format == "ratio16" and 2) or 1, "estimate": (format == "ratio16" and 2) or 1}.get(
-        role, SIZES.get(role, 2)) for role in roles)  # fmt: skip
+    wide = 2 if format == "ratio16" else 1
+    sizes = SIZES | {"information": wide, "estimate": wide}
+    return sum(sizes[role] for role in roles)

@@ -10,16 +10,18 @@ Format = Literal["double", "float32", "float16", "ratio16", "ratio8"]  # "double
 FORMATS: tuple[Format, ...] = get_args(Format)
 BYTES = {  # of a coding: for one number, but for "ratio16" and "ratio8", which are of two
     "float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
-    "whole8": 1,
 }  # fmt: skip
 STEPS = {"ratio16": 32768, "share16": 32768, "ratio8": 128, "share8": 128}
-MOST = {"whole16": 65535, "whole8": 255}
+MOST = {"whole16": 65535}
 READ = {  # of a coding: the name in the functions read_NAME and holds_NAME of `robot/codec.py`
     "float32": "real", "float16": "half", "ratio16": "pair", "ratio8": "pair", "share16": "share", "share8": "share",
-    "log8": "log", "whole16": "whole", "whole8": "whole",
+    "log8": "log", "whole16": "whole",
 }  # fmt: skip
 OWED = ("estimate", "confidence", "information", "belief")  # what rounding takes of these is added to the next message
-BY_ROLE = {"estimate": "share", "confidence": "log8", "opinion": "whole8", "option": "whole16", "name": "whole16"}
+BY_ROLE = {  # in the formats of ratios; an opinion is 0 or 1, or between them where it is the mean of several
+    "estimate": "share", "confidence": "log8", "opinion": "share8", "option": "whole16", "name": "whole16",
+    "belief": "float16",
+}  # fmt: skip
 
 
 class Numbers(NamedTuple):
@@ -44,8 +46,8 @@ class Part(NamedTuple):
 def parts(message: Mapping[str, int], roles: Mapping[str, str], format: Format) -> tuple[Part, ...]:
     """The parts of a message in a format, in the order of their bytes.
 
-    `message` has the fields and their lengths, 0 for a number. In the formats of ratios a field without a role is sent
-    as float16, and so is a belief, which has many small numbers. "double" has no parts: nothing is rounded.
+    `message` has the fields and their lengths, 0 for a number. In the formats of ratios a number without a role is sent
+    as float32, because nothing is known of its size. "double" has no parts: nothing is rounded.
     """
     if format == "double":
         return ()
@@ -72,7 +74,7 @@ def parts(message: Mapping[str, int], roles: Mapping[str, str], format: Format) 
 def _coding(role: str, format: Format) -> str:
     if format not in STEPS:
         return format
-    coding = BY_ROLE.get(role, "float16")
+    coding = BY_ROLE.get(role, "float32")
     return coding + format.removeprefix("ratio") if coding == "share" else coding
 
 

@@ -16,7 +16,7 @@ from swarmcensus.deployment.unit import Record, Unit, arguments_of
 from swarmcensus.robot.codec import LARGEST_REAL
 from swarmcensus.robot.runtime import Messages
 
-CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2, "whole8": 1}
+CODE_BYTES = {"float16": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2}
 
 
 @functools.cache

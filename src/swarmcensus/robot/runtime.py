@@ -28,9 +28,8 @@ except ImportError:  # on a board
 HEADER = 6
 CHECKSUM = 2
 STEPS = {"ratio16": 32768.0, "ratio8": 128.0, "share16": 32768.0, "share8": 128.0}
-SIZES = {"float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2,
-         "whole8": 1}  # fmt: skip
-MOST = {"whole16": 65535.0, "whole8": 255.0}
+SIZES = {"float32": 4, "float16": 2, "ratio16": 3, "ratio8": 2, "share16": 2, "share8": 1, "log8": 1, "whole16": 2}
+MOST = {"whole16": 65535.0}
 WRAP = 0x3FFFFFFF  # after so many milliseconds MicroPython's clock begins again
 SENDERS = 20  # of whom the last message is known
 FORGET = 1000  # ticks after which a sender is as good as new
@@ -124,7 +123,7 @@ class Messages:
             return struct.pack("<B", int(codec.log_code(x))), (codec.read_log(x),), codec.holds_log(x)
         if coding in MOST:
             most = MOST[coding]
-            code = struct.pack("<H" if coding == "whole16" else "<B", int(codec.whole_code(x, most)))
+            code = struct.pack("<H", int(codec.whole_code(x, most)))
             return code, (codec.read_whole(x, most),), codec.holds_whole(x, most)
         steps = STEPS[coding]
         code = struct.pack("<H" if coding == "share16" else "<B", int(codec.ratio_code(x, steps)))
