@@ -18,6 +18,7 @@ from swarmcensus.studies.study import Study
 ROOT = Path(__file__).parents[1]
 PAGE, PICTURE = ROOT / "docs" / "formats.md", ROOT / "docs" / "images" / "formats.png"
 TRUTH = 0.55
+LEAST = 5e-5  # smaller errors are drawn there
 FORMATS = {  # precision and message format, as columns call them
     "double": ("double", "double"), "single": ("single", "float32"), "float16": ("single", "float16"),
     "ratio16": ("single", "ratio16"), "ratio8": ("single", "ratio8"),
@@ -63,17 +64,18 @@ def draw(data, names):
         for k, format_ in enumerate(FORMATS):
             one = found(data, name, format_, 2)
             y = row + 0.16 * (k - 2)
-            axes.plot([max(one.low, 2e-5), one.high], [y, y], color=COLOURS[format_], linewidth=0.8)
+            axes.plot([max(one.low, LEAST), max(one.high, LEAST)], [y, y], color=COLOURS[format_], linewidth=0.8)
             label = {"double": "double precision", "single": "single, float32"}.get(format_, f"single, {format_}")
-            axes.plot(max(one.value, 2e-5), y, MARKS[format_], color=COLOURS[format_], markersize=4.5,
+            axes.plot(max(one.value, LEAST), y, MARKS[format_], color=COLOURS[format_], markersize=4.5,
                       label=label if row == 0 else None)  # fmt: skip
         if row % 2:
             axes.axhspan(row - 0.5, row + 0.5, color="0.95", zorder=0)
     axes.set_xscale("log")
+    axes.set_xlim(0.8 * LEAST, 0.8)
     axes.set_ylim(len(names) - 0.5, -0.5)
     axes.set_yticks(range(len(names)), names, size=8)
     axes.tick_params(axis="y", length=0)
-    axes.set_xlabel("|x - f| after 864,000 readings, median over robots and 30 trials; lines: 95 % intervals")
+    axes.set_xlabel("error after 864,000 readings, with its 95 % interval")
     figure.legend(loc="outside upper center", ncols=5, frameon=False, fontsize=8, handletextpad=0.2)
     return figure
 
