@@ -5,7 +5,6 @@ import types
 import numba
 import numpy as np
 
-from swarmcensus.brains import numbers
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import ROUND, rounded_to_single
 from swarmcensus.engine.codegen import record_fields
@@ -15,8 +14,8 @@ def median_error(brain, precision, ticks, loss, robots=20, b=0.8, f=0.55, seed=1
     """The median error of a swarm after so many ticks of one reading each; a share `loss` of the messages is lost."""
     brain = brain.with_numbers(Numbers(precision))
     minds = np.zeros(robots, record_fields(brain))
-    known = [*numbers(brain.memory), *numbers(brain.parameters)]
-    minds.view(np.float64).reshape(robots, -1)[:, : len(known)] = known
+    for name, value in {**brain.memory, **brain.parameters}.items():
+        minds[name] = value
     minds["b"] = minds["w"] = rounded_to_single(b) if precision == "single" else b
     if brain.uses.name:
         minds["name"] = np.arange(robots)

@@ -14,7 +14,7 @@ import numba
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.brains import FUNCTIONS, Brain, numbers
+from swarmcensus.brains import FUNCTIONS, Brain
 from swarmcensus.brains.packing import Numbers
 from swarmcensus.brains.single import ROUND, rounded_to_single
 from swarmcensus.conformance.single_lives import TABLE
@@ -67,8 +67,8 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
 def _blank(brain: Brain) -> np.ndarray:
     """One blank mind, shape (1,)."""
     minds = np.zeros(1, record_fields(brain))
-    known = [*numbers(brain.memory), *numbers(brain.parameters)]
-    minds.view(np.float64)[: len(known)] = known
+    for name, value in {**brain.memory, **brain.parameters}.items():
+        minds[name] = value
     single = brain.numbers.precision == "single"
     minds["b"] = minds["w"] = rounded_to_single(ACCURACY) if single else ACCURACY
     return minds

@@ -13,16 +13,17 @@ The ratio is clipped to [0, 1] only for the estimate, because clipped sums would
 is a prior with mean 1/2 and weight min(1/4, 1/(16 v)) next to v. For a robot that has seen 100 tiles with b = w = 0.525
 it weighs half as much as the readings, and soon nothing.
 
-A robot halves both sums once v passes 2^14, as float32 rounds away too much of a reading that is small against them.
-This keeps s / v, and f stays consistent whoever halves first, because v depends on no colours: it only counts older
-readings less, so that even a robot alone still has a standard error below 0.0033.
+In single precision, a sum that is large against a reading loses part of it to rounding, always in the same direction.
+So a robot remembers what rounding took, and adds it with its next readings.
 """
 
-MOST = 16384.0  # evidence above which the sums are halved
+LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 
 MEMORY = {
     "s": 0.0,  # evidence for black, mixed
     "v": 0.0,  # evidence, mixed
+    "s_rest": 0.0,  # what rounding took of s
+    "v_rest": 0.0,  # and of v
     "heard": 0.0,  # messages since the last round
     "heard_s": 0.0,  # the sums in them
     "heard_v": 0.0,
@@ -35,8 +36,24 @@ SUMS = ("heard", "heard_s", "heard_v")
 def observe(me, blacks, looks):
     """Add unbiased evidence, weighted by how much the sensor tells."""
     slope = me.b + me.w - 1.0
-    me.s += slope * (blacks - looks * (1.0 - me.w))
-    me.v += slope * slope * looks
+    s = slope * (blacks - looks * (1.0 - me.w))
+    v = slope * slope * looks
+    if me.v < LARGE * v:
+        me.s_rest = 0.0
+        me.v_rest = 0.0
+    me.s, me.s_rest = added(me.s, me.s_rest + s)
+    me.v, me.v_rest = added(me.v, me.v_rest + v)
+
+
+def added(total, more):
+    """A sum with more added, and what rounding took of it."""
+    larger = total + more
+    return larger, more - (larger - total)
+
+
+def lost(mean, own, heard, messages):
+    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
+    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
 
 
 def broadcast(me):
@@ -53,13 +70,14 @@ def receive(me, message):
 
 
 def fuse(me):
-    """The mean of all voices, halved if it is large."""
+    """The mean of all voices."""
     voices = 1.0 + me.heard
-    me.s = (me.s + me.heard_s) / voices
-    me.v = (me.v + me.heard_v) / voices
-    if me.v > MOST:
-        me.s *= 0.5
-        me.v *= 0.5
+    s = (me.s + me.heard_s) / voices
+    v = (me.v + me.heard_v) / voices
+    me.s_rest += lost(s, me.s, me.heard_s, me.heard)
+    me.v_rest += lost(v, me.v, me.heard_v, me.heard)
+    me.s = s
+    me.v = v
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0

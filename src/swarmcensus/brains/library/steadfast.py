@@ -22,11 +22,11 @@ This bound holds for any number of liars, and falls as 1 / sqrt(t). It is the on
 neighbours lie, as next to a lying hub of a tree. Because the gates depend on readings, x is not quite unbiased; if
 black lies in clusters, e is too small, and honest robots exclude each other. Anonymous: there are no names to forge.
 
-As in `commons`, a robot halves s, v once v passes 2^14, so that float32 can hold them. The own sums are made of counts,
-which float32 holds to 2^24 readings: they are not halved, and pull the more.
+As in `commons`, a robot remembers what rounding took of s, v, so that they bear single precision. The own sums are made
+of counts, which float32 holds to 2^24 readings.
 """
 
-MOST = 16384.0  # evidence above which the mixed sums are halved
+LARGE = 16384.0  # own readings: the sums of which rounding takes too much of a reading
 VOICES = 8.0  # the number of voices over which the typical distance is averaged
 LEAST = 1e-6  # typical distance; smaller ones are rounding
 
@@ -39,6 +39,8 @@ PARAMETERS = {
 MEMORY = {
     "s": 0.0,  # evidence for black, mixed
     "v": 0.0,  # evidence, mixed
+    "s_rest": 0.0,  # what rounding took of s
+    "v_rest": 0.0,  # and of v
     "n": 0.0,  # own black readings
     "t": 0.0,  # own readings
     "fresh": 0.0,  # readings since the last round
@@ -56,11 +58,30 @@ ROLES = {"s": "information", "v": "confidence"}
 def observe(me, blacks, looks):
     """Add unbiased evidence, weighted by how much the sensor tells, count the own readings."""
     slope = me.b + me.w - 1.0
-    me.s += slope * (blacks - looks * (1.0 - me.w))
-    me.v += slope * slope * looks
+    add(me, slope * (blacks - looks * (1.0 - me.w)), slope * slope * looks)
     me.n += blacks
     me.t += looks
     me.fresh += looks
+
+
+def add(me, s, v):
+    """Add to the mixed sums, and what rounding took before if they are large."""
+    if me.t < LARGE:
+        me.s_rest = 0.0
+        me.v_rest = 0.0
+    me.s, me.s_rest = added(me.s, me.s_rest + s)
+    me.v, me.v_rest = added(me.v, me.v_rest + v)
+
+
+def added(total, more):
+    """A sum with more added, and what rounding took of it."""
+    larger = total + more
+    return larger, more - (larger - total)
+
+
+def lost(mean, own, heard, messages):
+    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
+    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
 
 
 def broadcast(me):
@@ -106,16 +127,18 @@ def fuse(me):
     if me.voices > 0.0 and me.v > 0.0:
         me.typical = max((VOICES * me.typical + me.apart) / (VOICES + 0.5 + me.voices), LEAST)
     voices = 1.0 + me.heard
-    me.s = (me.s + me.heard_s) / voices
-    me.v = (me.v + me.heard_v) / voices
+    s = (me.s + me.heard_s) / voices
+    v = (me.v + me.heard_v) / voices
+    me.s_rest += lost(s, me.s, me.heard_s, me.heard)
+    me.v_rest += lost(v, me.v, me.heard_v, me.heard)
+    me.s = s
+    me.v = v
     if me.t > 0.0:
         slope = me.b + me.w - 1.0
         lean = min(1.0, me.lean * me.fresh / me.t)
-        me.s += lean * (slope * (me.n - me.t * (1.0 - me.w)) - me.s)
-        me.v += lean * (slope * slope * me.t - me.v)
-    if me.v > MOST:
-        me.s *= 0.5
-        me.v *= 0.5
+        own_s = slope * (me.n - me.t * (1.0 - me.w))
+        own_v = slope * slope * me.t
+        add(me, lean * (own_s - me.s), lean * (own_v - me.v))
     me.fresh = 0.0
     me.voices = 0.0
     me.apart = 0.0

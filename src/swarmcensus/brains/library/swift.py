@@ -18,12 +18,11 @@ mark: first the robot's own, then for good the sum of all marks heard, which rar
 Momentum begins in the third round, when this is known. A robot whose v would be halved by the step omits it once. The
 prior is that of commons, scaled like the sums.
 
-Rounding is the worse the larger the sums are against what a round adds, which is what `unit` tells. Once it passes
-2^16, which with momentum takes 6,554 rounds, a robot halves all sums and `unit`, which keeps their ratios: robots with
-momentum do so in the same round, and shaken ones mix consistently whoever halves first, as in commons.
+As in `commons`, a robot remembers what rounding took, of the means and of the steps, so that the sums bear single
+precision. `unit` tells how large they are against what a round adds.
 """
 
-MOST = 65536.0  # the unit above which all sums are halved
+LARGE = 16384.0  # the unit of sums of which rounding takes too much of a reading
 
 PARAMETERS = {
     "momentum": 0.9,  # g
@@ -32,6 +31,8 @@ PARAMETERS = {
 MEMORY = {
     "s": 0.0,  # sent: evidence for black
     "v": 0.0,  # and evidence
+    "s_rest": 0.0,  # what rounding took of s
+    "v_rest": 0.0,  # and of v
     "said_s": 0.0,  # in the round before
     "said_v": 0.0,
     "mean_s": 0.0,  # the means, with later readings
@@ -62,10 +63,29 @@ def observe(me, blacks, looks):
     slope = me.b + me.w - 1.0
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
-    me.s += s
-    me.v += v
     me.mean_s += s
     me.mean_v += v
+    add(me, s, v)
+
+
+def add(me, s, v):
+    """Add to the sums sent, and what rounding took before if they are large."""
+    if me.unit < LARGE:
+        me.s_rest = 0.0
+        me.v_rest = 0.0
+    me.s, me.s_rest = added(me.s, me.s_rest + s)
+    me.v, me.v_rest = added(me.v, me.v_rest + v)
+
+
+def added(total, more):
+    """A sum with more added, and what rounding took of it."""
+    larger = total + more
+    return larger, more - (larger - total)
+
+
+def lost(mean, own, heard, messages):
+    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
+    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
 
 
 def broadcast(me):
@@ -99,41 +119,29 @@ def fuse(me):
     s = me.mean_s
     v = me.mean_v
     unit = me.unit + 1.0
-    ahead_unit = unit
+    g = 0.0
     if me.company > 0.0 and me.rounds > 1.0:
         g = me.momentum * min(1.0, me.crowd / voices) ** 2
-        ahead = v + g * (v - me.said_v)
-        if ahead > 0.5 * v:
-            s += g * (s - me.said_s)
-            v = ahead
-            ahead_unit += g * (unit - me.said_unit)
+        if v + g * (v - me.said_v) <= 0.5 * v:
+            g = 0.0
+    step_s = g * (s - me.said_s)
+    step_v = g * (v - me.said_v)
+    step_unit = g * (unit - me.said_unit)
+    me.s_rest += (1.0 + g) * lost(s, me.s, me.heard_s, me.heard)
+    me.v_rest += (1.0 + g) * lost(v, me.v, me.heard_v, me.heard)
     me.said_s = me.s
     me.said_v = me.v
     me.said_unit = unit
     me.s = s
     me.v = v
-    me.unit = ahead_unit
+    me.unit = unit + step_unit
+    add(me, step_s, step_v)
     me.rounds += 1.0
-    if me.unit > MOST:
-        halve(me)
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
     me.heard_company = 0.0
     me.alarms = 0.0
-
-
-def halve(me):
-    """Count all earlier readings half, and their rounds too, to whose number the prior is scaled."""
-    me.s *= 0.5
-    me.v *= 0.5
-    me.said_s *= 0.5
-    me.said_v *= 0.5
-    me.mean_s *= 0.5
-    me.mean_v *= 0.5
-    me.unit *= 0.5
-    me.said_unit *= 0.5
-    me.rounds *= 0.5
 
 
 def estimate(me):

@@ -11,14 +11,14 @@ Var(S/V - s/v) = q(1 - q) (sum w^2 / v^2 - 1/V) <= (1/v - 1/V) / 4, as q(1 - q) 
 of robots that contribute to v, which a robot does not know; the robots that it hears in one round are nearly always
 fewer. So chance stays well within z, the more so the more of the swarm is mixed.
 
-As in `commons`, a robot halves the long sums once V passes 2^14, so that float32 can hold them. Their readings then
-have weights of at most 1, and as V is over 80 times `memory`, the bound changes by less than 2 %.
+As in `commons`, a robot remembers what rounding took of the long sums, so that they bear single precision. The short
+ones are never that large.
 
 After a restart, what the short sums still hold of the old floor weighs no more than one reading. A robot that restarts
 by mistake gets the long sums back from its neighbours within a few rounds.
 """
 
-MOST = 16384.0  # evidence above which the long sums are halved
+LARGE = 8192.0  # times new evidence: the sum of which rounding takes too much of it
 LEAST = 10.0  # evidence that the short sums may always hold
 KEPT = 1.0  # the weight of the estimate after a restart
 
@@ -31,6 +31,8 @@ MEMORY = {
     "v": 0.0,  # and evidence
     "long_s": 0.0,  # S
     "long_v": 0.0,  # V
+    "s_rest": 0.0,  # what rounding took of S
+    "v_rest": 0.0,  # and of V
     "heard": 0.0,  # messages since the last round
     "heard_s": 0.0,  # the sums in them
     "heard_v": 0.0,
@@ -49,8 +51,22 @@ def observe(me, blacks, looks):
     v = slope * slope * looks
     me.s += s
     me.v += v
-    me.long_s += s
-    me.long_v += v
+    if me.long_v < LARGE * v:
+        me.s_rest = 0.0
+        me.v_rest = 0.0
+    me.long_s, me.s_rest = added(me.long_s, me.s_rest + s)
+    me.long_v, me.v_rest = added(me.long_v, me.v_rest + v)
+
+
+def added(total, more):
+    """A sum with more added, and what rounding took of it."""
+    larger = total + more
+    return larger, more - (larger - total)
+
+
+def lost(mean, own, heard, messages):
+    """What rounding took of the mean of an own number and those in messages, whose sum is `heard`."""
+    return ((heard - mean * messages) + (own - mean)) / (1.0 + messages)
 
 
 def broadcast(me):
@@ -73,11 +89,12 @@ def fuse(me):
     voices = 1.0 + me.heard
     me.s = (me.s + me.heard_s) / voices
     me.v = (me.v + me.heard_v) / voices
-    me.long_s = (me.long_s + me.heard_long_s) / voices
-    me.long_v = (me.long_v + me.heard_long_v) / voices
-    if me.long_v > MOST:
-        me.long_s *= 0.5
-        me.long_v *= 0.5
+    long_s = (me.long_s + me.heard_long_s) / voices
+    long_v = (me.long_v + me.heard_long_v) / voices
+    me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
+    me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
+    me.long_s = long_s
+    me.long_v = long_v
     me.heard = 0.0
     me.heard_s = 0.0
     me.heard_v = 0.0
@@ -88,6 +105,8 @@ def fuse(me):
         cut_short(me, KEPT)
         me.long_s = me.s
         me.long_v = me.v
+        me.s_rest = 0.0
+        me.v_rest = 0.0
 
 
 def has_changed(me, voices):
