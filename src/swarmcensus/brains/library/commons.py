@@ -39,8 +39,9 @@ def observe(me, blacks, looks):
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
     if me.v < LARGE * v:
-        me.s_rest = 0.0
-        me.v_rest = 0.0
+        me.s += s
+        me.v += v
+        return
     me.s, me.s_rest = added(me.s, me.s_rest + s)
     me.v, me.v_rest = added(me.v, me.v_rest + v)
 
@@ -74,8 +75,9 @@ def fuse(me):
     voices = 1.0 + me.heard
     s = (me.s + me.heard_s) / voices
     v = (me.v + me.heard_v) / voices
-    me.s_rest += lost(s, me.s, me.heard_s, me.heard)
-    me.v_rest += lost(v, me.v, me.heard_v, me.heard)
+    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+        me.s_rest += lost(s, me.s, me.heard_s, me.heard)
+        me.v_rest += lost(v, me.v, me.heard_v, me.heard)
     me.s = s
     me.v = v
     me.heard = 0.0

@@ -57,12 +57,13 @@ def observe(me, blacks, looks):
     k = int(me.stream)
     s = slope * (blacks - looks * (1.0 - me.w))
     v = slope * slope * looks
+    me.looks += looks
     if me.v[k] < LARGE * v:
-        me.s_rest = 0.0
-        me.v_rest = 0.0
+        me.s[k] += s
+        me.v[k] += v
+        return
     me.s[k], me.s_rest = added(me.s[k], me.s_rest + s)
     me.v[k], me.v_rest = added(me.v[k], me.v_rest + v)
-    me.looks += looks
 
 
 def added(total, more):
@@ -93,14 +94,13 @@ def receive(me, message):
 def fuse(me):
     """Average all voices; at the end of eight blocks, look at the interval."""
     voices = 1.0 + me.heard
+    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+        k = int(me.stream)
+        me.s_rest += lost((me.s[k] + me.heard_s[k]) / voices, me.s[k], me.heard_s[k], me.heard)
+        me.v_rest += lost((me.v[k] + me.heard_v[k]) / voices, me.v[k], me.heard_v[k], me.heard)
     for k in range(STREAMS):
-        s = (me.s[k] + me.heard_s[k]) / voices
-        v = (me.v[k] + me.heard_v[k]) / voices
-        if k == me.stream:
-            me.s_rest += lost(s, me.s[k], me.heard_s[k], me.heard)
-            me.v_rest += lost(v, me.v[k], me.heard_v[k], me.heard)
-        me.s[k] = s
-        me.v[k] = v
+        me.s[k] = (me.s[k] + me.heard_s[k]) / voices
+        me.v[k] = (me.v[k] + me.heard_v[k]) / voices
         me.heard_s[k] = 0.0
         me.heard_v[k] = 0.0
     me.heard = 0.0

@@ -71,8 +71,9 @@ def observe(me, blacks, looks):
 def add(me, s, v):
     """Add to the sums sent, and what rounding took before if they are large."""
     if me.unit < LARGE:
-        me.s_rest = 0.0
-        me.v_rest = 0.0
+        me.s += s
+        me.v += v
+        return
     me.s, me.s_rest = added(me.s, me.s_rest + s)
     me.v, me.v_rest = added(me.v, me.v_rest + v)
 
@@ -127,8 +128,9 @@ def fuse(me):
     step_s = g * (s - me.said_s)
     step_v = g * (v - me.said_v)
     step_unit = g * (unit - me.said_unit)
-    me.s_rest += (1.0 + g) * lost(s, me.s, me.heard_s, me.heard)
-    me.v_rest += (1.0 + g) * lost(v, me.v, me.heard_v, me.heard)
+    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+        me.s_rest += (1.0 + g) * lost(s, me.s, me.heard_s, me.heard)
+        me.v_rest += (1.0 + g) * lost(v, me.v, me.heard_v, me.heard)
     me.said_s = me.s
     me.said_v = me.v
     me.said_unit = unit

@@ -52,8 +52,9 @@ def observe(me, blacks, looks):
     me.s += s
     me.v += v
     if me.long_v < LARGE * v:
-        me.s_rest = 0.0
-        me.v_rest = 0.0
+        me.long_s += s
+        me.long_v += v
+        return
     me.long_s, me.s_rest = added(me.long_s, me.s_rest + s)
     me.long_v, me.v_rest = added(me.long_v, me.v_rest + v)
 
@@ -91,8 +92,9 @@ def fuse(me):
     me.v = (me.v + me.heard_v) / voices
     long_s = (me.long_s + me.heard_long_s) / voices
     long_v = (me.long_v + me.heard_long_v) / voices
-    me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
-    me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
+    if me.s_rest != 0.0 or me.v_rest != 0.0:  # of sums that are large
+        me.s_rest += lost(long_s, me.long_s, me.heard_long_s, me.heard)
+        me.v_rest += lost(long_v, me.long_v, me.heard_long_v, me.heard)
     me.long_s = long_s
     me.long_v = long_v
     me.heard = 0.0
