@@ -3,7 +3,7 @@
 Prints, for each brain, the bytes of heap of its code and of a mind, the garbage of a tick, and the microseconds of a
 tick (observe, broadcast, two messages, fuse, estimate), on MicroPython's WebAssembly package with Node: 4-byte pointers
 and 8-byte floats. Bytes are about those of a 32-bit board; times are this machine's, and say nothing of a board's. The
-last lines are of the runtime and the codec. The package is found as tests/boards.py says.
+last lines are of the runtime and the codec. MICROPYTHON_MODULES names the folder with the package.
 """
 
 import sys
@@ -13,12 +13,10 @@ from pathlib import Path
 from rich.console import Console
 from rich.table import Column, Table
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
-
 from swarmcensus import brains
 from swarmcensus.deployment.micropython_files import micropython_files
+from swarmcensus.deployment.on_node import NEEDED, micropython, on_board
 from swarmcensus.deployment.plans import plan_for
-from tests.boards import micropython, on_board
 
 BRAIN = """
 import gc
@@ -102,18 +100,24 @@ def run(files):
         return on_board(Path(folder), files).split()
 
 
+def measured(brain):
+    """The bytes of code and of a mind, the garbage of a tick, and its microseconds."""
+    source = BRAIN.replace("LUCKY", "(1,)" if brain.uses.luck else "()")
+    code, mind, garbage, spent = run({"brain.py": brain.source, "main.py": source})
+    return int(code), int(mind), int(garbage), float(spent)
+
+
 def main(names):
     if micropython() is None:
-        sys.exit("needs Node and the package @micropython/micropython-webassembly-pyscript: see tests/boards.py")
+        sys.exit(f"needs {NEEDED}")
     heads = ("brain", "code, bytes", "a mind, bytes", "garbage a tick, bytes", "a tick, us")
     table = Table(*heads[:1], *(Column(head, justify="right") for head in heads[1:]))
     for name in names or brains.shipped():
         brain = brains.load(name)
         if brain.is_oracle:
             continue
-        source = BRAIN.replace("LUCKY", "(1,)" if brain.uses.luck else "()")
-        code, mind, garbage, spent = run({"brain.py": brain.source, "main.py": source})
-        table.add_row(name, *(f"{int(x):,}" for x in (code, mind, garbage)), f"{float(spent):.0f}")
+        *sizes, spent = measured(brain)
+        table.add_row(name, *(f"{x:,}" for x in sizes), f"{spent:.0f}")
     files = micropython_files(plan_for(brains.load("commons"), "udp", 0.9, 0.8, "ratio16"))
     _, codec, runtime, robot = run(files | {"main.py": RUNTIME})
     for name, size in (("codec.py", codec), ("runtime.py", runtime), ("a robot of commons", robot)):

@@ -1,60 +1,23 @@
 """What tests of robots share: MicroPython on Node, and swarms of runtimes that hear each other in one process."""
 
-import json
-import os
-import shutil
-import subprocess
-import textwrap
 from pathlib import Path
 
 import pytest
 
 from swarmcensus.brains.packing import Numbers
+from swarmcensus.deployment import on_node
 from swarmcensus.robot import runtime
 
 ROOT = Path(__file__).parents[1]
-PACKAGE = "@micropython/micropython-webassembly-pyscript"
-FOLDER = "MICROPYTHON_MODULES"  # the environment's variable that names the folder of Node's packages, or the one above
-HEAP = 64 * 1024 * 1024
 ROBOT = ROOT / "src" / "swarmcensus" / "robot"
+MICROPYTHON = on_node.micropython()  # before a test changes the working directory
 
-RUNNER = """
-import { readFileSync } from "node:fs";
-const [module, heap, files] = process.argv.slice(2);
-const { loadMicroPython } = await import(module);
-const board = await loadMicroPython({ heapsize: Number(heap), linebuffer: true, stdout: (line) => console.log(line) });
-const texts = JSON.parse(readFileSync(files, "utf8"));
-for (const [name, text] of Object.entries(texts)) board.FS.writeFile("/" + name, text);
-board.runPython("import sys\\nsys.path.append('/')\\nimport main\\nSTEPS = getattr(main, 'STEPS', 0)");
-const steps = board.globals.get("STEPS");
-for (let step = 0; step < steps; step++) board.runPython("main.step()"); // garbage is collected between them only
-"""
+needs_micropython = pytest.mark.skipif(MICROPYTHON is None, reason=f"needs {on_node.NEEDED}")
 
 
-def micropython():
-    """The path of MicroPython's module for Node; None if it, or Node, is absent."""
-    folders = [Path(os.environ[FOLDER])] if FOLDER in os.environ else []
-    for folder in [*folders, *(folder / "node_modules" for folder in (*folders, Path(), ROOT))]:
-        module = folder / PACKAGE / "micropython.mjs"
-        if module.is_file() and shutil.which("node"):
-            return module.resolve()
-    return None
-
-
-needs_micropython = pytest.mark.skipif(
-    micropython() is None,
-    reason=f"needs Node and MicroPython: npm install {PACKAGE} here, or ${FOLDER} naming a folder that has it",
-)
-
-
-def on_board(tmp_path, files, heap=HEAP):
+def on_board(tmp_path, files, heap=on_node.HEAP):
     """What a board prints that has these files, texts by name, and runs main.py."""
-    (tmp_path / "runner.mjs").write_text(RUNNER)
-    (tmp_path / "files.json").write_text(json.dumps({name: textwrap.dedent(text) for name, text in files.items()}))
-    command = ["node", tmp_path / "runner.mjs", micropython(), str(heap), tmp_path / "files.json"]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
+    return on_node.on_board(tmp_path, files, heap, MICROPYTHON)
 
 
 def robot_files():

@@ -9,7 +9,8 @@ from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.deployment import chips
 from swarmcensus.deployment.costs import cost
-from tests.translated import BRAINS, CLOSE, differs, is_exact, load_busy, named
+from swarmcensus.deployment.selftest import is_exact
+from tests.translated import BRAINS, CLOSE, differs, load_busy, named
 
 AVR = pytest.mark.skipif(
     bool(chips.missing(chips.AVR)),
@@ -20,13 +21,10 @@ CORTEX = pytest.mark.skipif(
     reason=f"not installed: {', '.join(chips.missing(chips.CORTEX))} (tools/install-chips.sh)",
 )
 SHORT = 17  # rounds in an AVR, which is slow to simulate
-STACK = 400  # bytes of RAM that the self-test needs beside its robots
 
 
 def on_atmega(source):
-    """Run the first rounds of a self-test on the smallest chip that has room for its swarm."""
-    rounds = f"-DROUNDS={SHORT}"
-    return chips.on_avr(source, chips.avr_for(source, STACK, rounds), rounds)
+    return chips.selftest_on_avr(source, SHORT)
 
 
 @AVR
@@ -74,6 +72,13 @@ def test_the_page_has_the_costs_of_all_brains():
     assert list(rows) == shipped()
     assert rows["commons"][-1] == "yes"
     assert rows["bayes-bots"][-1].startswith("no: RAM")
+
+
+def test_the_advice_names_the_brains_for_which_a_kilobot_has_room():
+    page = (Path(__file__).parents[1] / "docs" / "which-brain.md").read_text(encoding="utf-8")
+    named = page.partition("these brains fit:\n\n")[2].partition("\n\n")[0]
+    fit = [name for name, cells in page_of_costs().items() if cells[-1] == "yes" and not load(name).is_oracle]
+    assert sorted(re.findall("`(.*?)`", named)) == sorted(fit)
 
 
 @AVR

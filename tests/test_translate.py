@@ -16,9 +16,9 @@ from swarmcensus.cli.commands import main
 from swarmcensus.deployment import chips
 from swarmcensus.deployment.header import header
 from swarmcensus.deployment.messages import messages_of
-from swarmcensus.deployment.selftest import compare
+from swarmcensus.deployment.selftest import compare, is_exact
 from swarmcensus.deployment.translating import translate, write
-from tests.translated import BRAINS, CLOSE, compiled, differs, is_exact, load_busy, named
+from tests.translated import BRAINS, CLOSE, compiled, differs, load_busy, named
 
 GCC = pytest.mark.skipif(shutil.which("gcc") is None, reason="gcc is not installed")
 BRAIN = '''"""A brain that tries out Python."""
@@ -378,6 +378,14 @@ def test_the_page_shows_a_robot_that_works(tmp_path):
     call.fuse(me)
     assert float(printed) == pytest.approx(call.estimate(me), rel=1e-8)
     assert 0.1 < float(printed) < 0.2
+
+
+@GCC
+def test_compilers_have_nothing_to_warn_of(tmp_path):
+    """A compiler that follows the largest whole number of `to_whole` into an index finds none beyond the vector."""
+    (tmp_path / "brain.h").write_text(header(load_busy("sure", "double")))
+    program = '#include "brain.h"\nstruct brain me;\nint main(void) { observe(&me, 1, 1); return 0; }\n'
+    assert compiled(tmp_path, program, "-I", str(tmp_path)) == ""
 
 
 @GCC

@@ -1,14 +1,14 @@
 """Brains as C for the tests of translations: which there are, with parameters that make much happen in a short test."""
 
-import ast
 import subprocess
 from pathlib import Path
 
 from swarmcensus.brains import load
 from swarmcensus.brains.brain import shipped
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.deployment.selftest import ROBOTS, compare
+from swarmcensus.deployment.selftest import compare, first_rounds
 from swarmcensus.deployment.translating import write
+from swarmcensus.robot.history import ROBOTS
 
 EXAMPLES = Path(__file__).parents[1] / "studies" / "example"
 OWN = ("forgetful", "histogram", "leader", "liar", "my_brain", "pairwise", "prior", "quiet", "shy", "sprt")
@@ -18,7 +18,6 @@ BUSY = {
     "debiased": 1.0, "tell": 10.0, "detect": 1.0, "feedback": 2.0, "faulty": 1.0, "window": 30.0, "past": 9.0,
     "memory": 30.0, "miscommunication": 0.1, "asocial": 0.1, "patience": 4.0, "noise": 0.01, "truncated": 1.0,
 }  # fmt: skip
-EXACT = {"sqrt", "floor", "ceil", "frexp", "ldexp", "pi"}  # of math: all chips give the same bits
 CLOSE = 1e-4  # where a brain calls others
 
 
@@ -33,25 +32,13 @@ def load_busy(name, precision, message="float32", busy=True):
     return brain.with_parameters(values).with_numbers(Numbers(precision=precision, message=message))
 
 
-def is_exact(brain):
-    """Whether a brain uses only what IEEE 754 defines to the last bit."""
-    nodes = list(ast.walk(ast.parse(brain.source)))
-    called = {
-        node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"
-    }
-    powers = (node for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))
-    exponents = {ast.unparse(node.right) for node in powers} - {"2", "(-20)", "-20", "BINS"}
-    return called <= EXACT and not exponents
-
-
 def differs(brain, folder, run, rounds=None):
     """Write a brain as C, run its self-test, and compare; `rounds` if it runs fewer than are expected."""
     write(brain, folder)
     wanted = (folder / "expected.txt").read_text()
     found = run(folder / "selftest.c")
     if rounds:
-        lines = wanted.splitlines(keepends=True)
-        wanted = "".join(line for line in lines if int(line.split()[0]) <= rounds)
+        wanted = first_rounds(wanted, rounds)
         assert wanted.count("\n") > ROBOTS * rounds
     return compare(wanted, found)
 

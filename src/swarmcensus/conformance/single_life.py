@@ -5,21 +5,18 @@ alone, and once hearing a neighbour that is in the same state as they are. Beyon
 of readings at once, so that counts come to the end of what float32 can count.
 """
 
-import itertools
 import json
-import types
 from typing import Any, NamedTuple
 
 import numba
 import numpy as np
 
 from swarmcensus import brains
-from swarmcensus.brains import FUNCTIONS, Brain
+from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import Numbers
-from swarmcensus.brains.single import ROUND, rounded_to_single
+from swarmcensus.brains.single import rounded_to_single
+from swarmcensus.conformance.machine import blank_mind, exchange, machine_code
 from swarmcensus.conformance.single_lives import TABLE
-from swarmcensus.engine.codegen import record_fields
-from swarmcensus.engine.return_values import spoken
 
 DAY = 864_000  # readings at 10 Hz
 APART = 0.01  # estimates that differ by more have parted
@@ -66,25 +63,15 @@ def life(brain: Brain, readings: int = DAY, beyond: bool = False) -> Life:
 
 def _blank(brain: Brain) -> np.ndarray:
     """One blank mind, shape (1,)."""
-    minds = np.zeros(1, record_fields(brain))
-    for name, value in {**brain.memory, **brain.parameters}.items():
-        minds[name] = value
-    single = brain.numbers.precision == "single"
-    minds["b"] = minds["w"] = rounded_to_single(ACCURACY) if single else ACCURACY
-    return minds
+    accuracy = rounded_to_single(ACCURACY) if brain.numbers.precision == "single" else ACCURACY
+    return blank_mind(brain, accuracy, accuracy)
 
 
 def _compiled(brain: Brain) -> Any:
     """A function of a blank mind, the readings it begins with, ticks, and whether it hears; returns all estimates."""
-    space = dict(vars(brain.functions))
-    for name, function in space.items():
-        if isinstance(function, types.FunctionType):
-            plain = types.FunctionType(function.__code__, space, name)
-            space[name] = numba.njit(_rounded if name == ROUND else plain)
-    lived: dict[str, Any] = {name: space[name] for name in FUNCTIONS} | {"spoken": spoken}
-    exec(_exchange(brain), lived)
-    observe, fuse, estimate, hear = lived["observe"], lived["fuse"], lived["estimate"], numba.njit(lived["hear"])
-    lucky = numba.njit(lived["lucky"])
+    space = machine_code(brain.functions)
+    observe, fuse, estimate = space["observe"], space["fuse"], space["estimate"]
+    hear, lucky = exchange(brain, space)
 
     @numba.njit
     def run(minds: Any, begin: int, ticks: int, hears: bool) -> Any:
@@ -107,27 +94,6 @@ def _compiled(brain: Brain) -> Any:
         return curve
 
     return run
-
-
-def _rounded(x: Any) -> Any:
-    return np.float64(np.float32(x))
-
-
-def _exchange(brain: Brain) -> str:
-    """The source of `hear`, in which a mind hears what it says, and of `lucky`, which sets its luck."""
-    ends = list(itertools.accumulate((max(long, 1) for long in brain.message.values()), initial=0))
-    blank = "".join(f"{(0.0,) * long if long else 0.0}, " for long in brain.message.values())
-    lines = [f"there, said = spoken(broadcast(me), ({blank}))", "if not there:", "    return"]
-    lines += [f"{''.join(f'said_{k}, ' for k, _ in enumerate(brain.message))} = said"]
-    heard = []
-    for k, (start, long) in enumerate(zip(ends, brain.message.values(), strict=False)):
-        copies = [f"1.0 * said_{k}[{j}]" for j in range(long)] if long else [f"1.0 * said_{k}"]
-        lines += [f"number_{start + j} = {copy}" for j, copy in enumerate(copies)]
-        names = [f"number_{start + j}" for j, _ in enumerate(copies)]
-        heard.append(f"({''.join(f'{name}, ' for name in names)})" if long else names[0])
-    lines += [f"receive(me, ({''.join(f'{part}, ' for part in heard)}))"]
-    luck = "me.luck = x" if brain.uses.luck else "pass"
-    return "\n    ".join(["def hear(me):", *lines]) + f"\n\n\ndef lucky(me, x):\n    {luck}\n"
 
 
 def main() -> None:

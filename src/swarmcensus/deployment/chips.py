@@ -14,6 +14,7 @@ CORTEX = ("arm-none-eabi-gcc", "qemu-system-arm")
 KILOBOT = "atmega328p"  # 32 KB of flash, 2 KB of RAM
 LARGE = "atmega1284p"  # the same core with 128 KB of flash and 16 KB of RAM
 RAM = {KILOBOT: 2048, LARGE: 16384}
+SELFTEST_STACK = 400  # bytes of RAM that a self-test needs beside its robots
 CLOCK = 8_000_000  # of a Kilobot, in Hz
 SECONDS = 300.0  # before a simulation is given up
 GREEN = "\x1b[32m"  # what simavr prints before what a chip sends
@@ -67,6 +68,12 @@ def on_avr(source: Path, chip: str = KILOBOT, *more: str) -> str:
     # simavr prints what the chip sends in colours, cuts long lines, and has a full stop in the place of a line's end
     pieces = (COLOURS.sub("", line) for line in printed.splitlines() if GREEN in line)
     return "".join(pieces).replace(".", "\n")
+
+
+def selftest_on_avr(source: Path, rounds: int) -> str:
+    """What the first rounds of a self-test print on the smallest of two AVRs that has room for its swarm."""
+    option = f"-DROUNDS={rounds}"
+    return on_avr(source, avr_for(source, SELFTEST_STACK, option), option)
 
 
 def for_avr(source: Path, chip: str, *more: str) -> Path:

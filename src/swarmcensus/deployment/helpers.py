@@ -89,8 +89,11 @@ static inline int32_t whole_power(int32_t base, int32_t exponent) {
     return power;
 }""",
     "item_at": """
-// The place of an item; a negative index counts from the end.
-static inline int32_t item_at(int32_t index, int32_t items) { return index < 0 ? index + items : index; }""",
+// The place of an item; a negative index counts from the end, and one beyond the end is that of the last item.
+static inline int32_t item_at(int32_t index, int32_t items) {
+    const int32_t place = index < 0 ? index + items : index;
+    return place < items ? place : items - 1;
+}""",
 }
 # avr-libc has no such functions, and its numbers are floats
 OF_AVR = {

@@ -1,55 +1,27 @@
-"""A test of a translated brain: a small swarm lives the same history in C and in CPython, and both print their bits.
+"""A test of a translated brain: a small swarm lives the same history in C and in CPython, and both print their bits."""
 
-The history is drawn by a generator of whole numbers of 32 bits, so that every machine draws the same.
-"""
-
+import ast
 import struct
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains import Brain, numbers
+from swarmcensus.brains import Brain
 from swarmcensus.brains.single import rounded_to_single
-from swarmcensus.deployment.messages import messages_of
+from swarmcensus.deployment.messages import messages_of, owing
 from swarmcensus.deployment.unit import Unit
-from swarmcensus.robot.runtime import Messages
+from swarmcensus.robot.history import ACCURACIES, FAR, LOOKS, LOST, ROBOTS, ROUNDS, SEED, SHARE, STOPS, live
 
-ACCURACIES = ((0.9, 0.8), (0.75, 0.6), (0.3, 0.4), (1.0, 0.7), (0.5, 0.5), (0.8, 0.9))  # b and w of each robot
-ROBOTS = len(ACCURACIES)
-ROUNDS = 300
-STOPS = (1, 2, 3, 5, 9, 17, 33, 65, 129, 200, ROUNDS)  # rounds after which all memory is printed
-LOOKS = (0, 1, 3, 10)  # readings in a round, one of these
-SHARE = 43  # percent of readings that are black
-FAR = 5  # one in so many pairs of robots that are no neighbours on the ring hears each other
-LOST = 4  # one in so many messages is lost
-SEED = 20
-
-
-class Draws:
-    """A linear congruential generator (Knuth's constants, as in Numerical Recipes) modulo 2^32."""
-
-    def __init__(self) -> None:
-        """Begin."""
-        self.state = SEED
-
-    def next(self) -> int:
-        """The next state."""
-        self.state = (self.state * 1664525 + 1013904223) % 2**32
-        return self.state
-
-    def below(self, n: int) -> int:
-        """A whole number from 0 to n - 1."""
-        return (self.next() >> 16) % n
-
-    def luck(self) -> float:
-        """An odd number of 2^-24, in (0, 1), which both precisions hold exactly."""
-        return ((self.next() >> 9) * 2 + 1) / 2**24
+EXACT = {"sqrt", "floor", "ceil", "frexp", "ldexp", "pi"}  # of math: all machines give the same bits
 
 
 def expected(brain: Brain) -> str:
     """What the self-test of a brain prints, from CPython. Raises InputError if the brain fails in it."""
+    single = brain.numbers.precision == "single"
+    width = rounded_to_single if single else float
+    minds = [brain.robot(width(b), width(w), float(i)) for i, (b, w) in enumerate(ACCURACIES)]
     try:
-        return "".join(f"{line}\n" for line in _lines(brain))
+        return lived(brain, brain.functions, minds)
     except Exception as error:
         what = f"{type(error).__name__}: {str(error).partition(chr(10))[0]}"
         raise InputError(
@@ -57,73 +29,19 @@ def expected(brain: Brain) -> str:
         ) from error
 
 
-def _lines(brain: Brain) -> Iterator[str]:
-    single = brain.numbers.precision == "single"
-    width = rounded_to_single if single else float
-    draws, call = Draws(), brain.functions
-    minds = [brain.robot(width(b), width(w), float(i)) for i, (b, w) in enumerate(ACCURACIES)]
+def lived(brain: Brain, functions: Any, minds: Sequence[Any], codec: Any = None) -> str:
+    """What the self-test prints in this process, with a brain's `functions`, blank `minds`, and a codec of messages."""
     radios = [messages_of(brain) for _ in minds]
-
-    def bits(values: Sequence[float]) -> str:
-        return " ".join(_bits(float(value), single) for value in values)
-
-    def give(me: Any) -> None:
-        luck = draws.luck()
-        if brain.uses.luck:
-            me.luck = luck
-
-    for k in range(1, ROUNDS + 1):
-        for me in minds:
-            looks = LOOKS[draws.below(len(LOOKS))]
-            blacks = sum(draws.below(100) < SHARE for _ in range(looks))
-            give(me)
-            if looks and not (brain.ends and call.done(me)):
-                call.observe(me, float(blacks), float(looks))
-        said: list[bytes | None] = []
-        for me, radio in zip(minds, radios, strict=True):
-            message = None if brain.jams and call.jam(me) else call.broadcast(me)
-            said.append(None if message is None else radio.coded(message))
-        for i, me in enumerate(minds):
-            for j, data in enumerate(said):
-                near = (i - j) % ROBOTS in (1, ROBOTS - 1)
-                hears = i != j and (draws.below(FAR) == 0 or near) and draws.below(LOST) != 0
-                if hears and data is not None:
-                    give(me)
-                    call.receive(me, radios[i].read(data))
-        for i, me in enumerate(minds):
-            give(me)
-            call.fuse(me)
-            answers = [call.estimate(me), *(call.decide(me) for _ in range(brain.decides))]
-            answers += [float(bool(call.done(me))) for _ in range(brain.ends)]
-            answers += [float(bool(call.jam(me))) for _ in range(brain.jams)]
-            answers += [*(call.interval(me) if brain.has_interval else ())]
-            if brain.steers:
-                give(me)
-                wish = call.steer(me)
-                answers += [0.0, 0.0, 0.0] if wish is None else [1.0, *wish]
-            data = said[i]
-            yield f"{k} {i} {bits(answers)} {'silent' if data is None else data.hex()}"
-        if k in STOPS:
-            for i, (me, radio) in enumerate(zip(minds, radios, strict=True)):
-                memory = numbers({name: _value(getattr(me, name)) for name in brain.memory})
-                yield f"{k} {i} memory {bits([*memory, *_owed(brain, radio)])}"
+    for radio in radios:
+        radio.codec = codec or radio.codec
+    single = brain.numbers.precision == "single"
+    lines = live(functions, minds, radios, list(brain.memory), owed_places(brain), brain.uses.luck, single)
+    return "".join(f"{line}\n" for line in lines)
 
 
-def _value(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
-
-
-def _owed(brain: Brain, radio: Messages) -> list[float]:
-    owing = brain.parts if brain.numbers.feedback else ()
-    return [radio.owed[place] for part in owing if part.owed for place in part.places]
-
-
-def _bits(value: float, single: bool) -> str:
-    if value != value:
-        return "nan"
-    if single:
-        return struct.pack(">f", value).hex()
-    return struct.pack(">d", value).hex()
+def owed_places(brain: Brain) -> list[int]:
+    """Which numbers of a message owe something to the next, in the order of the self-test."""
+    return [place for part in owing(brain) for place in part.places]
 
 
 class Difference(NamedTuple):
@@ -131,6 +49,22 @@ class Difference(NamedTuple):
 
     line: int  # the first line that differs, counted from 1; 0 if none does
     largest: float  # the largest difference of numbers, relative to those above 1; infinite if other things differ
+
+
+def first_rounds(text: str, rounds: int) -> str:
+    """The part of a self-test's output that is about its first rounds."""
+    return "".join(line for line in text.splitlines(keepends=True) if int(line.split()[0]) <= rounds)
+
+
+def is_exact(brain: Brain) -> bool:
+    """Whether a brain uses only what IEEE 754 defines to the last bit: no functions such as exp, no other powers."""
+    nodes = list(ast.walk(ast.parse(brain.source)))
+    called = {
+        node.attr for node in nodes if isinstance(node, ast.Attribute) and getattr(node.value, "id", "") == "math"
+    }
+    powers = (node for node in nodes if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Pow))
+    exponents = {ast.unparse(node.right) for node in powers} - {"2", "(-20)", "-20", "BINS"}
+    return called <= EXACT and not exponents
 
 
 def compare(wanted: str, found: str) -> Difference:
@@ -185,7 +119,7 @@ def in_c(brain: Brain, unit: Unit) -> str:
     memory = []
     for name, items in brain.lengths.items():
         memory += _put(unit.field(name), items)
-    owed = len(_owed(brain, messages_of(brain)))
+    owed = len(owed_places(brain))
     memory += _put("owed", owed) if owed else []
     return SOURCE.format(
         robots=ROBOTS,
