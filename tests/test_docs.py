@@ -30,6 +30,8 @@ BLOCK = re.compile(r"^```([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 RUN = {"python", "toml", "console", "sh"}
 SHOWN = {"text", "csv", "r", "matlab", "c"}
 OTHER_PROGRAMS = {
+    "npm",
+    "export",
     "make",
     "sh",
     "pip",
