@@ -269,6 +269,10 @@ def in_c(brain):
         return 1e6 / TICKS * float(chips.on_host(Path(folder) / "timed.c"))
 
 
+def two_digits(x):
+    return f"{x:.0f}" if x >= 10.0 else f"{x:.2g}"
+
+
 def costs(name):
     """A row of the second table."""
     brain, absent = load(name), needed()
@@ -277,12 +281,12 @@ def costs(name):
     cells["memory, bytes"] = f"{small.memory_bytes:,}"
     whole = brain.with_numbers(NUMBERS._replace(message="float32"))
     cells["message, bytes"] = f"{small.message_bytes} of {whole.message_bytes}"
-    cells["CPython, µs"] = f"{in_cpython(brain):.2g}"
-    cells["machine code, µs"] = f"{as_machine_code(brain):.2g}"
+    cells["CPython, µs"] = two_digits(in_cpython(brain))
+    cells["machine code, µs"] = two_digits(as_machine_code(brain))
     if not absent["MicroPython"]:
         cells["MicroPython, bytes"] = f"{micropython.measured(brain)[0]:,}"
     if not absent["C"]:
-        cells["C, µs"] = f"{in_c(brain.with_numbers(Numbers('double', 'float32'))):.2g}"
+        cells["C, µs"] = two_digits(in_c(brain.with_numbers(Numbers("double", "float32"))))
     if not absent["ATmega328P"]:
         one = cost(brain)
         cells["flash, bytes"], cells["RAM, bytes"] = f"{one.coded_flash:,}", f"{one.ram:,}"
