@@ -1,10 +1,11 @@
 """What number formats cost every shipped brain: python benchmarks/formats.py [RESULTS] [--write].
 
 RESULTS is what `swarmcensus run studies/formats.toml --out formats.nc` writes. Without it the study is run. With
---write the tables go into docs/formats.md and the figure into docs/images/formats.png.
+--write the tables go into docs/formats.md, all rows into docs/formats.csv and the figure into docs/images/formats.png.
 """
 
 import argparse
+import csv
 from pathlib import Path
 
 import numpy as np
@@ -17,6 +18,8 @@ from swarmcensus.studies.study import Study
 
 ROOT = Path(__file__).parents[1]
 PAGE, PICTURE = ROOT / "docs" / "formats.md", ROOT / "docs" / "images" / "formats.png"
+ROWS = ROOT / "docs" / "formats.csv"
+READINGS = (1_000, 10_000, 864_000)
 TRUTH = 0.55
 LEAST = 5e-5  # smaller errors are drawn there
 FORMATS = {  # precision and message format, as columns call them
@@ -50,8 +53,9 @@ def table(data, names, checkpoint):
         cells = []
         for format_ in FORMATS:
             one = found(data, name, format_, checkpoint)
-            worse = one.low > 2.0 * plain.value
-            cells.append(f"**{one.value:.4f}**" if worse else f"{one.value:.4f}")
+            text = "fails" if np.isnan(one.value) else f"{one.value:.4f}"
+            worse = text == "fails" or one.low > 2.0 * plain.value
+            cells.append(f"**{text}**" if worse else text)
         out.append(f"| `{name}` | {' | '.join(cells)} |")
     return "\n".join(out)
 
@@ -86,10 +90,22 @@ def tables_of(data):
     opinions = [name for name in names if brains.load(name).is_opinion]
     names = sorted((n for n in names if n not in opinions), key=lambda n: found(data, n, "double", 2).value)
     parts = []
-    for checkpoint, readings in enumerate(("1,000 readings", "10,000 readings", "864,000 readings")):
-        parts.append(f"### Errors after {readings}\n\n{table(data, names, checkpoint)}")
+    for checkpoint, readings in enumerate(READINGS):
+        parts.append(f"### Errors after {readings:,} readings\n\n{table(data, names, checkpoint)}")
     parts.append(f"### Share of wrong opinions after 864,000 readings\n\n{table(data, opinions, 2)}")
     return "\n\n".join(parts[2:3] + parts[:2] + parts[3:]), names
+
+
+def write_rows(data):
+    """All values with the ends of their 95 % intervals."""
+    with ROWS.open("w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file, lineterminator="\n")
+        rows.writerow(("brain", "format", "readings", "error", "low", "high"))
+        for name in dict.fromkeys(map(str, data["brain"].values)):
+            for format_ in FORMATS:
+                for checkpoint, readings in enumerate(READINGS):
+                    ends = (f"{x:.6f}" for x in found(data, name, format_, checkpoint)[:3])
+                    rows.writerow((name, format_, readings, *ends))
 
 
 def main():
@@ -104,6 +120,7 @@ def main():
         begin, end = "<!-- formats: python benchmarks/formats.py --write -->", "<!-- end of formats -->"
         before, _, rest = PAGE.read_text(encoding="utf-8").partition(begin)
         PAGE.write_text(f"{before}{begin}\n\n{text}\n\n{end}{rest.partition(end)[2]}", encoding="utf-8")
+        write_rows(data)
         draw(data, names).savefig(PICTURE, dpi=130)
 
 

@@ -1,6 +1,7 @@
 """Robots' number formats: single precision, and messages in few bits, against the reference, to the bit."""
 
 import struct
+from pathlib import Path
 from typing import get_args
 
 import numpy as np
@@ -222,3 +223,13 @@ def test_every_part_of_a_message_is_coded_once():
                 range(sum(max(n, 1) for n in brain.message.values()))
             )
             assert brain.with_numbers(Numbers(message=format)).message_bytes == sum(BYTES[part.coding] for part in made)
+
+
+def test_the_page_has_the_errors_of_all_brains_that_hear_neighbours():
+    page = (Path(__file__).parents[1] / "docs" / "formats.md").read_text()
+    tables = page.partition("<!-- formats: python benchmarks/formats.py --write -->")[2].partition("<!-- end")[0]
+    rows = [line.split(" | ") for line in tables.splitlines() if line.startswith("| `")]
+    assert {len(row) for row in rows} == {6}
+    named = {row[0].strip("| `") for row in rows}
+    assert named == set(brains.shipped()) - {"oracle", "leaver"}
+    assert sum(row[0].startswith("| `commons`") for row in rows) == 3
