@@ -192,7 +192,7 @@ def test_a_wrong_number_is_named(tmp_path, capsys):
         (lambda text: text[: len(text) // 2], "the line 'selftest ends' is missing"),
         (lambda text: text.replace("tick 20 1", "tuck 20 1"), "lacks lines of the self-test"),
         (lambda text: text.replace("commons", "sure"), "of the brain 'sure'"),
-        (lambda text: re.sub(r"(tick 20 1 .*) \S+\n", r"\1\n", text), "lines without the 6 numbers"),
+        (lambda text: re.sub(r"(tick 20 1 .*) \S+\n", r"\1\n", text), "lines without the 8 numbers"),
         (lambda text: re.sub(r"(tick 20 1 \S+ ....)", r"\1 ", text), "has a damaged line: 'tick 20 1"),
     ],
 )
