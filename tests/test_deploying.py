@@ -105,6 +105,8 @@ def test_a_message_that_no_format_makes_small_enough(tmp_path, capsys):
     assert "no format makes it small enough" in capsys.readouterr().err
     assert main(["deploy", "oracle", "--to", str(tmp_path / "k"), "--radio", "udp", *NEEDED]) == 2
     assert "is a bound: no robot hears all others" in capsys.readouterr().err
+    assert main(["deploy", "commons", "--to", str(tmp_path / "k"), "--radio", "udp", "--b", ".4", "--w", ".6"]) == 2
+    assert "b + w = 1: such a sensor says the same" in capsys.readouterr().err
     assert main(["deploy", "commons", "--to", str(tmp_path / "k"), "--radio", "udp", "--b", ".9"]) == 2
     assert "--w is missing" in capsys.readouterr().err
 
@@ -201,6 +203,16 @@ def test_a_damaged_output_is_found_out(tmp_path, capsys, change, says):
     code, said = checked(capsys, folder, change(output_of(folder)))
     assert code == 2
     assert says in said
+
+
+def test_wrong_datagrams_of_right_numbers_are_found_out(tmp_path, capsys):
+    folder = deployed(tmp_path / "robot")
+    lines = output_of(folder).splitlines()
+    words = next(line for line in lines if line.startswith("tick ")).split()
+    changed = [line.replace(f" {words[3]} ", " ffff ") for line in lines]
+    code, said = checked(capsys, folder, "\n".join(changed))
+    assert code == 2
+    assert "FAIL: 1 datagrams differ, although all numbers are equal" in said
 
 
 def test_files_that_were_changed_are_found_out(tmp_path, capsys):

@@ -11,6 +11,7 @@ import swarmcensus as sc
 from swarmcensus import brains
 from swarmcensus.brains.packing import BYTES, Format, Numbers, Precision, parts
 from swarmcensus.brains.single import codec_source, rounded_to_single
+from swarmcensus.cli.commands import main
 from swarmcensus.robot import codec
 from swarmcensus.simulation.rides import record_ride
 from swarmcensus.simulation.trials import record_trial
@@ -33,7 +34,8 @@ EVERY = [
 
 
 def keys_of(numbers):
-    return {"precision": numbers.precision, "message": numbers.message, "feedback": numbers.feedback}
+    feedback = {} if numbers.message == "double" else {"feedback": numbers.feedback}
+    return {"precision": numbers.precision, "message": numbers.message} | feedback
 
 
 def lives_as_the_reference(settings):
@@ -179,7 +181,7 @@ def test_the_live_page_shows_what_robots_assume_and_hear_in_their_numbers():
 
 
 @pytest.mark.interpreted
-def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(tmp_path):
+def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(tmp_path, capsys):
     path = tmp_path / "large.py"
     path.write_text(
         "MEMORY = {'x': 0.5, 'n': 0.0, 'heard': 0.0}\nMESSAGE = ('n',)\n"
@@ -193,8 +195,10 @@ def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(t
         trials=1, swarm={"robots": 2, "brain": str(path), "accuracy": 0.8},
         world={"topology": "full", "fill_ratio": 0.55, "message": "float16"}, schedule={"rounds": 5},
     )  # fmt: skip
-    data = sc.run(study, jobs=1)
+    data = sc.run(study, jobs=1, out=tmp_path / "large.nc")
     assert data["messages_clipped"].values.tolist() == [[[3.0, 3.0]]]
+    assert main(["show", str(tmp_path / "large.nc")]) == 0
+    assert "setting 0: a number was too large for the message format" in capsys.readouterr().out
     assert sc.replay(data, 0, 0, brain=path)["heard"].values[-1].tolist() == [65504.0, 65504.0]
 
 
@@ -203,6 +207,7 @@ def test_numbers_that_a_format_cannot_hold_are_counted_and_sent_as_the_largest(t
     [
         ("swarm", "precision", "half", "swarm.precision = \"half\": should be 'double' or 'single'"),
         ("world", "message", "bfloat16", "did you mean 'float16'"),
+        ("world", "feedback", False, "world.feedback is of messages with a number format"),
         ("world", "feedback", "yes", 'world.feedback = "yes": should be'),
     ],
 )

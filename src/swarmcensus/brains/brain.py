@@ -42,9 +42,7 @@ class Brain(Program):
         if numbers.precision == "single":
             tree = in_single(tree, self.kinds)
             rounded = {k: _rounded(v) for k, v in contents.memory.items()}
-            contents = contents._replace(
-                memory=rounded, parameters={k: _rounded(v) for k, v in contents.parameters.items()}
-            )
+            contents = contents._replace(memory=rounded)
         functions = safe_source.run(tree, "brain", self.path) if self.is_loaded else self.functions
         return replace(self, numbers=numbers, contents=contents, functions=functions)
 
@@ -64,12 +62,6 @@ class Brain(Program):
         first: dict[str, tuple[Kind, ...]] = dict.fromkeys((*FUNCTIONS, *MAY_HAVE), (RECORD,))
         first |= {"observe": (RECORD, REAL, REAL), "receive": (RECORD, message)}
         return Kinds(_read(self.source, self.path)[0], record, first)
-
-    @functools.cached_property
-    def parameters(self) -> dict[str, Value]:
-        """The values of its parameters."""
-        values = super().parameters
-        return {k: _rounded(v) for k, v in values.items()} if self.numbers.precision == "single" else values
 
     @property
     def memory(self) -> dict[str, Value]:
@@ -173,7 +165,8 @@ class Brain(Program):
         mind = self._robot()
         for key, value in self.memory.items():
             setattr(mind, key, Vector(value) if isinstance(value, tuple) else value)
-        for key, value in self.parameters.items():
+        for key, given in self.parameters.items():
+            value = _rounded(given) if self.numbers.precision == "single" else given
             setattr(mind, key, Fixed(value) if isinstance(value, tuple) else value)
         if self.uses.luck:
             mind.luck = 0.5

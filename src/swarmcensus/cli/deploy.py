@@ -124,7 +124,12 @@ def _show(result: "Comparison") -> None:
         print(f"  {where}: {wrong.board:.9g} on the board, {wrong.reference:.9g} in the reference")
     if len(result.wrong) > SHOWN:
         print(f"  ... and {len(result.wrong) - SHOWN:,} more")
-    print("the board computes what it should" if result.passes else f"FAIL: more than {result.allowed:g} apart")
+    if result.wrong:
+        print(f"FAIL: more than {result.allowed:g} apart")
+    elif result.miscoded:
+        print(f"FAIL: {result.miscoded:,} datagrams differ, although all numbers are equal")
+    else:
+        print("the board computes what it should")
 
 
 def number(text: str) -> float:

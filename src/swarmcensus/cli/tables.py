@@ -29,6 +29,7 @@ COLUMNS = {quantity.column: quantity for quantity in QUANTITIES.values() if quan
 SURE = {
     name: quantity.name for name, quantity in COLUMNS.items() if name not in SHORT
 }  # only with brains that state intervals
+MOST_NAMED = 8  # settings in a note
 TIMES = {name: 100.0 if quantity.share else 1.0 for name, quantity in COLUMNS.items()}
 DECIMALS = {name: quantity.decimals for name, quantity in COLUMNS.items()}  # of a value without an interval
 MOST_CHECKPOINTS = 8  # named in the legend
@@ -200,6 +201,7 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
         *disturbances(data),
         *(["robots that are not honest are left out"] if "honest" in data else []),
         *([f"not anonymous: {', '.join(_named(data))}"] if _named(data) else []),
+        *_clipped(data),
         *(f"{name}: {data[name].attrs['long_name']} ({data[name].attrs['units']})" for name in metrics_in(data)),
         *(_remeasured(data, key) for key in asked_anew(data)),
         *(
@@ -210,6 +212,22 @@ def _legend(data: xr.Dataset, frame: Any) -> list[str]:
             if "half_width" in data
             else []
         ),
+    ]
+
+
+def _clipped(data: xr.Dataset) -> list[str]:
+    """A sentence on settings with messages that their format could not hold."""
+    if "messages_clipped" not in data:
+        return []
+    clipped, sent = (data[name].mean(("trial", "robot")).values for name in ("messages_clipped", "messages_sent"))
+    numbers = data["setting"].values[clipped > 0.0]
+    if not numbers.size:
+        return []
+    most = 100.0 * np.nanmax(clipped / np.maximum(sent, 1.0))
+    which = ", ".join(map(str, numbers[:MOST_NAMED])) + ", ..." * (numbers.size > MOST_NAMED)
+    return [
+        f"setting {which}: a number was too large for the message format and was sent as the largest, in up to "
+        f"{most:.3g} % of the messages (messages_clipped)"
     ]
 
 

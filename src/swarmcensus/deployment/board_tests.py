@@ -54,8 +54,13 @@ class Comparison:
 
     @property
     def passes(self) -> bool:
-        """Whether all numbers are close enough."""
-        return not self.wrong
+        """Whether all numbers are close enough, and all datagrams equal if all numbers are."""
+        return not self.wrong and not self.miscoded
+
+    @property
+    def miscoded(self) -> int:
+        """Datagrams that differ although all numbers are equal; a number that differs a little may change a code."""
+        return self.datagrams - self.datagrams_equal if self.equal == self.numbers else 0
 
 
 def compare(output: str, folder: Path) -> Comparison:
@@ -183,7 +188,9 @@ def _parsed(path: Path) -> ast.Module:
     try:
         return ast.parse(path.read_text(encoding="utf-8"))
     except OSError as error:
-        raise InputError(f"{path}: {error.strerror}: the folder should be one made by `swarmcensus deploy`") from None
+        raise InputError(
+            f"{path}: {error.strerror}: the folder should be one made by `swarmcensus deploy`, for MicroPython"
+        ) from None
     except (SyntaxError, UnicodeDecodeError) as error:
         raise InputError(f"{path}: not Python: {error}") from None
 

@@ -79,6 +79,8 @@ def plan_for(
     for name, value in (("b", b), ("w", w)):
         if not 0.0 <= value <= 1.0:
             raise InputError(f"--{name} {value:g}: should be a share of right readings, from 0 to 1")
+    if abs(b + w - 1.0) < 1e-12:
+        raise InputError(f"--b {b:g} --w {w:g}: b + w = 1: such a sensor says the same of black and white")
     if not LOWEST_HZ <= hz <= HIGHEST_HZ:
         raise InputError(f"--hz {hz:g}: should be ticks a second, from {LOWEST_HZ:g} to {HIGHEST_HZ:g}")
     if number is not None and not 0 <= number <= 0xFFFF:
@@ -93,9 +95,9 @@ def plan_for(
         raise InputError(f"--parameter {error}") from None
     size, largest = datagram_bytes(brain, radio), RADIOS[radio].largest
     if size > largest:
-        least = min(SENT, key=lambda format_: datagram_bytes(_in_format(brain, format_), radio))
-        smaller = datagram_bytes(_in_format(brain, least), radio)
-        hint = f"--message {least} makes {smaller}" if smaller <= largest else "no format makes it small enough"
+        sizes = {format_: datagram_bytes(_in_format(brain, format_), radio) for format_ in SENT}
+        fitting = [f"--message {format_} makes {size}" for format_, size in sizes.items() if size <= largest]
+        hint = " and ".join(fitting) or "no format makes it small enough"
         raise InputError(
             f"the brain {brain.name!r} sends datagrams of {size} bytes as {message}, a header of {HEADER} with them, "
             f"and {RADIOS[radio].what} holds {largest}: {hint}"

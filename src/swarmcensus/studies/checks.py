@@ -112,6 +112,8 @@ def _check_used(tables: Tables, grids: Sequence[Grid]) -> None:
             for grid in useless:
                 raise ValueError(f"{grid.key(key)} is of {MEANING[kind]}")
     _check_late(grids)
+    if "feedback" in tables.world.model_fields_set and all(grid.world.message == ["double"] for grid in grids):
+        raise ValueError("world.feedback is of messages with a number format: world.message says which")
     if tables.measure.truth == "floor" and not any(grid.moves for grid in grids):
         raise ValueError(f'measure.truth = "floor" is of {MEANING["moves"]}')
 
