@@ -86,7 +86,7 @@ WRONG = [
     (["--parameter", "keep"], "--parameter keep: should be NAME=VALUE"),
     (["--parameter", "keep=0.5"], "--parameter the brain 'commons' has no parameter 'keep': it has none"),
     (["--radio", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, and a "
-     "Kilobot's infrared holds 9: --message ratio8 makes 8"),
+     "Kilobot's infrared holds 9: --message ratio16 makes 9 and --message ratio8 makes 8"),
 ]  # fmt: skip
 
 

@@ -33,6 +33,9 @@ EVERY = [
 ]
 
 
+ROUGH = ("recurrent", "belief-sharing")  # machine code has a tanh and a power of its own
+
+
 def keys_of(numbers):
     feedback = {} if numbers.message == "double" else {"feedback": numbers.feedback}
     return {"precision": numbers.precision, "message": numbers.message} | feedback
@@ -42,7 +45,8 @@ def lives_as_the_reference(settings):
     for setting in settings:
         _, estimates, blacks = record_trial(setting, SEED, 0)
         minds = reference.fixed(setting, SEED, 0, failing(setting, 0), heard_in(setting, 0), blacks)
-        assert (estimates == np.array(minds.estimates)).all(), str(setting)
+        loose = 1e-6 if setting.brain.name in ROUGH else 0.0
+        assert np.abs(estimates - np.array(minds.estimates)).max() <= loose, str(setting)
 
 
 def test_machine_code_has_the_bits_of_single_precision_and_of_ratios():

@@ -97,13 +97,13 @@ class Messages:
                 numbers.append(1.0 * part)
         out = bytearray()
         for coding, places, owes in self.plan:
-            owed = [self.owed[k] for k in places]
-            sent = [self.codec.added(numbers[k], x) for k, x in zip(places, owed)]
+            owes = owes and self.feedback
+            sent = [self.codec.added(numbers[k], self.owed[k]) if owes else numbers[k] for k in places]
             code, heard, holds = self.part(coding, sent)
             out.extend(code)
-            if owes and self.feedback:
-                for k, x, y, z in zip(places, owed, sent, heard):
-                    self.owed[k] = self.codec.rest(numbers[k], x, y, z) if holds else 0.0
+            if owes:
+                for k, x, y in zip(places, sent, heard):
+                    self.owed[k] = self.codec.rest(numbers[k], self.owed[k], x, y) if holds else 0.0
         return bytes(out)
 
     def part(self, coding, sent):
