@@ -84,7 +84,7 @@ WRONG = [
     (["--number", "65536"], "--number 65536: should be from 0 to 65535"),
     (["--number", "1", "--radio", "kilobot"], "--number 1 does not go with --radio kilobot"),
     (["--parameter", "keep"], "--parameter keep: should be NAME=VALUE"),
-    (["--parameter", "keep=0.5"], "--parameter the brain 'commons' has no parameter 'keep': it has none"),
+    (["--parameter", "keep=0.5"], "--parameter: the brain 'commons' has no parameter 'keep': it has none"),
     (["--radio", "kilobot", "--message", "float32"], "datagrams of 14 bytes as float32, a header of 6 with them, and a "
      "Kilobot's infrared holds 9: --message ratio16 makes 9 and --message ratio8 makes 8"),
 ]  # fmt: skip

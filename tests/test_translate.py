@@ -412,3 +412,13 @@ int main(void) {
         str(tmp_path),
     )
     assert printed == "ff7b 0068 0 1\n"
+
+
+@GCC
+def test_the_makefile_compiles_as_the_page_says(tmp_path):
+    texts = translate(load("commons").with_numbers(Numbers("single", "ratio16")))
+    for name, text in texts.items():
+        (tmp_path / name).write_text(text)
+    done = subprocess.run(["make", "-C", tmp_path, "check"], capture_output=True, text=True, check=True)
+    assert "-ffp-contract=off" in done.stdout
+    assert "same bits as in Python" in done.stdout

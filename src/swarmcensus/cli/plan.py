@@ -15,6 +15,8 @@ KEYS = {
     "accuracy": ("known", "A", "accuracy of the sensors, such as 0.7, U(0.525,0.975) or {black = 0.9, white = 0.6}"),
     "fill_ratio": ("known", "F", "fill ratio, or a range LOW:HIGH of which the worst is planned for (default: 0:1)"),
     "link_success": ("known", "SHARE", "share of messages that arrive (default: 1)"),
+    "precision": ("known", "WHICH", "precision of the robots' arithmetic: double (default) or single"),
+    "message": ("known", "FORMAT", "format of messages: float32, float16, ratio16 or ratio8 (default: double)"),
     "failing": ("known", "SHARE", "share of robots that may fail before the start (default: 0)"),
     "lying": ("known", "SHARE", "share of robots that may lie (default: 0)"),
     "lie": ("known", "NAME", "the adversary that liars follow (default: shouter)"),

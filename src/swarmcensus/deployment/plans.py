@@ -92,7 +92,7 @@ def plan_for(
     try:
         brain = brain.with_parameters(parameters or {}).with_numbers(Numbers(message=message))  # type: ignore[arg-type]
     except ValueError as error:
-        raise InputError(f"--parameter {error}") from None
+        raise InputError(f"--parameter: {error}") from None
     size, largest = datagram_bytes(brain, radio), RADIOS[radio].largest
     if size > largest:
         sizes = {format_: datagram_bytes(_in_format(brain, format_), radio) for format_ in SENT}

@@ -13,8 +13,7 @@ MADE = ("selftest", "found.txt")  # by make in the same folder
 FLAGS = "-O2 -std=c99 -Wall -Wextra -ffp-contract=off"
 MAKEFILE = f"""\
 # make check: whether the brain computes on this machine what it does in Python, bit for bit
-CMADE = ("selftest", "found.txt")  # by make in the same folder
-FLAGS = {FLAGS}
+CFLAGS = {FLAGS}
 
 check: selftest
 \t./selftest > found.txt

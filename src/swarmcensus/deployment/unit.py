@@ -65,7 +65,7 @@ class Unit:
     def local(self, name: str) -> str:
         """A local name in C."""
         if not name.strip("_"):
-            return f"turn{name[1:]}"
+            return f"{name}loop"
         return in_c(name, OF_LOCALS)
 
     def field(self, name: str) -> str:
