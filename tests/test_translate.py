@@ -281,7 +281,22 @@ def test_parameters_are_constants(tmp_path, capsys):
     ]
 
 
+ODD = {
+    "a field that a helper reads": "me.x, me.y = me.x + 1.0, doubled(me)",
+    "items of one vector": "i = int(me.x) % 2\nme.list[i], me.list[i + 1] = me.list[i] + me.y, me.list[int(me.x) % 2]",
+    "divmod": "a = me.x + 7.5\nb = 2.25\na, b = divmod(a, b)\nme.x = a + 0.5 * b",
+    "modf": "a = me.x + 7.7\na, w = math.modf(a)\nme.x = a + 0.5 * w",
+    "two swaps": "a = me.x\nb = me.y\na, b = b, a\na, b = b + 1.0, a\nme.x = a - b",
+    "two exponents": "m, e = math.frexp(me.x)\nme.x = m\nn, f = math.frexp(me.y + 3.0)\nme.x += n * f + e",
+    "a tuple of itself": "t = (me.x, me.y)\nt = (t[1], t[0])\nme.x = t[0] - 3.0 * t[1]",
+    "a chain": "unused = me.x = me.y + 1.0",
+    "a loop without a name": "turn = 0.0\nfor _ in range(4):\n    turn += 1.0\nme.x = turn",
+    "words of C": "double = me.x\ndouble_ = me.y + 1.0\nint32_t = 3\nk = int(me.x)\nme.x = double - double_ + int32_t",
+    "macros": "me.x = me.x + INT32_MAX * BRAIN_MESSAGE_BYTES",
+    "large whole numbers": "k = int(me.x) + 16777217\nme.x = less(k) * 0.001\nme.y = k",
+}
 FAULTS = {
+    "me.x = last(me.list, int(me.x))": "may be negative, and counts from an end that is not known here",
     "me.x = max(me.list)": "max(me.list): max needs two numbers or more here",
     "me.x = round(me.x, 2)": "round has no translation to C",
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
@@ -290,14 +305,33 @@ FAULTS = {
     "me.x = either(me)": "either may return a value or nothing, which C cannot tell apart",
 }
 HELPERS = {
+    "last": "\n\ndef last(items, k):\n    return items[k - 1]\n",
+    "doubled": "\n\ndef doubled(me):\n    return me.x * 2.0 + 1.0\n",
+    "less": "\n\ndef less(k):\n    return (k - 16777216.0) * 0.5\n",
+    "INT32_MAX": "\n\nINT32_MAX = 5.0\nBRAIN_MESSAGE_BYTES = 3.0\n",
     "grown": "\n\ndef grown(me):\n    me.y += 1.0\n    return me.y\n",
     "either": "\n\ndef either(me):\n    if me.x > 0.0:\n        return 1.0\n",
 }
 
 
+def helpers_of(body):
+    return "".join(text for name, text in HELPERS.items() if name in body)
+
+
+@GCC
+@pytest.mark.parametrize("what", ODD)
+def test_odd_lines_have_the_bits_of_python(what, tmp_path):
+    brain = trying(ODD[what], helpers_of(ODD[what]))
+    for precision in ("double", "single"):
+        made = brain.with_numbers(Numbers(precision, "float32"))
+        folder = tmp_path / precision
+        folder.mkdir()
+        assert differs(made, folder, chips.on_host).line == 0
+
+
 @pytest.mark.parametrize("body", FAULTS)
 def test_what_cannot_be(body):
-    extra = "".join(text for name, text in HELPERS.items() if f"{name}(" in body)
+    extra = helpers_of(body)
     with pytest.raises(InputError, match=r"brain file trying\.py, line \d+: ") as caught:
         translate(trying(body, extra))
     assert FAULTS[body] in str(caught.value)

@@ -38,8 +38,8 @@ class Kinds:
                 self.constants[statement.targets[0].id] = self.of(statement.value, "")
         for name, function in functions.items():
             given = self.first.get(name, ())
-            self.names[name] = dict(zip(_arguments(function), given, strict=False))
-        self.unknown = {name: {*_arguments(function), *_set_in(function)} for name, function in functions.items()}
+            self.names[name] = dict(zip(arguments_of(function), given, strict=False))
+        self.unknown = {name: {*arguments_of(function), *_set_in(function)} for name, function in functions.items()}
         self._go_through(functions)
         self.unknown = {}  # what nothing has been found about, since nobody calls the function, is a real number
         self._go_through(functions)
@@ -130,7 +130,7 @@ class Kinds:
                 self.results[function] = joined(*filter(None, (self.results.get(function), kind)))
             case ast.Call(func=ast.Name(id=called), args=arguments) if called in functions:
                 own = self.names[called]
-                for name, argument in zip(_arguments(functions[called]), arguments, strict=False):
+                for name, argument in zip(arguments_of(functions[called]), arguments, strict=False):
                     own[name] = joined(*filter(None, (own.get(name), self.of(argument, function))))
 
     def _set(self, target: ast.expr, kind: Kind, function: str) -> None:
@@ -164,5 +164,6 @@ def _set_in(function: ast.FunctionDef) -> Iterator[str]:
     return (n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
 
 
-def _arguments(function: ast.FunctionDef) -> Iterator[str]:
+def arguments_of(function: ast.FunctionDef) -> Iterator[str]:
+    """The names of a function's arguments."""
     return (argument.arg for argument in (*function.args.posonlyargs, *function.args.args))

@@ -11,7 +11,8 @@ import functools
 from pathlib import Path
 
 from swarmcensus import robot
-from swarmcensus.brains.kinds import REAL, Kinds
+from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds, arguments_of
+from swarmcensus.brains.syntax import functions_of
 
 CONSTANTS = ("pi", "e", "tau", "inf")  # of math
 ROUND = "rounded_to_single"  # what the function is called that rounds, in the source that is made here
@@ -54,17 +55,37 @@ class _Rounding(ast.NodeTransformer):
         return ast.Constant(rounded_to_single(node.value)) if isinstance(node.value, float) else node
 
     def visit_BinOp(self, node: ast.BinOp) -> ast.expr:
+        sides = [(side, self.kinds.of(side, self.function)) for side in (node.left, node.right)]
         rounded = self._rounded(node)
-        if isinstance(node.op, ast.Pow | ast.FloorDiv) and rounded is not node:
+        if rounded is node:
+            return node
+        if isinstance(node.op, ast.Pow | ast.FloorDiv):
             node.left, node.right = _in_double(node.left), _in_double(node.right)
+        else:
+            made = zip(sides, (node.left, node.right), strict=True)
+            node.left, node.right = (_as_real(side, kind, now, REAL) for (side, kind), now in made)
         return rounded
 
     def visit_Assign(self, node: ast.Assign) -> ast.Assign:
         """A number that a name begins with is rounded too: the name is then a float32 in machine code all along."""
-        is_real = self.function and self.kinds.of(node.value, self.function) == REAL
-        begins = isinstance(node.value, ast.Constant | ast.UnaryOp) and isinstance(node.targets[0], ast.Name)
+        value, target = node.value, node.targets[0]
+        kind = self.kinds.of(value, self.function)
+        own = self.kinds.names.get(self.function, {})
+        wanted = own.get(target.id, REAL) if isinstance(target, ast.Name) else REAL
+        begins = isinstance(value, ast.Constant | ast.UnaryOp) and isinstance(target, ast.Name)
         self.generic_visit(node)
-        node.value = _call(node.value) if is_real and begins else node.value
+        if self.function and kind == REAL and begins:
+            node.value = _call(node.value)
+        elif self.function:
+            node.value = _as_real(value, kind, node.value, wanted)
+        return node
+
+    def visit_Return(self, node: ast.Return) -> ast.Return:
+        value, wanted = node.value, self.kinds.results.get(self.function, REAL)
+        kind = REAL if value is None else self.kinds.of(value, self.function)
+        self.generic_visit(node)
+        if value is not None and node.value is not None:
+            node.value = _as_real(value, kind, node.value, wanted)
         return node
 
     def visit_Call(self, node: ast.Call) -> ast.expr:
@@ -77,7 +98,16 @@ class _Rounding(ast.NodeTransformer):
         if name in ("min", "max") and self.kinds.of(node, self.function) == REAL:
             node.args = [_call(self.visit(a)) if isinstance(a, ast.Constant) else self.visit(a) for a in node.args]
             return node
-        if name in self.kinds.names or name in ("min", "max", "abs", "range"):
+        if name in self.kinds.names:
+            wanted = [
+                self.kinds.names[name].get(each, REAL) for each in arguments_of(functions_of(self.kinds.tree)[name])
+            ]
+            given = [(a, self.kinds.of(a, self.function)) for a in node.args]
+            self._parts(node)
+            made = zip(given, node.args, wanted, strict=False)
+            node.args = [_as_real(one, kind, now, want) for (one, kind), now, want in made]
+            return node
+        if name in ("min", "max", "abs", "range"):
             return self._parts(node)
         return self._rounded(node)
 
@@ -108,3 +138,9 @@ def _call(value: ast.expr) -> ast.Call:
 def _in_double(value: ast.expr) -> ast.Call:
     """The value for a function of `math`, which works in double precision and not in that of its argument."""
     return ast.Call(ast.Name("float", ast.Load()), [value], [])
+
+
+def _as_real(before: ast.expr, kind: Kind, now: ast.expr, wanted: Kind) -> ast.expr:
+    """A whole number where a real one is wanted, rounded as C rounds it; a literal is exact or rounded by itself."""
+    is_whole = kind == WHOLE and wanted == REAL and not isinstance(before, ast.Constant)
+    return _call(now) if is_whole else now

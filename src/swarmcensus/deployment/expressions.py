@@ -28,8 +28,8 @@ OF_BITS = {ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^", ast.LShift: "<<", a
 WHOLES = {"floor": "floor", "ceil": "ceil", "trunc": "trunc", "int": "trunc", "round": "nearest_even"}
 TESTS = ("isnan", "isinf", "isfinite")
 SAME_NAME = """
-acos acosh asin asinh atan atan2 atanh cbrt copysign cos cosh erf erfc exp exp2 expm1 fabs fma fmod hypot lgamma log10
-log1p log2 pow remainder sin sinh sqrt tan tanh
+acos acosh asin asinh atan atan2 atanh copysign cos cosh erf erfc exp expm1 fabs fmod lgamma log10 log2 pow sin sinh
+sqrt tan tanh
 """.split()  # noqa: SIM905 - read more easily than a list
 SCALES = {"degrees": 180.0 / math.pi, "radians": math.pi / 180.0}
 
@@ -306,8 +306,11 @@ class Expressions:
                 raise Untranslatable(f"the index {place} counts from an end that is not known", index)
             return str(place % items if items else place)
         text = self.whole(index).text
-        if not items or self.is_never_negative(index):
+        if self.is_never_negative(index):
             return text
+        if not items:
+            what = f"the index {ast.unparse(index)} may be negative, and counts from an end that is not known here"
+            raise Untranslatable(f"{what}: a whole number that counts up from 0 is right", index)
         return f"{self.unit.need('item_at')}({text}, {items})"
 
     def _operation(self, node: ast.BinOp) -> Text:

@@ -1,5 +1,12 @@
 """Names that a translated brain must not define: words of C and C++, of their libraries, and of our own files."""
 
+import re
+
+# the beginnings of macros of the C library, and of what brain.h defines beside the brain
+OURS = re.compile(
+    r"(U?INT(8|16|32|64|MAX|PTR|_)|SIZE_|PTRDIFF_|SIG_|WCHAR_|WINT_|FLT_|DBL_|LDBL_|FP_|HUGE_|MATH_|M_|BRAIN_"
+    r"|brain_|parameter_|codec_|missing_)"
+)
 WORDS = """
 auto break case char const continue default do double else enum extern float for goto if inline int long register
 restrict return short signed sizeof static struct switch typedef union unsigned void volatile while _Bool _Complex
@@ -19,7 +26,7 @@ abs div labs ldiv rand srand malloc free calloc realloc exit abort atoi atof qso
 bcmp bcopy bzero memcpy memset memmove memcmp memchr strlen strcpy strcat strcmp strchr puts putchar printf scanf
 getchar gets fopen signal raise main isnan isinf isfinite isnormal signbit fpclassify NAN INFINITY HUGE_VAL NULL EOF
 M_PI M_E random toupper tolower isalpha isdigit isspace ffs alloca time clock read write open close pause sleep link
-unlink pipe stdin stdout stderr errno assert offsetof uint8_t uint16_t uint32_t int8_t int16_t int32_t int64_t uint64_t
+unlink pipe stdin stdout stderr errno assert offsetof
 """.split()  # noqa: SIM905 - read more easily than a list
 OWN = """
 number number_min number_max number_square whole_min whole_max number_modulo whole_modulo whole_product_modulo
@@ -27,5 +34,6 @@ number_floor_divide whole_floor_divide whole_power whole_abs to_whole nearest_ev
 """.split()  # noqa: SIM905 - read more easily than a list
 PUBLIC = ["brain_start", "brain_send", "brain_hear", "brain_luck"]
 OF_FIELDS = frozenset([*WORDS, "number", "NAN", "INFINITY", "NULL", "EOF", "errno", "assert", "M_PI", "M_E"])
-OF_LOCALS = OF_FIELDS.union(MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
+TYPES = [f"{sign}int{bits}_t" for sign in ("", "u") for bits in (8, 16, 32, 64)] + ["size_t"]
+OF_LOCALS = OF_FIELDS.union(TYPES, MATH, (f"{name}f" for name in MATH), OWN, ("isnan", "isinf", "isfinite"))
 OF_FUNCTIONS = OF_LOCALS.union((f"{name}l" for name in MATH), LIBRARY, PUBLIC)

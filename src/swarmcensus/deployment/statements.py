@@ -50,7 +50,7 @@ class _Function:
         self.result = unit.results[name]
         self.fills = unit.returns_record(name)
         self.made: list[str] = []
-        self.spare = 0  # names made up here
+        self.fresh: set[str] = set()  # names made up here that stay in force to the end of a block
         self._note_counters()
 
     def lines(self) -> list[str]:
@@ -149,8 +149,9 @@ class _Function:
             case ast.Return(value=value):
                 self._return(node, value, depth)
             case ast.Assign(targets=targets, value=value):
-                for k, target in enumerate(targets):
-                    self._assign(node, target, value if k == 0 else _loaded(targets[0]), depth)
+                read = [t for t in targets if not (isinstance(t, ast.Name) and not self.scopes.is_read(t.id))]
+                for k, target in enumerate(read or targets[:1]):
+                    self._assign(node, target, value if k == 0 else _loaded(read[0]), depth)
             case ast.AnnAssign(target=target, value=value):
                 if value is not None:
                     self._assign(node, target, value, depth)
@@ -261,12 +262,15 @@ class _Function:
         self._block(node.body, depth + 1)
         self._write("}", depth)
 
-    def _new(self, like: str) -> str:
-        """A name that the function does not use."""
-        taken = {self.unit.local(node.id) for node in ast.walk(self.node) if isinstance(node, ast.Name)}
-        name = like
+    def _new(self, like: str, stays: bool = False) -> str:
+        """A name that the function does not use; one that `stays` is not made again."""
+        taken = {self.unit.local(node.id) for node in ast.walk(self.node) if isinstance(node, ast.Name)} | self.fresh
+        name, count = like, 1
         while name in taken:
-            name += "_"
+            count += 1
+            name = f"{like}{count}"
+        if stays:
+            self.fresh.add(name)
         return name
 
     def _assign(self, node: ast.stmt, target: ast.expr, value: ast.expr, depth: int) -> None:
@@ -309,7 +313,10 @@ class _Function:
         if name in self.scopes.at.get(id(node), ()):
             self.scopes.at[id(node)].discard(name)
             self._write(f"struct {record.name} {self.unit.local(name)};", depth, remark)
-        for text, item in zip(self._items(node, value, len(kind), depth, kind), record.items, strict=True):
+        texts = self._items(node, value, len(kind), depth, kind)
+        if any(isinstance(part, ast.Name) and part.id == name for part in ast.walk(value)):
+            texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
+        for text, item in zip(texts, record.items, strict=True):
             self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
 
     def _items(
@@ -332,8 +339,7 @@ class _Function:
         if record is None or len(record.items) != count:
             raise Untranslatable(f"{ast.unparse(value)} gives no tuple of {count}", node)
         if isinstance(value, ast.Call):
-            name = self._new("result" if not self.spare else f"result{self.spare + 1}")
-            self.spare += 1
+            name = self._new("result", stays=True)
             text = self.say.as_kind(value, record.kinds).text
             self._write(f"const struct {record.name} {name} = {text};", depth)
             return [f"{name}.{item}" for item in record.items]
@@ -343,34 +349,25 @@ class _Function:
         """The two results of a function that Python returns as a tuple."""
         arguments = value.args
         if function == "frexp":
-            power = self._new("exponent")
+            power = self._new("exponent", stays=True)
             self._write(f"int {power};", depth)
             return [f"{self.unit.math('frexp')}({self.say.real(arguments[0]).text}, &{power})", power]
+        if function == "modf":
+            whole = self._new("whole", stays=True)
+            self._write(f"number {whole};", depth)
+            return [f"{self.unit.math('modf')}({self.say.real(arguments[0]).text}, &{whole})", whole]
         if not all(map(self.say.is_pure, arguments)):
             raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
         texts = ", ".join(self.say.real(argument).text for argument in arguments)
-        if function == "divmod":
-            return [f"{self.unit.need('number_floor_divide')}({texts})", f"{self.unit.need('number_modulo')}({texts})"]
-        return [f"{self.unit.math('fmod')}({texts}, {self.unit.real(1.0)})", f"{self.unit.math('trunc')}({texts})"]
+        return [f"{self.unit.need('number_floor_divide')}({texts})", f"{self.unit.need('number_modulo')}({texts})"]
 
     def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
         places = target.elts
         own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
         texts = self._items(node, value, len(places), depth, tuple(own))
-        stored = {ast.unparse(place) for place in places}
-        depends = isinstance(value, ast.Tuple) and any(
-            ast.unparse(part) in stored
-            for item in value.elts[1:]
-            for part in ast.walk(item)
-            if isinstance(part, ast.expr)
-        )
-        if depends:
-            kept: list[str] = []
-            for text, kind in zip(texts, own, strict=True):
-                name = self._new(f"new{len(kept) + 1}")
-                self._write(f"const {self.unit.type_of(kind, node)} {name} = {text};", depth)
-                kept.append(name)
-            texts = kept
+        later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if called_in_parts(value) else []
+        if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
+            texts = [self._kept(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
         for place, text in zip(places, texts, strict=True):
             if isinstance(place, ast.Name):
                 if not self.scopes.is_read(place.id):
@@ -383,6 +380,23 @@ class _Function:
                 raise Untranslatable("a tuple within a tuple has no translation to C", node)
             self._write(f"{start} = {text};", depth, remark)
             remark = ""
+
+    def _kept(self, text: str, kind: Kind, node: ast.stmt, depth: int) -> str:
+        """A name for a value that is worked out before anything is set."""
+        name = self._new("new", stays=True)
+        self._write(f"const {self.unit.type_of(kind, node)} {name} = {text};", depth)
+        return name
+
+    def _may_set(self, place: ast.expr, item: ast.expr) -> bool:
+        """Whether setting a place may change what an expression gives: of the same name, field, or any vector."""
+        parts = list(ast.walk(item))
+        if isinstance(place, ast.Name):
+            return any(isinstance(part, ast.Name) and part.id == place.id for part in parts)
+        if any(isinstance(part, ast.Call) and called(part) in self.unit.functions for part in parts):
+            return True
+        if isinstance(place, ast.Attribute):
+            return any(isinstance(part, ast.Attribute) and part.attr == place.attr for part in parts)
+        return any(isinstance(part, ast.Subscript) for part in parts)
 
     def _augment(self, node: ast.AugAssign, depth: int) -> None:
         target, remark = node.target, self.comments.at(node.lineno, node.end_lineno or node.lineno)
@@ -468,6 +482,12 @@ def _says(node: ast.AST) -> bool:
 
 def _remark(text: str) -> str:
     return f"  // {text}" if text else ""
+
+
+def called_in_parts(node: ast.expr) -> bool:
+    """Whether this calls a function of Python that gives two results, which C works out one after the other."""
+    name = node.func.attr if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) else called(node)
+    return name in ("frexp", "divmod", "modf")
 
 
 def _is_range(node: ast.expr) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds
 from swarmcensus.brains.syntax import functions_of, may_be_none
-from swarmcensus.deployment.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS
+from swarmcensus.deployment.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 SPECIAL = {"interval": ("low", "high"), "steer": ("speed", "turn")}  # names for what these functions return
@@ -64,8 +64,6 @@ class Unit:
 
     def local(self, name: str) -> str:
         """A local name in C."""
-        if not name.strip("_"):
-            return f"{name}loop"
         return in_c(name, OF_LOCALS)
 
     def field(self, name: str) -> str:
@@ -202,6 +200,7 @@ def arguments_of(function: ast.FunctionDef) -> list[str]:
 
 
 def in_c(name: str, taken: Collection[str]) -> str:
-    """A name in C: without letters that C lacks, and with an underscore if it is taken."""
+    """A name in C: without letters that C lacks, and with one more underscore if it is taken but for those it has."""
     made = "".join(c if c.isascii() else f"u{ord(c):04x}" for c in name)
-    return f"{made}_" if made in taken else made
+    plain = made.rstrip("_") or made
+    return f"{made}_" if plain in taken or OURS.match(plain) else made
