@@ -365,7 +365,8 @@ class _Function:
         places = target.elts
         own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
         texts = self._items(node, value, len(places), depth, tuple(own))
-        later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if called_in_parts(value) else []
+        in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
+        later = value.elts if isinstance(value, ast.Tuple) else [value] * len(places) if in_parts else []
         if any(self._may_set(place, item) for k, item in enumerate(later) for place in places[:k]):
             texts = [self._kept(text, kind, node, depth) for text, kind in zip(texts, own, strict=True)]
         for place, text in zip(places, texts, strict=True):
@@ -482,12 +483,6 @@ def _says(node: ast.AST) -> bool:
 
 def _remark(text: str) -> str:
     return f"  // {text}" if text else ""
-
-
-def called_in_parts(node: ast.expr) -> bool:
-    """Whether this calls a function of Python that gives two results, which C works out one after the other."""
-    name = node.func.attr if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) else called(node)
-    return name in ("frexp", "divmod", "modf")
 
 
 def _is_range(node: ast.expr) -> bool:
