@@ -155,7 +155,7 @@ ALL = (
         page="size of the brain's memory, at 4 bytes a number",
     ),
     Quantity(
-        "message_bytes", "what one message takes", "setting", PER_SETTING, "bytes", np.int64,
+        "message_bytes", "what one message takes, 4 a number", "setting", PER_SETTING, "bytes", np.int64,
         label="message", axis="bytes of a message",
         page="size of a message in its format; 4 bytes a number without one",
     ),
