@@ -164,6 +164,6 @@ def _set_in(function: ast.FunctionDef) -> Iterator[str]:
     return (n.id for n in ast.walk(function) if isinstance(n, ast.Name) and isinstance(n.ctx, ast.Store))
 
 
-def arguments_of(function: ast.FunctionDef) -> Iterator[str]:
+def arguments_of(function: ast.FunctionDef) -> list[str]:
     """The names of a function's arguments."""
-    return (argument.arg for argument in (*function.args.posonlyargs, *function.args.args))
+    return [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]

@@ -7,12 +7,12 @@ from typing import Any
 
 from swarmcensus.basics import safe_source
 from swarmcensus.brains import Brain
-from swarmcensus.brains.kinds import REAL, Kinds
+from swarmcensus.brains.kinds import REAL, Kinds, arguments_of
 from swarmcensus.brains.packing import BYTES, MOST, READ, STEPS, Part, bytes_of
 from swarmcensus.brains.single import in_single
 from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment.comments import Comments
-from swarmcensus.deployment.unit import Record, Unit, arguments_of
+from swarmcensus.deployment.unit import Record, Unit
 from swarmcensus.robot.codec import LARGEST_REAL
 from swarmcensus.robot.runtime import Messages
 

@@ -2,8 +2,8 @@
 
 import ast
 
-from swarmcensus.brains.kinds import REAL, RECORD
-from swarmcensus.deployment.unit import Record, Unit, arguments_of
+from swarmcensus.brains.kinds import REAL, RECORD, arguments_of
+from swarmcensus.deployment.unit import Record, Unit
 
 
 def signature(unit: Unit, name: str) -> str:

@@ -3,13 +3,13 @@
 import ast
 from collections.abc import Iterator
 
-from swarmcensus.brains.kinds import NOTHING, REAL, TRUTH, WHOLE, Kind
+from swarmcensus.brains.kinds import NOTHING, REAL, TRUTH, WHOLE, Kind, arguments_of
 from swarmcensus.deployment.comments import Comments, plain
 from swarmcensus.deployment.expressions import PLAIN, Expressions
 from swarmcensus.deployment.scopes import Scopes
 from swarmcensus.deployment.signatures import out_name, signature
 from swarmcensus.deployment.texts import literal
-from swarmcensus.deployment.unit import Record, Unit, Untranslatable, arguments_of, called
+from swarmcensus.deployment.unit import Record, Unit, Untranslatable, called
 
 STEP = "    "
 SET = {**{kind: f"{sign}=" for kind, (sign, _) in PLAIN.items()}, ast.Div: "/="}

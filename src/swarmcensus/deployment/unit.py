@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds
+from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds, arguments_of
 from swarmcensus.brains.syntax import functions_of, may_be_none
 from swarmcensus.deployment.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
 
@@ -192,11 +192,6 @@ class Unit:
 def called(node: ast.AST) -> str:
     """The name of the function that an expression calls by its name; empty if it is something else."""
     return node.func.id if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) else ""
-
-
-def arguments_of(function: ast.FunctionDef) -> list[str]:
-    """The names of a function's arguments."""
-    return [argument.arg for argument in (*function.args.posonlyargs, *function.args.args)]
 
 
 def in_c(name: str, taken: Collection[str]) -> str:
