@@ -188,7 +188,7 @@ class Robot:
     2^30, as MicroPython's time.ticks_ms does. b, w: the sensor's accuracies on black and on white. number: of this
     robot, 0 to 65535, which no other has. period: milliseconds a tick. readings: of the sensor, in a tick. luck: a
     function that returns a random number in (0, 1), for brains that use it. budget: milliseconds of a tick after which
-    no more messages are read; they wait for the next one.
+    no more messages are read; they wait for the next one. most: messages a tick, at most 255.
     """
 
     def __init__(self, brain, messages, sensor, radio, clock, b, w, number, period=100, readings=1, parameters=None,
@@ -204,7 +204,8 @@ class Robot:
         self.readings = readings
         self.luck = luck
         self.budget = max(1, period // 2) if budget is None else budget
-        self.most = most  # messages a tick
+        self.most = min(most, 255)
+        self.log = None
         self.me = me = Me()
         self.fields = sorted(brain.MEMORY)  # the dicts of MicroPython have no order
         given = dict(getattr(brain, "PARAMETERS", {}))
@@ -212,12 +213,10 @@ class Robot:
         self._give(brain.MEMORY)
         self._give(given)
         me.b, me.w, me.luck, me.name = 1.0 * b, 1.0 * w, 0.5, 1.0 * number
-        self.before = [list(v) if isinstance(v, list) else v for v in [getattr(me, name) for name in self.fields]]
         self.senders = []  # of each: number, boot count, tick, and our tick when it was heard
         self.boot = 0
         self.ticks = 0
-        self.file = None
-        self.every = 0
+        self.file, self.every = None, 0
         self.due = clock()
         self.starts = True  # whether the sensor is to be started
         self.heard = 0  # messages that the brain received
@@ -255,15 +254,29 @@ class Robot:
     def tick(self):
         """Read the sensor, talk, hear and think, once. Raises nothing."""
         begun = self.clock()
+        self.speak()
+        for _ in range(self.most):
+            if since(self.clock(), begun) >= self.budget or not self._hear():
+                break
+        self.think()
+        if self.log:
+            self.log.tick(self, begun)
+        if self.every and self.ticks % self.every == 0:
+            self.save()
+
+    def speak(self):
+        """The first part of a tick: read the sensor and broadcast."""
         self.ticks += 1
         if not self.done:
             blacks, looks = self._look()
             if looks:
+                if self.log:
+                    self.log.read = blacks, looks
                 self._do(self.brain.observe, blacks, looks)
         self._talk()
-        for _ in range(self.most):
-            if since(self.clock(), begun) >= self.budget or not self._hear():
-                break
+
+    def think(self):
+        """The last part of a tick: fuse what was heard."""
         self.stuck = 0 if self._do(self.brain.fuse) else self.stuck + 1
         if self.stuck >= PATIENCE:
             self._give(self.brain.MEMORY)
@@ -271,8 +284,6 @@ class Robot:
             self.blanked += 1
             self.stuck = 0
         self._ask()
-        if self.every and self.ticks % self.every == 0:
-            self.save()
 
     def _give(self, fields):
         """Set fields of the mind."""
@@ -298,10 +309,11 @@ class Robot:
 
     def _talk(self):
         try:
-            said = self.brain.broadcast(self.me)
-            if said is None:
+            if (said := self.brain.broadcast(self.me)) is None:
                 return
             datagram = self.messages.pack(said, self.boot, self.number, self.ticks)
+            if self.log:
+                self.log.said = datagram[HEADER : HEADER + self.messages.body]
         except Exception:
             self.undone += 1
             return
@@ -316,7 +328,7 @@ class Robot:
             datagram = self.radio.receive()
         except Exception:
             self.radio_faults += 1
-            return False
+            datagram = None
         if datagram is None:
             return False
         try:
@@ -328,6 +340,8 @@ class Robot:
         elif read[1] != self.number:  # some radios hear themselves
             if self._is_new(read[0], read[1], read[2]):
                 self.heard += 1
+                if self.log:
+                    self.log.heard.append(read[:3] + (datagram[HEADER : HEADER + self.messages.body],))
                 self._do(self.brain.receive, read[3])
             else:
                 self.stale += 1
@@ -358,27 +372,16 @@ class Robot:
 
         If it raises, or a number becomes NaN or infinite, the mind is as before.
         """
-        me, before = self.me, self.before
-        for k, name in enumerate(self.fields):
-            value = getattr(me, name)
-            if isinstance(value, list):
-                before[k][:] = value
-            else:
-                before[k] = value
+        before = self.numbers()
         try:
-            if self.luck:
-                me.luck = self.luck() or 0.5
-            function(me, *given)
+            self._draw()
+            function(self.me, *given)
             if all(finite(x) for x in self.numbers()):
                 return True
         except Exception:
             pass
         self.undone += 1
-        for k, name in enumerate(self.fields):
-            if isinstance(before[k], list):
-                getattr(me, name)[:] = before[k]
-            else:
-                setattr(me, name, before[k])
+        self._become(before)
         return False
 
     def _ask(self):
@@ -395,21 +398,29 @@ class Robot:
             if hasattr(brain, "done"):
                 self.done = bool(brain.done(me))
             if hasattr(brain, "steer"):
-                if self.luck:
-                    me.luck = self.luck() or 0.5
+                self._draw()
                 self.course = brain.steer(me)
         except Exception:
             self.undone += 1
+
+    def _draw(self):
+        """New luck, if the brain uses it."""
+        if self.luck:
+            self.me.luck = self.luck() or 0.5
+            if self.log:
+                self.log.luck.append(self.me.luck)
+
+    def record(self, log):
+        """From now on write what happens to this log, a `Log` of log.py."""
+        self.log = log
+        log.state(self, True)
 
     def numbers(self):
         """All numbers of the memory, by the names of its fields."""
         out = []
         for name in self.fields:
             value = getattr(self.me, name)
-            if isinstance(value, list):
-                out.extend(value)
-            else:
-                out.append(value)
+            out.extend(value if isinstance(value, list) else [value])
         return out
 
     def keep(self, file, every):
@@ -425,23 +436,24 @@ class Robot:
         boots = [struct.unpack("<I", b)[0] for b in known] + [b[0] for b in kept]
         if kept:
             _, self.ticks, body = max(kept)
-            self._become([struct.unpack("<d", body[k : k + 8])[0] for k in range(8, size, 8)])
+            self.restore([struct.unpack("<d", body[k : k + 8])[0] for k in range(8, size, 8)])
         self.boot = max(boots) + 1 if boots else 0
         if not _write(file + ".boot", struct.pack("<I", self.boot), 0):
             self.file_faults += 1
         self._ask()
 
+    def restore(self, numbers):
+        """Set the memory, and what is owed to messages, to numbers as they are saved."""
+        self._become(numbers)
+        self.messages.owed[:] = numbers[len(self.numbers()) :]
+
     def _become(self, numbers):
         at = 0
         for name in self.fields:
             value = getattr(self.me, name)
-            if isinstance(value, list):
-                value[:] = numbers[at : at + len(value)]
-                at += len(value)
-            else:
-                setattr(self.me, name, numbers[at])
-                at += 1
-        self.messages.owed[:] = numbers[at:]
+            length = len(value) if isinstance(value, list) else 0
+            setattr(self.me, name, numbers[at : at + length] if length else numbers[at])
+            at += length or 1
 
     def save(self):
         """Save the memory; a power cut leaves the old file or the new one. Raises nothing."""
@@ -450,6 +462,8 @@ class Robot:
             body.extend(struct.pack("<d", x))
         if not _write(self.file, body, self.messages.mark):
             self.file_faults += 1
+        if self.log:
+            self.log.state(self, False)
 
     def status(self):
         """One line of what happened so far."""

@@ -1,0 +1,182 @@
+"""A robot's log, read: blocks to states and ticks, whatever was cut or damaged."""
+
+import struct
+from binascii import crc32
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.robot import log as written
+
+AROUND = 3, 2  # bytes before the body of a block and after it
+
+
+class Heard(NamedTuple):
+    """A message that a brain received."""
+
+    sender: int
+    boot: int  # the low byte of the sender's boot count
+    tick: int  # the low two bytes of the sender's tick
+    code: bytes  # the message, without header and checksum
+
+
+class State(NamedTuple):
+    """What a robot was, and what its mind held, at a start or when it saved its memory."""
+
+    starts: bool
+    feedback: bool
+    single: bool
+    form: int  # of the message, in `FORMATS`; 0 if unknown
+    boot: int
+    mark: int
+    number: int
+    code_bytes: int  # of a message, without header and checksum
+    tick: int
+    period: int  # ms
+    clock: int  # ms; it begins again at 2^30
+    brain: bytes  # the first 8 of the SHA-256 of the brain's file
+    now: int  # ms since 1970 when the robot started; 0 if unknown
+    b: float
+    w: float
+    parameters: tuple[float, ...]  # by name
+    numbers: tuple[float, ...]  # of the memory
+    owed: tuple[float, ...]  # what rounding took of messages
+
+
+class Tick(NamedTuple):
+    """What happened in one tick, in this order."""
+
+    tick: int
+    clock: int  # ms, when it began
+    blacks: int
+    looks: int
+    said: bytes | None
+    heard: tuple[Heard, ...]
+    luck: tuple[float, ...]
+    estimate: float
+    checksum: int  # CRC-32 of the memory and of what is owed, at the end
+
+
+class Gap(NamedTuple):
+    """Bytes of a log that hold no whole block."""
+
+    at: int
+    length: int
+    is_last: bool  # nothing follows: the log was cut
+
+
+@dataclass(frozen=True)
+class RobotLog:
+    """All that is whole in a log, in its order."""
+
+    path: Path
+    number: int
+    blocks: tuple[State | Tick | Gap, ...]
+
+    @property
+    def states(self) -> list[State]:
+        """The states, of which the first is of a start."""
+        return [block for block in self.blocks if isinstance(block, State)]
+
+    @property
+    def ticks(self) -> list[Tick]:
+        """The ticks."""
+        return [block for block in self.blocks if isinstance(block, Tick)]
+
+    @property
+    def gaps(self) -> list[Gap]:
+        """What is lost."""
+        return [block for block in self.blocks if isinstance(block, Gap)]
+
+
+def read_log(path: str | Path) -> RobotLog:
+    """Read the log of one robot. Raises InputError if the file cannot be read, or has no whole state."""
+    path = Path(path)
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    blocks = tuple(_blocks(data, path))
+    states = [block for block in blocks if isinstance(block, State)]
+    if not states:
+        raise InputError(f"{path}: should be a robot's log, which begins with what the robot is")
+    if strangers := {state.number for state in states} - {states[0].number}:
+        raise InputError(
+            f"{path}: the log is of robot {states[0].number} and of robot {min(strangers)}: of one is right"
+        )
+    return RobotLog(path, states[0].number, blocks)
+
+
+def _blocks(data: bytes, path: Path) -> Iterator[State | Tick | Gap]:
+    at, size = 0, 0  # size: bytes of a message, known after the first state
+    while at < len(data):
+        kind, body, after = _block(data, at)
+        if body is None or (kind == written.TICK and not at):
+            after = _next_state(data, at)
+            yield Gap(at, after - at, after == len(data))
+        elif kind == written.STATE:
+            state = _state(body, path)
+            size = state.code_bytes
+            yield state
+        elif kind == written.TICK and (tick := _tick(body, size)):
+            yield tick
+        at = after
+
+
+def _block(data: bytes, at: int) -> tuple[int, bytes | None, int]:
+    """The kind and the body of the block that begins here, None if it is not whole, and where the next one begins."""
+    before, behind = AROUND
+    if at + before + behind > len(data):
+        return 0, None, at
+    kind, length = struct.unpack_from("<BH", data, at)
+    end = at + before + length
+    if end + behind > len(data) or struct.unpack_from("<H", data, end)[0] != crc32(data[at:end]) & 0xFFFF:
+        return kind, None, at
+    return kind, data[at + before : end], end + behind
+
+
+def _next_state(data: bytes, at: int) -> int:
+    """Where the next whole state begins: ticks after damage begin from an unknown memory."""
+    while (found := data.find(written.MAGIC, at + 1)) >= 0:
+        begins = found - AROUND[0]
+        if begins > at and data[begins] == written.STATE and _block(data, begins)[1] is not None:
+            return begins
+        at = found
+    return len(data)
+
+
+def _state(body: bytes, path: Path) -> State:
+    head = struct.calcsize(written.HEAD)
+    _, version, flags, form, *rest = struct.unpack_from(written.HEAD, body)
+    if version != written.VERSION:
+        raise InputError(f"{path}: a log of version {version}: this swarmcensus reads version {written.VERSION}")
+    *rest, parameters, numbers, owed = rest
+    values = struct.unpack_from(f"<{parameters + numbers + owed}d", body, head)
+    starts, feedback, single = (bool(flags & flag) for flag in (written.STARTS, written.FEEDBACK, written.SINGLE))
+    own, owes = values[parameters : parameters + numbers], values[parameters + numbers :]
+    return State._make([starts, feedback, single, form, *rest, values[:parameters], own, owes])
+
+
+def _tick(body: bytes, size: int) -> Tick | None:
+    """A tick; None if its parts do not fit, as those of another writer."""
+    try:
+        tick, clock, blacks, looks, flags, count = struct.unpack_from(written.OPENING, body)
+        at = struct.calcsize(written.OPENING)
+        said, heard, luck = None, [], ()
+        if flags & written.SAID:
+            said = body[at : at + size]
+            at += size
+        for _ in range(count):
+            sender, boot, sent = struct.unpack_from(written.FROM, body, at)
+            at += struct.calcsize(written.FROM) + size
+            heard.append(Heard(sender, boot, sent, body[at - size : at]))
+        if flags & written.LUCKY:
+            drawn = struct.unpack_from("<H", body, at)[0]
+            luck = struct.unpack_from(f"<{drawn}d", body, at + 2)
+            at += 2 + 8 * drawn
+        estimate, checksum = struct.unpack(written.ENDING, body[at:])
+    except struct.error:
+        return None
+    return Tick(tick, clock, blacks, looks, said, tuple(heard), luck, estimate, checksum)
