@@ -65,9 +65,11 @@ def test_swarms_with_number_formats_live_the_life_of_the_reference(numbers):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("numbers", EVERY[:5], ids=str)
-def test_all_brains_have_the_bits_of_the_reference_as_machine_code(numbers):
-    every = [name for name in brains.shipped() if name not in ("oracle", "leaver")]
+@pytest.mark.parametrize("which", range(5), ids=lambda which: str(EVERY[which]))
+def test_all_brains_have_the_bits_of_the_reference_as_machine_code(which):
+    numbers, every = EVERY[which], [name for name in brains.shipped() if name not in ("oracle", "leaver")]
+    if which != 1:  # in CPython all are tried: as machine code, all in one combination, and a fourth in each other one
+        every = every[which - (which > 1) :: 4]
     lives_as_the_reference(
         settings_of(robots=6, brain=every, rounds=60, link_success=0.8, accuracy="U(0.6, 0.9)", **keys_of(numbers))
     )
