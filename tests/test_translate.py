@@ -293,6 +293,18 @@ ODD = {
     "a loop without a name": "turn = 0.0\nfor _ in range(4):\n    turn += 1.0\nme.x = turn",
     "words of C": "double = me.x\ndouble_ = me.y + 1.0\nint32_t = 3\nk = int(me.x)\nme.x = double - double_ + int32_t",
     "macros": "me.x = me.x + INT32_MAX * BRAIN_MESSAGE_BYTES",
+    "bits": "k = int(me.x)\nif k & 3:\n    me.y += 1.0\nif (k & 1) == 1 or 2 < (k | 1):\n    me.x += 2.0",
+    "a result that nobody reads": "_, y = grown(me), 1.0\nme.x += y",
+    "an exponent alone": "m, e = math.frexp(me.x + 1.0)\nme.x = e",
+    "comments": "# why???/\nme.x += 1.0  # a path \\ \\\nme.y += 1.0\n# \\ \\ \nme.x *= 0.5",
+    "zeros without a sign": "me.x = math.ceil(me.x * 0.01 - 0.5)\nme.y = -math.floor(me.y * 0.001)",
+    "a quotient of whole numbers": "q, m = divmod(int(me.x) - 3, -5)\nme.x = q\nme.y = m",
+    "a table of whole numbers": "for k in WHOLES:\n    me.x = -k\n    me.y = k % -3",
+    "expressions alone": "grown(me) if me.x > 1 else shrunk(me)\nme.x > 2 and grown(me)\nme.x < 3 or shrunk(me)",
+    "a helper that nobody calls": "me.x += 1.0  # no not_called here",
+    "names of the self-test": "me.x = test_put(me)",
+    "the largest real number": "me.x = min(me.x + 1.0, 3.4028235e38)\nme.y = 3.4028235e38",
+    "whole beside real numbers": "k = 16777217\nif k > 16777216.0 + me.y * 0.0:\n    me.y += 1.0\nme.x += 16777217",
     "large whole numbers": "k = int(me.x) + 16777217\nme.x = less(k) * 0.001\nme.y = k",
 }
 FAULTS = {
@@ -302,6 +314,9 @@ FAULTS = {
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
     "n = 3000000000\nme.x = n": "3,000,000,000 is no whole number of 32 bits",
+    "y = me.y\nme.x = y + (y := me.x * 2.0)": "changes what the rest of the line reads",
+    "me.x = doubled(me=me)": "doubled(me=me): C has neither named nor spread arguments",
+    "a, *b = me.x, me.y, 1.0\nme.x = a": "a starred name takes a list, which C does not have",
     "me.x = either(me)": "either may return a value or nothing, which C cannot tell apart",
 }
 HELPERS = {
@@ -310,6 +325,10 @@ HELPERS = {
     "less": "\n\ndef less(k):\n    return (k - 16777216.0) * 0.5\n",
     "INT32_MAX": "\n\nINT32_MAX = 5.0\nBRAIN_MESSAGE_BYTES = 3.0\n",
     "grown": "\n\ndef grown(me):\n    me.y += 1.0\n    return me.y\n",
+    "shrunk": "\n\ndef shrunk(me):\n    me.x -= 1.0\n",
+    "WHOLES": "\n\nWHOLES = (0, 2, -1, 0)\n",
+    "not_called": "\n\n# Left out.\ndef not_called(me):\n    me.x = me.y + 1.0\n    return me.x\n",
+    "test_put": "\n\ndef test_put(me):\n    return me.x * 0.5\n",
     "either": "\n\ndef either(me):\n    if me.x > 0.0:\n        return 1.0\n",
 }
 
@@ -336,6 +355,15 @@ def test_what_cannot_be(body):
         translate(trying(body, extra))
     assert FAULTS[body] in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_whole_numbers_have_32_bits_on_small_chips():
+    text = translate(trying("me.x = len(me.list) * 10000\nme.y = (me.x > 0.0) * 300 * 300 + (1 << int(me.y) % 9)"))[
+        "brain.h"
+    ]
+    assert "(int32_t)3 * 10000" in text
+    assert "(int32_t)1 << whole_modulo" in text
+    assert "(int32_t)(me->x > 0.0) * 300" in text
 
 
 def test_a_brain_that_fails():

@@ -108,6 +108,8 @@ class Kinds:
             return joined(*(_number(self.of(argument, function)) for argument in arguments))
         if name == "frexp":
             return (REAL, WHOLE)
+        if name == "divmod" and joined(*(_number(self.of(argument, function)) for argument in arguments)) == WHOLE:
+            return (WHOLE, WHOLE)
         if name in ("divmod", "modf"):
             return (REAL, REAL)
         return REAL
@@ -124,7 +126,9 @@ class Kinds:
                 self._set(target, self.of(both, function), function)
             case ast.For(target=target, iter=over):
                 counts = isinstance(over, ast.Call) and isinstance(over.func, ast.Name) and over.func.id == "range"
-                self._set(target, WHOLE if counts else REAL, function)
+                items = self.constants.get(over.id) if isinstance(over, ast.Name) else None
+                of_wholes = isinstance(items, tuple) and joined(*items) == WHOLE
+                self._set(target, WHOLE if counts or of_wholes else REAL, function)
             case ast.Return(value=value):
                 kind = NOTHING if value is None else self.of(value, function)
                 self.results[function] = joined(*filter(None, (self.results.get(function), kind)))

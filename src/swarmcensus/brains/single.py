@@ -15,6 +15,7 @@ from swarmcensus.brains.kinds import REAL, WHOLE, Kind, Kinds, arguments_of
 from swarmcensus.brains.syntax import functions_of
 
 CONSTANTS = ("pi", "e", "tau", "inf")  # of math
+EXACT = 2**24  # up to here single precision has all whole numbers
 ROUND = "rounded_to_single"  # what the function is called that rounds, in the source that is made here
 
 
@@ -96,7 +97,11 @@ class _Rounding(ast.NodeTransformer):
             node.args = [_in_double(a) if k == REAL else a for a, k in zip(arguments, kinds, strict=True)]
             return _call(node) if kind == REAL else node
         if name in ("min", "max") and self.kinds.of(node, self.function) == REAL:
-            node.args = [_call(self.visit(a)) if isinstance(a, ast.Constant) else self.visit(a) for a in node.args]
+            given = [(a, self.kinds.of(a, self.function)) for a in node.args]
+            node.args = [
+                _call(self.visit(a)) if isinstance(a, ast.Constant) else _as_real(a, kind, self.visit(a), REAL)
+                for a, kind in given
+            ]
             return node
         if name in self.kinds.names:
             wanted = [
@@ -110,6 +115,15 @@ class _Rounding(ast.NodeTransformer):
         if name in ("min", "max", "abs", "range"):
             return self._parts(node)
         return self._rounded(node)
+
+    def visit_Compare(self, node: ast.Compare) -> ast.Compare:
+        terms = [node.left, *node.comparators]
+        kinds = [self.kinds.of(term, self.function) for term in terms]
+        self._parts(node)
+        if REAL in kinds:
+            made = zip(terms, kinds, [node.left, *node.comparators], strict=True)
+            node.left, *node.comparators = (_as_real(term, kind, now, REAL) for term, kind, now in made)
+        return node
 
     def visit_AugAssign(self, node: ast.AugAssign) -> ast.Assign:
         read = ast.parse(ast.unparse(node.target), mode="eval").body
@@ -142,5 +156,6 @@ def _in_double(value: ast.expr) -> ast.Call:
 
 def _as_real(before: ast.expr, kind: Kind, now: ast.expr, wanted: Kind) -> ast.expr:
     """A whole number where a real one is wanted, rounded as C rounds it; a literal is exact or rounded by itself."""
-    is_whole = kind == WHOLE and wanted == REAL and not isinstance(before, ast.Constant)
+    is_exact = isinstance(before, ast.Constant) and isinstance(before.value, int) and abs(before.value) <= EXACT
+    is_whole = kind == WHOLE and wanted == REAL and not is_exact
     return _call(now) if is_whole else now

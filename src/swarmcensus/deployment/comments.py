@@ -1,6 +1,7 @@
 """The comments of a Python source, by line, for a translation that keeps them."""
 
 import io
+import re
 import tokenize
 from collections.abc import Iterator
 
@@ -31,4 +32,4 @@ class Comments:
 
 def plain(text: str) -> str:
     """A text that can follow // in C: a line must not end in a backslash, and ?? may begin a trigraph."""
-    return text.strip().rstrip("\\").replace("??", "? ?")
+    return re.sub(r"\?(?=\?)", "? ", text.strip().rstrip("\\ \t\f\v"))

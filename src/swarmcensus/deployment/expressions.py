@@ -52,7 +52,7 @@ class Expressions:
         if (value := literal(node)) is not None:
             return signed(self.unit.real(float(value)))
         if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
-            return rounding
+            return Text(f"{rounding.text} + {self.unit.real(0.0)}", SUM)  # whole numbers of Python have no -0
         return self._value(node, REAL)
 
     def whole(self, node: ast.expr) -> Text:
@@ -63,8 +63,8 @@ class Expressions:
         if self.kind(node) == REAL:
             return Text(f"{self.unit.need('to_whole')}({self.real(node).text})")
         if isinstance(node, ast.Call) and (rounding := self._rounding(node)):
-            cut = self.real(node.args[0]).text if WHOLES[_called(node)] == "trunc" else rounding.text
-            return Text(f"{self.unit.need('to_whole')}({cut})")
+            cut = self.real(node.args[0]) if WHOLES[_called(node)] == "trunc" else rounding
+            return Text(f"{self.unit.need('to_whole')}({cut.text})")
         return self._value(node, WHOLE)
 
     def truth(self, node: ast.expr) -> Text:
@@ -131,14 +131,6 @@ class Expressions:
                 return result if isinstance(result, Record) else None
         return None
 
-    def is_pure(self, node: ast.AST) -> bool:
-        """Whether an expression changes nothing, so that it may be left out or written twice."""
-        return not any(
-            isinstance(part, ast.NamedExpr)
-            or (isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.unit.writers)
-            for part in ast.walk(node)
-        )
-
     def is_never_negative(self, node: ast.expr) -> bool:
         """Whether a whole number is surely 0 or more."""
         match node:
@@ -163,28 +155,6 @@ class Expressions:
                 return True
         return False
 
-    def check_order(self, node: ast.AST) -> None:
-        """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
-        for part in ast.walk(node):
-            if isinstance(part, ast.BoolOp | ast.IfExp):
-                continue
-            sides = [side for side in ast.iter_child_nodes(part) if isinstance(side, ast.expr)]
-            for side in sides:
-                others = [other for other in sides if other is not side]
-                if not self.is_pure(side) and any(map(self._reads, others)):
-                    raise Untranslatable(
-                        f"{ast.unparse(side)} changes what the rest of the line reads, and C may evaluate them in any "
-                        "order: assign it to a name in a line before",
-                        side if isinstance(side, ast.expr) else node,
-                    )
-
-    def _reads(self, node: ast.expr) -> bool:
-        """Whether a value may change while others are evaluated."""
-        return any(isinstance(part, ast.Attribute | ast.NamedExpr) for part in ast.walk(node)) or any(
-            isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.unit.functions
-            for part in ast.walk(node)
-        )
-
     def _value(self, node: ast.expr, want: Kind) -> Text:
         """An expression, with its parts as they are needed for a value of this kind."""
         match node:
@@ -204,6 +174,10 @@ class Expressions:
                 return self._subscript(node)
             case ast.UnaryOp(op=ast.Not(), operand=operand):
                 return Text(f"!{self.truth(operand).within(UNARY)}", UNARY)
+            case ast.UnaryOp(op=ast.USub(), operand=ast.Call() as operand) if want == REAL and self._rounding(operand):
+                return Text(
+                    f"{self.unit.real(0.0)} - {self.real(operand).within(PRODUCT)}", SUM
+                )  # so that 0 has no sign
             case ast.UnaryOp(op=ast.USub(), operand=operand):
                 inner = self.as_kind(operand, self._side(operand, want)).within(UNARY)
                 return Text(f"-({inner})" if inner.startswith("-") else f"-{inner}", UNARY)
@@ -249,6 +223,9 @@ class Expressions:
             return Text(self.unit.constant(name))
         if name in CONSTANTS:
             return signed(self.unit.real(getattr(math, name)))
+        if isinstance(value, tuple):
+            what = f"{name} is a table: a function that is given one should be given tables of real numbers alone"
+            raise Untranslatable(what, node)
         raise Untranslatable(f"{name} is no number", node)
 
     def _field(self, node: ast.Attribute, field: str) -> str:
@@ -279,7 +256,7 @@ class Expressions:
         place = literal(index)
         if self.record(whole) is not None:
             if not isinstance(place, int):
-                what = f"{ast.unparse(node)} chooses an item of a tuple while the program runs, which C cannot"
+                what = f"{ast.unparse(node)}: an item of a tuple, or of a table of whole numbers, is chosen as it runs"
                 raise Untranslatable(what, node)
             return Text(self._item(whole, place))
         if isinstance(table := self._table(whole), tuple):
@@ -318,10 +295,10 @@ class Expressions:
         if type(node.op) in OF_BITS:
             if REAL in (self.kind(left), self.kind(right)):
                 raise Untranslatable(f"{ast.unparse(node)} works on bits of a number that may be real", node)
-            level = SHIFT if isinstance(node.op, ast.LShift | ast.RShift) else BITS
-            return Text(
-                f"{self.whole(left).within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}", level
-            )
+            is_shift = isinstance(node.op, ast.LShift | ast.RShift)
+            first = self._wide(left, self.whole(left), left if is_shift else right)
+            both = f"{first.within(UNARY)} {OF_BITS[type(node.op)]} {self.whole(right).within(UNARY)}"
+            return Text(both, SHIFT if is_shift else BITS)
         if kind == WHOLE and (value := literal(node)) is not None:
             return self._whole_literal(int(value), node)
         if isinstance(kind, tuple) or kind == VECTOR:
@@ -329,13 +306,27 @@ class Expressions:
         sides = [self.as_kind(side, self._side(side, kind)) for side in (left, right)]
         if type(node.op) in PLAIN:
             operator, level = PLAIN[type(node.op)]
+            if kind == WHOLE:
+                sides[0] = self._wide(left, sides[0], right)
             return Text(f"{sides[0].within(level)} {operator} {sides[1].within(level + 1)}", level)
         if isinstance(node.op, ast.Div):
-            first = sides[0].within(PRODUCT)
+            dividend = sides[0].within(PRODUCT)
             if REAL not in (self._side(left, REAL), self._side(right, REAL)):
-                first = f"(number){sides[0].within(UNARY)}"
-            return Text(f"{first} / {sides[1].within(UNARY)}", PRODUCT)
+                dividend = f"(number){sides[0].within(UNARY)}"
+            return Text(f"{dividend} / {sides[1].within(UNARY)}", PRODUCT)
         return self._by_helper(node, kind, sides)
+
+    def _wide(self, node: ast.expr, text: Text, other: ast.expr) -> Text:
+        """A whole number in 32 bits: C works with 16 on small chips, if neither operand has a type of ours."""
+        is_wide = not (self._is_narrow(node) and self._is_narrow(other))
+        return text if is_wide else Text(f"(int32_t){text.within(UNARY)}", UNARY)
+
+    def _is_narrow(self, node: ast.expr) -> bool:
+        """Whether C gives a whole number the type int."""
+        while isinstance(node, ast.UnaryOp):
+            node = node.operand
+        is_length = isinstance(node, ast.Call) and _called(node) == "len"
+        return is_length or isinstance(node, ast.Constant | ast.IfExp) or self.kind(node) == TRUTH
 
     def _by_helper(self, node: ast.BinOp, kind: Kind, sides: list[Text]) -> Text:
         """Operations whose meaning differs from C's."""
@@ -363,7 +354,7 @@ class Expressions:
 
     def _comparison(self, node: ast.Compare) -> Text:
         terms = [node.left, *node.comparators]
-        if any(not self.is_pure(term) for term in terms[1:-1]):
+        if any(not self.unit.is_pure(term) for term in terms[1:-1]):
             raise Untranslatable(f"{ast.unparse(node)} evaluates its middle once, and C would do so twice", node)
         links = [self._link(*each) for each in zip(terms, node.ops, terms[1:], strict=False)]
         return joined(links, "&&")
@@ -371,7 +362,7 @@ class Expressions:
     def _link(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
         if isinstance(operator, ast.In | ast.NotIn):
             options = right.elts if isinstance(right, ast.Tuple | ast.List) else None
-            if options is None or not self.is_pure(left):
+            if options is None or not self.unit.is_pure(left):
                 raise Untranslatable(f"{ast.unparse(right)}: `in` is translated for a tuple in its place only", right)
             found = joined([self._link(left, ast.Eq(), option) for option in options], "||")
             return found if isinstance(operator, ast.In) else Text(f"!{found.within(UNARY)}", UNARY)
@@ -383,13 +374,13 @@ class Expressions:
         level = EQUAL if sign in ("==", "!=") else LESS
         is_real = REAL in (self.kind(left), self.kind(right))
         sides = [self.real(side) if is_real else self.whole(side) for side in (left, right)]
-        return Text(f"{sides[0].within(BITS)} {sign} {sides[1].within(BITS)}", level)
+        return Text(f"{sides[0].within(SHIFT)} {sign} {sides[1].within(SHIFT)}", level)
 
     def _tuples(self, left: ast.expr, operator: ast.cmpop, right: ast.expr) -> Text:
         """A comparison of tuples: by their first items that differ."""
         if not (isinstance(left, ast.Tuple) and isinstance(right, ast.Tuple) and len(left.elts) == len(right.elts)):
             raise Untranslatable("tuples are compared item by item, if both are written in their place", left)
-        if not (self.is_pure(left) and self.is_pure(right)):
+        if not (self.unit.is_pure(left) and self.unit.is_pure(right)):
             raise Untranslatable("items of compared tuples are evaluated more than once in C", left)
         pairs = list(zip(left.elts, right.elts, strict=True))
         equal = [self._link(one, ast.Eq(), other) for one, other in pairs]
@@ -411,7 +402,7 @@ class Expressions:
             return joined([self.truth(value) for value in node.values], "&&" if is_and else "||")
         result = self.as_kind(node.values[-1], want)
         for value in reversed(node.values[:-1]):  # the value of the first operand that decides
-            if not self.is_pure(value):
+            if not self.unit.is_pure(value):
                 raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
             kept, test = self.as_kind(value, want), self.truth(value).within(OR)
             first, second = (result, kept) if is_and else (kept, result)

@@ -10,11 +10,13 @@ from swarmcensus.basics.version import __version__
 from swarmcensus.brains import Brain
 from swarmcensus.brains.fields import Value, length
 from swarmcensus.brains.kinds import REAL, VECTOR
+from swarmcensus.brains.syntax import functions_of
 from swarmcensus.deployment import helpers, messages
 from swarmcensus.deployment.comments import Comments, plain
 from swarmcensus.deployment.reserved import OF_FIELDS
-from swarmcensus.deployment.statements import functions
-from swarmcensus.deployment.unit import Record, Unit, Untranslatable, in_c
+from swarmcensus.deployment.signatures import signature
+from swarmcensus.deployment.statements import Function
+from swarmcensus.deployment.unit import Record, Unit, Untranslatable, called, in_c
 
 ABOUT = """\
 // Written by swarmcensus {version}: the brain {label}, for numbers of type {number}, messages as {message}.
@@ -77,7 +79,7 @@ def _header(brain: Brain) -> str:
     assert record is not None
     notes = _notes(tree, comments)
     fields_text, given_text = _memory(brain, unit, notes), _message(unit, record)
-    body = functions(unit, comments)
+    body = _functions(unit, comments)
     codec, codec_comments = messages.codec_unit(number)
     talk = messages.in_c(brain, record, codec)
     codec_text = _needed_codec(codec, codec_comments, talk)
@@ -229,7 +231,7 @@ def _needed_codec(unit: Unit, comments: Comments, talk: str) -> str:
         if isinstance(node, ast.FunctionDef) and node.name not in needed:
             list(comments.above((node.end_lineno or 0) + 1))
             comments.at(node.lineno, node.end_lineno or node.lineno)
-    return functions(unit, comments)
+    return _functions(unit, comments)
 
 
 def _start(brain: Brain, unit: Unit) -> str:
@@ -261,3 +263,26 @@ def _begin(unit: Unit, name: str, value: Value) -> list[str]:
 
 def _loop(field: str, items: int, value: str) -> list[str]:
     return [f"    for (int32_t k = 0; k < {items}; k++) {{", f"        me->{field}[k] = {value};", "    }"]
+
+
+def _functions(unit: Unit, comments: Comments) -> str:
+    """All functions of a source in C, in its order; those that are called before are declared first."""
+    made = {}
+    for name, function in functions_of(unit.tree).items():
+        if name in unit.functions:
+            made[name] = Function(unit, name, comments).lines()
+        else:  # nobody calls it: its comments go with it
+            [*comments.above((function.end_lineno or 0) + 1)]
+    order = list(made)
+    early = [
+        name
+        for place, name in enumerate(order)
+        if any(_calls(unit.functions[other], name) for other in order[: place + 1])
+    ]
+    declared = [f"{signature(unit, name)};" for name in early]
+    parts = ["\n".join(declared)] if declared else []
+    return "\n\n".join([*parts, *("\n".join(lines) for lines in made.values())])
+
+
+def _calls(function: ast.FunctionDef, name: str) -> bool:
+    return any(called(node) == name for node in ast.walk(function))

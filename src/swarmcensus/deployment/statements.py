@@ -15,31 +15,11 @@ STEP = "    "
 SET = {**{kind: f"{sign}=" for kind, (sign, _) in PLAIN.items()}, ast.Div: "/="}
 
 
-def functions(unit: Unit, comments: Comments) -> str:
-    """All functions of a source in C, in its order; those that are called before are declared first."""
-    made = {name: _Function(unit, name, comments).lines() for name in unit.functions}
-    order = list(made)
-    early = [
-        name
-        for place, name in enumerate(order)
-        if any(_calls(unit.functions[other], name) for other in order[: place + 1])
-    ]
-    declared = [f"{signature(unit, name)};" for name in early]
-    parts = ["\n".join(declared)] if declared else []
-    return "\n\n".join([*parts, *("\n".join(lines) for lines in made.values())])
-
-
-def _calls(function: ast.FunctionDef, name: str) -> bool:
-    return any(
-        isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == name
-        for node in ast.walk(function)
-    )
-
-
-class _Function:
+class Function:
     """Translates one function."""
 
     def __init__(self, unit: Unit, name: str, comments: Comments) -> None:
+        """Begin with nothing written."""
         self.unit = unit
         self.name = name
         self.node = unit.functions[name]
@@ -131,13 +111,21 @@ class _Function:
     def _statement(self, node: ast.stmt, depth: int) -> None:
         for part in ast.iter_child_nodes(node):
             if isinstance(part, ast.expr):
-                self.say.check_order(part)
+                self.unit.check_order(part)
         end = node.end_lineno or node.lineno
         match node:
             case ast.Expr(value=ast.Constant()):
                 return
             case ast.Pass():
-                self._remark_only(node, depth)
+                if remark := self.comments.at(node.lineno, node.lineno):
+                    self._write(f"// {remark}", depth)
+            case ast.Expr(value=ast.IfExp(test=test, body=body, orelse=otherwise)):
+                self._if(_branches(node, test, body, otherwise), depth)
+            case ast.Expr(value=ast.BoolOp(op=operation, values=[*tests, last])):
+                test = tests[0] if len(tests) == 1 else ast.copy_location(ast.BoolOp(operation, tests), node)
+                if isinstance(operation, ast.Or):
+                    test = ast.UnaryOp(ast.Not(), test)
+                self._if(_branches(node, test, last), depth)
             case ast.Expr(value=value):
                 text = self.say.as_kind(value, self.say.kind(value)).text
                 is_void = self.unit.results.get(called(value), REAL) == NOTHING
@@ -170,10 +158,6 @@ class _Function:
             case _:
                 raise Untranslatable(f"{ast.unparse(node).splitlines()[0]} has no translation to C", node)
 
-    def _remark_only(self, node: ast.stmt, depth: int) -> None:
-        if remark := self.comments.at(node.lineno, node.lineno):
-            self._write(f"// {remark}", depth)
-
     def _no_else(self, otherwise: list[ast.stmt]) -> None:
         if otherwise:
             raise Untranslatable("a loop with else has no translation to C", otherwise[0])
@@ -189,7 +173,7 @@ class _Function:
         only = len(node.orelse) == 1 and isinstance(first, ast.If) and first.col_offset == node.col_offset
         if only and not self.scopes.before.get(id(first)):
             assert isinstance(first, ast.If)
-            self.say.check_order(first.test)
+            self.unit.check_order(first.test)
             for text in self.comments.above(first.lineno, last):
                 self._write(f"// {text}", depth + 1)
             self._if(first, depth, "} else if")
@@ -256,7 +240,8 @@ class _Function:
         name = self.unit.local(node.target.id)
         is_own = id(node) in self.scopes.private
         item = f"{self.say.vector(node.iter).text}[{place}]"
-        self._write(f"{'number ' if is_own else ''}{name} = {item};", depth + 1)
+        declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
+        self._write(f"{declared} = {item};", depth + 1)
         if is_own:
             self._write(f"(void){name};", depth + 1)
         self._block(node.body, depth + 1)
@@ -281,7 +266,7 @@ class _Function:
         if isinstance(target, ast.Name):
             self._set_name(node, target.id, value, depth, remark)
             return
-        if not self.say.is_pure(value) and isinstance(target, ast.Subscript) and self.say._reads(target.slice):
+        if not self.unit.is_pure(value) and isinstance(target, ast.Subscript) and self.unit.may_change(target.slice):
             raise Untranslatable(
                 "the index may change while the value is worked out: assign the value to a name first", node
             )
@@ -300,10 +285,9 @@ class _Function:
             self._write(f"(void){self.say.as_kind(value, kind).within(9)};", depth, remark)
             return
         is_new = name in self.scopes.at.get(id(node), ())
-        start = self._declared(name, node) if is_new else self.unit.local(name)
         if is_new:
             self.scopes.at[id(node)].discard(name)
-        self._write(f"{start} = {text};", depth, remark)
+        self._write(f"{self._declared(name, node) if is_new else self.unit.local(name)} = {text};", depth, remark)
 
     def _set_record(
         self, node: ast.stmt, name: str, kind: tuple[Kind, ...], value: ast.expr, depth: int, remark: str
@@ -318,6 +302,8 @@ class _Function:
             texts = [self._kept(text, one, node, depth) for text, one in zip(texts, kind, strict=True)]
         for text, item in zip(texts, record.items, strict=True):
             self._write(f"{self.unit.local(name)}.{item} = {text};", depth)
+        if not self.scopes.is_read(name):
+            self._write(f"(void){self.unit.local(name)};", depth)
 
     def _items(
         self, node: ast.stmt, value: ast.expr, count: int, depth: int, kinds: tuple[Kind, ...] | None = None
@@ -356,13 +342,18 @@ class _Function:
             whole = self._new("whole", stays=True)
             self._write(f"number {whole};", depth)
             return [f"{self.unit.math('modf')}({self.say.real(arguments[0]).text}, &{whole})", whole]
-        if not all(map(self.say.is_pure, arguments)):
+        if not all(map(self.unit.is_pure, arguments)):
             raise Untranslatable(f"{ast.unparse(value)} would be evaluated twice in C", value)
+        if self.say.kind(value) == (WHOLE, WHOLE):
+            texts = ", ".join(self.say.whole(argument).text for argument in arguments)
+            return [f"{self.unit.need('whole_floor_divide')}({texts})", f"{self.unit.need('whole_modulo')}({texts})"]
         texts = ", ".join(self.say.real(argument).text for argument in arguments)
         return [f"{self.unit.need('number_floor_divide')}({texts})", f"{self.unit.need('number_modulo')}({texts})"]
 
     def _unpack(self, node: ast.stmt, target: ast.Tuple | ast.List, value: ast.expr, depth: int, remark: str) -> None:
         places = target.elts
+        if any(isinstance(place, ast.Starred) for place in places):
+            raise Untranslatable("a starred name takes a list, which C does not have", node)
         own = [self.names.get(place.id, REAL) if isinstance(place, ast.Name) else REAL for place in places]
         texts = self._items(node, value, len(places), depth, tuple(own))
         in_parts = isinstance(value, ast.Call) and called(value) not in self.unit.functions  # such as divmod
@@ -372,6 +363,8 @@ class _Function:
         for place, text in zip(places, texts, strict=True):
             if isinstance(place, ast.Name):
                 if not self.scopes.is_read(place.id):
+                    if in_parts or not all(map(self.unit.is_pure, later)):
+                        self._write(f"(void)({text});", depth)
                     continue
                 is_new = place.id in self.scopes.at.get(id(node), ())
                 start = self._declared(place.id, node) if is_new else self.unit.local(place.id)
@@ -404,7 +397,7 @@ class _Function:
         kind = self.names.get(target.id, REAL) if isinstance(target, ast.Name) else REAL
         read = _loaded(target)
         whole = ast.copy_location(ast.BinOp(read, node.op, node.value), node)
-        self.say.check_order(whole)
+        self.unit.check_order(whole)
         place = self.say.as_kind(read, kind).text
         if type(node.op) in SET and not (kind == WHOLE and self.say.kind(node.value) == REAL):
             self._write(f"{place} {SET[type(node.op)]} {self.say.as_kind(node.value, kind).text};", depth, remark)
@@ -473,6 +466,13 @@ class _Function:
             self._write(f"for (int32_t {at} = 0; {at} < {items}; {at}++) {{", depth)
             self._write(f"{place}[{at}] = {self.say.vector(item).text}[{at}];", depth + 1)
             self._write("}", depth)
+
+
+def _branches(node: ast.stmt, test: ast.expr, *values: ast.expr) -> ast.If:
+    """A statement of one expression, of which a test chooses the part that is evaluated."""
+    parts: list[ast.stmt] = [ast.copy_location(ast.Expr(value), node) for value in values]
+    made = ast.If(test, parts[:1], parts[1:])
+    return ast.fix_missing_locations(ast.copy_location(made, node))
 
 
 def _says(node: ast.AST) -> bool:

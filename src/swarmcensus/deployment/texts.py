@@ -3,7 +3,7 @@
 import ast
 from typing import NamedTuple
 
-CHOICE, OR, AND, EQUAL, LESS, BITS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
+CHOICE, OR, AND, BITS, EQUAL, LESS, SHIFT, SUM, PRODUCT, UNARY, ATOM = range(11)  # how tightly operators of C bind
 
 
 class Text(NamedTuple):

@@ -1,6 +1,7 @@
 """What a translation to C knows about a source: kinds, constants, names in C, and helper functions that it needs."""
 
 import ast
+import math
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -8,12 +9,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from swarmcensus.brains.kinds import NOTHING, REAL, RECORD, TRUTH, VECTOR, WHOLE, Kind, Kinds, arguments_of
+from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.brains.syntax import functions_of, may_be_none
 from swarmcensus.deployment.reserved import OF_FIELDS, OF_FUNCTIONS, OF_LOCALS, OURS
 
 ORDINALS = ("first", "second", "third", "fourth", "fifth", "sixth", "seventh", "eighth")
 SPECIAL = {"interval": ("low", "high"), "steer": ("speed", "turn")}  # names for what these functions return
-FLT_MAX, DBL_MAX = float(np.finfo(np.float32).max), float(np.finfo(float).max)
 C_TYPES = {REAL: "number", WHOLE: "int32_t", TRUTH: "bool", NOTHING: "void"}
 
 
@@ -56,11 +57,24 @@ class Unit:
 
     def __post_init__(self) -> None:
         """Find what each function returns, and which functions change the record."""
-        self.functions = functions_of(self.tree)
+        self.functions = self._reached()
+        for function in self.functions.values():
+            for node in ast.walk(function):
+                if called(node) in self.functions:
+                    _check_plain(node)  # type: ignore[arg-type]
         self.writers = self._writers()
         self.heard = self._heard()  # arguments, by function, that are the message of a neighbour
         self.speakers = self._speakers()
         self.results = {name: self._result(name) for name in self.functions}
+
+    def _reached(self) -> dict[str, ast.FunctionDef]:
+        """The functions that others call, and those that these call; all, if it is not known which others call."""
+        functions = functions_of(self.tree)
+        reached = [name for name in functions if name in self.kinds.first] or [*functions]
+        for name in reached:
+            calls = {called(node) for node in ast.walk(functions[name])}
+            reached += sorted((calls & functions.keys()) - {*reached})
+        return {name: function for name, function in functions.items() if name in reached}
 
     def local(self, name: str) -> str:
         """A local name in C."""
@@ -90,7 +104,9 @@ class Unit:
 
     def real(self, value: float) -> str:
         """A real number as a literal."""
-        if abs(value) > (FLT_MAX if self.number == "float" else DBL_MAX):
+        if self.number == "float":
+            value = rounded_to_single(value)
+        if math.isinf(value):
             return "-INFINITY" if value < 0 else "INFINITY"
         if self.number == "double":
             return repr(float(value))
@@ -120,6 +136,38 @@ class Unit:
         name = "_".join(str(item) for item in kind) if len(kind) > 1 else f"one_{kind[0]}"
         record = Record(name, ORDINALS[: len(kind)], kind, (0,) * len(kind))
         return self.records.setdefault(name, record)
+
+    def is_pure(self, node: ast.AST) -> bool:
+        """Whether an expression changes nothing, so that it may be left out or written twice."""
+        return not any(
+            isinstance(part, ast.NamedExpr)
+            or (isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.writers)
+            for part in ast.walk(node)
+        )
+
+    def check_order(self, node: ast.AST) -> None:
+        """Raise Untranslatable if the value depends on the order of evaluation, which C leaves open."""
+        for part in ast.walk(node):
+            if isinstance(part, ast.BoolOp | ast.IfExp):
+                continue
+            sides = [side for side in ast.iter_child_nodes(part) if isinstance(side, ast.expr)]
+            for side in sides:
+                others = [other for other in sides if other is not side]
+                sets = {part.target.id for part in ast.walk(side) if isinstance(part, ast.NamedExpr)}
+                names = {part.id for other in others for part in ast.walk(other) if isinstance(part, ast.Name)}
+                if sets & names or (not self.is_pure(side) and any(map(self.may_change, others))):
+                    raise Untranslatable(
+                        f"{ast.unparse(side)} changes what the rest of the line reads, and C may evaluate them in any "
+                        "order: assign it to a name in a line before",
+                        side if isinstance(side, ast.expr) else node,
+                    )
+
+    def may_change(self, node: ast.expr) -> bool:
+        """Whether a value may change while others are evaluated."""
+        return any(isinstance(part, ast.Attribute | ast.NamedExpr) for part in ast.walk(node)) or any(
+            isinstance(part, ast.Call) and isinstance(part.func, ast.Name) and part.func.id in self.functions
+            for part in ast.walk(node)
+        )
 
     def _result(self, name: str) -> Record | Kind:
         kind = self.kinds.results.get(name, NOTHING)
@@ -187,6 +235,12 @@ class Unit:
                     if stores or calls:
                         writers.add(name)
         return frozenset(writers)
+
+
+def _check_plain(node: ast.Call) -> None:
+    """Raise Untranslatable if a call names its arguments, or spreads them."""
+    if node.keywords or any(isinstance(argument, ast.Starred) for argument in node.args):
+        raise Untranslatable(f"{ast.unparse(node)}: C has neither named nor spread arguments", node)
 
 
 def called(node: ast.AST) -> str:

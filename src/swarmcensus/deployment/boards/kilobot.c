@@ -20,159 +20,159 @@ struct sender {
     uint8_t boot;
 };
 
-static struct brain me;
-static struct sender senders[SENDERS];
-static uint8_t known;                        // senders so far
-static volatile uint8_t inbox[WAITING][9];   // written when a message arrives, at any time
-static volatile uint8_t arrived;
-static message_t outgoing;
-static bool speaks;
-static uint16_t tick;
-static uint8_t boot;
-static uint32_t due;
+static struct brain robot_me;
+static struct sender robot_senders[SENDERS];
+static uint8_t robot_known;  // senders so far
+static volatile uint8_t robot_inbox[WAITING][9];  // written when a message arrives, at any time
+static volatile uint8_t robot_arrived;
+static message_t robot_outgoing;
+static bool robot_speaks;
+static uint16_t robot_tick;
+static uint8_t robot_boot;
+static uint32_t robot_due;
 
 // ============================== FILL IN: YOUR SENSOR ==============================
 // 1 for black, 0 for white, -1 for no reading.
-static int8_t read_sensor(void) {
+static int8_t robot_read_sensor(void) {
     const int16_t light = get_ambientlight();
     return light < 0 ? -1 : light < 300;
 }
 // ==================================================================================
 
-static void message_rx(message_t *message, distance_measurement_t *distance) {
+static void robot_message_rx(message_t *message, distance_measurement_t *distance) {
     (void)distance;
-    if (message->type == NORMAL && message->data[0] == (MARK & 255) && arrived < WAITING) {
+    if (message->type == NORMAL && message->data[0] == (MARK & 255) && robot_arrived < WAITING) {
         for (uint8_t k = 0; k < 9; k++) {
-            inbox[arrived][k] = message->data[k];
+            robot_inbox[robot_arrived][k] = message->data[k];
         }
-        arrived++;
+        robot_arrived++;
     }
 }
 
-static message_t *message_tx(void) { return speaks ? &outgoing : 0; }
+static message_t *robot_message_tx(void) { return robot_speaks ? &robot_outgoing : 0; }
 
 // Whether a message is newer than the last one of its sender, which it then becomes.
-static bool is_new(const uint8_t *data) {
+static bool robot_is_new(const uint8_t *data) {
     const uint8_t from_boot = data[1];
     const uint16_t number = (uint16_t)(data[2] | data[3] << 8), sent = (uint16_t)(data[4] | data[5] << 8);
     uint8_t at = 0;
-    while (at < known && senders[at].number != number) {
+    while (at < robot_known && robot_senders[at].number != number) {
         at++;
     }
-    if (at < known && (uint16_t)(tick - senders[at].heard) < FORGET) {
-        const uint8_t boots = (uint8_t)(from_boot - senders[at].boot);
-        const uint16_t ticks = (uint16_t)(sent - senders[at].tick);
+    if (at < robot_known && (uint16_t)(robot_tick - robot_senders[at].heard) < FORGET) {
+        const uint8_t boots = (uint8_t)(from_boot - robot_senders[at].boot);
+        const uint16_t ticks = (uint16_t)(sent - robot_senders[at].tick);
         if (boots >= 128 || (boots == 0 && (ticks == 0 || ticks >= 32768))) {
             return false;
         }
-    } else if (at == known && known < SENDERS) {
-        known++;
-    } else if (at == known) {  // in place of the one unheard for longest
+    } else if (at == robot_known && robot_known < SENDERS) {
+        robot_known++;
+    } else if (at == robot_known) {  // in place of the one unheard for longest
         at = 0;
         for (uint8_t k = 1; k < SENDERS; k++) {
-            if ((uint16_t)(tick - senders[k].heard) > (uint16_t)(tick - senders[at].heard)) {
+            if ((uint16_t)(robot_tick - robot_senders[k].heard) > (uint16_t)(robot_tick - robot_senders[at].heard)) {
                 at = k;
             }
         }
     }
-    senders[at].number = number;
-    senders[at].boot = from_boot;
-    senders[at].tick = sent;
-    senders[at].heard = tick;
+    robot_senders[at].number = number;
+    robot_senders[at].boot = from_boot;
+    robot_senders[at].tick = sent;
+    robot_senders[at].heard = robot_tick;
     return true;
 }
 
-static void take_luck(void) {
+static void robot_take_luck(void) {
 #if LUCK
-    me.luck = (number)(((uint16_t)(rand_soft() << 8 | rand_soft()) + 0.5f) / 65536.0f);
+    robot_me.luck = (number)(((uint16_t)(rand_soft() << 8 | rand_soft()) + 0.5f) / 65536.0f);
 #endif
 }
 
-static void begin(void) {
+static void robot_begin(void) {
 #if NAMED
-    brain_start(&me, B, W, (number)kilo_uid);
+    brain_start(&robot_me, B, W, (number)kilo_uid);
 #else
-    brain_start(&me, B, W);
+    brain_start(&robot_me, B, W);
 #endif
 }
 
-static void talk(void) {
+static void robot_talk(void) {
     message_t next;
     next.type = NORMAL;
     next.data[0] = MARK & 255;
-    next.data[1] = boot;
+    next.data[1] = robot_boot;
     next.data[2] = (uint8_t)(kilo_uid & 255);
     next.data[3] = (uint8_t)(kilo_uid >> 8);
-    next.data[4] = (uint8_t)(tick & 255);
-    next.data[5] = (uint8_t)(tick >> 8);
+    next.data[4] = (uint8_t)(robot_tick & 255);
+    next.data[5] = (uint8_t)(robot_tick >> 8);
     for (uint8_t k = HEADER; k < 9; k++) {
         next.data[k] = 0;
     }
-    const bool says = brain_send(&me, next.data + HEADER);
+    const bool says = brain_send(&robot_me, next.data + HEADER);
     next.crc = message_crc(&next);
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        outgoing = next;
-        speaks = says;
+        robot_outgoing = next;
+        robot_speaks = says;
     }
 }
 
-static void hear(void) {
+static void robot_hear(void) {
     static uint8_t data[WAITING][9];
     uint8_t count = 0;
     ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
-        count = arrived;
+        count = robot_arrived;
         for (uint8_t k = 0; k < count; k++) {
             for (uint8_t at = 0; at < 9; at++) {
-                data[k][at] = inbox[k][at];
+                data[k][at] = robot_inbox[k][at];
             }
         }
-        arrived = 0;
+        robot_arrived = 0;
     }
     for (uint8_t k = 0; k < count; k++) {
-        if (is_new(data[k])) {
-            take_luck();
-            brain_hear(&me, data[k] + HEADER);
+        if (robot_is_new(data[k])) {
+            robot_take_luck();
+            brain_hear(&robot_me, data[k] + HEADER);
         }
     }
 }
 
-static void show(number x) {
+static void robot_show(number x) {
     if (!(x >= 0 && x <= 1)) {  // a forged message, or a fault: it begins anew
-        begin();
+        robot_begin();
         x = (number)0.5;
     }
     set_color(RGB(x > (number)0.5 ? 3 : 0, 0, x > (number)0.5 ? 0 : 3));  // red: mostly black; blue: mostly white
 }
 
-static void setup(void) {
-    boot = (uint8_t)(eeprom_read_byte(BOOTS) + 1);
-    eeprom_write_byte(BOOTS, boot);
-    begin();
-    due = kilo_ticks;
+static void robot_setup(void) {
+    robot_boot = (uint8_t)(eeprom_read_byte(BOOTS) + 1);
+    eeprom_write_byte(BOOTS, robot_boot);
+    robot_begin();
+    robot_due = kilo_ticks;
 }
 
-static void loop(void) {
-    if ((int32_t)(kilo_ticks - due) < 0) {
+static void robot_loop(void) {
+    if ((int32_t)(kilo_ticks - robot_due) < 0) {
         return;
     }
-    due = kilo_ticks + PERIOD;
-    tick++;
-    const int8_t black = IS_DONE ? -1 : read_sensor();
+    robot_due = kilo_ticks + PERIOD;
+    robot_tick++;
+    const int8_t black = IS_DONE ? -1 : robot_read_sensor();
     if (black >= 0) {
-        take_luck();
-        observe(&me, (number)black, (number)1);
+        robot_take_luck();
+        observe(&robot_me, (number)black, (number)1);
     }
-    talk();
-    hear();
-    take_luck();
-    fuse(&me);
-    show((number)estimate(&me));
+    robot_talk();
+    robot_hear();
+    robot_take_luck();
+    fuse(&robot_me);
+    robot_show((number)estimate(&robot_me));
 }
 
 int main(void) {
     kilo_init();
-    kilo_message_rx = message_rx;
-    kilo_message_tx = message_tx;
-    kilo_start(setup, loop);
+    kilo_message_rx = robot_message_rx;
+    kilo_message_tx = robot_message_tx;
+    kilo_start(robot_setup, robot_loop);
     return 0;
 }
