@@ -218,7 +218,33 @@ def test_bad_options(option, here, capsys):
     with pytest.raises(SystemExit) as stopped:
         main(["run", "hello.toml", *option])
     assert stopped.value.code == 2
-    assert "usage: swarmcensus" in capsys.readouterr().err
+    error = capsys.readouterr().err
+    assert error.startswith(f"swarmcensus run: {option[0]} ")
+    assert error.count("\n") == 1
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        (["deploy", "commons", "--b", "nan"], "swarmcensus deploy: --b nan: should be a number"),
+        (["deploy", "commons", "--number", "-1"], "swarmcensus deploy: --number -1: should be a whole number from 0"),
+        (["run", "x.toml", "--trials"], "swarmcensus run: --trials: a value is missing after it"),
+        (["run", "x.toml", "--trials", "a\nb"], "swarmcensus run: --trials 'a b': should be a whole number from 1"),
+        (["run", "x.toml", "y.toml"],
+         "swarmcensus run: y.toml is an argument too many: 'swarmcensus run --help' shows what there is"),
+        (["verify", "x.nc", "--sample", "x"], "swarmcensus verify: --sample x: should be a number"),
+        (["merge", "--ouu", "x", "a.nc"], "swarmcensus merge: --out is missing: did you mean '--out'?"),
+        (["new", "foo"], "swarmcensus new: foo: should be study or brain"),
+        (["show", "x.nc", "--qui=3"], "swarmcensus show: --quiet takes no value, but has '3'"),
+        (["brains", "--show", "a", "--check", "b"], "swarmcensus brains: --check does not go with --show"),
+        ([], "swarmcensus: COMMAND is missing: 'swarmcensus --help' shows what there is"),
+    ],
+)  # fmt: skip
+def test_errors_of_options_are_one_sentence(command, said, capsys):
+    with pytest.raises(SystemExit) as stopped:
+        main(command)
+    assert stopped.value.code == 2
+    assert capsys.readouterr().err == f"{said}\n"
 
 
 def test_blind_sensors_are_allowed_with_a_warning(here, capsys):

@@ -410,13 +410,18 @@ def test_wrong_input(arguments, message, tmp_path, monkeypatch, capsys):
 
 
 @pytest.mark.parametrize(
-    "option", [["--to", "rust"], ["--to", "c", "--number", "int"], ["--to", "c", "--message", "text"]]
+    ("option", "said"),
+    [
+        (["--to", "rust"], "--to rust: should be c"),
+        (["--to", "c", "--number", "single"], "--number single: did you mean 'float'? should be float or double"),
+        (["--to", "c", "--message", "text"], "--message text: should be float32, float16, ratio16 or ratio8"),
+    ],
 )
-def test_wrong_options(option, capsys):
+def test_wrong_options(option, said, capsys):
     with pytest.raises(SystemExit) as caught:
         main(["translate", "commons", *option])
     assert caught.value.code == 2
-    assert "invalid choice" in capsys.readouterr().err
+    assert capsys.readouterr().err == f"swarmcensus translate: {said}\n"
 
 
 def test_written_again(tmp_path):

@@ -12,6 +12,8 @@ OTHER_WORDS = {
     "compare": ("rank", "versus", "vs"),
     "density": ("d",),
     "fill_ratio": ("black", "f"),
+    "float": ("single",),
+    "float32": ("f32",),
     "jobs": ("cores", "processes", "threads", "workers"),
     "minimalistic": ("default", "paper"),
     "observations_per_round": ("looks", "r"),

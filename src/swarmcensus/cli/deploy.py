@@ -139,5 +139,5 @@ def number(text: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a number")
+        raise argparse.ArgumentTypeError("should be a number")
     return value

@@ -2,6 +2,7 @@
 
 import argparse
 import re
+import shlex
 from typing import Any, NoReturn
 
 from swarmcensus.basics.hints import did_you_mean
@@ -10,7 +11,7 @@ DIGITS = 18  # of a number, so that it fits into 64 bits
 
 
 class Parser(argparse.ArgumentParser):
-    """A parser whose errors suggest what was probably meant."""
+    """A parser whose errors are one sentence, and suggest what was probably meant."""
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Refuse unknown arguments here, where the options of this command are known and one can be suggested."""
@@ -18,22 +19,61 @@ class Parser(argparse.ArgumentParser):
         parsed, rest = super().parse_known_args(args, namespace)
         if rest:
             unknown = next((argument for argument in rest if argument.startswith("-")), rest[0])
-            hint = did_you_mean(
-                unknown.partition("=")[0], (o for o in self._option_string_actions if o.startswith("--"))
-            )
-            self.error(f"unrecognized arguments: {' '.join(rest)}" + (f" ({hint.rstrip()})" if hint else ""))
+            name = unknown.partition("=")[0]
+            hint = did_you_mean(name, (o for o in self._option_string_actions if o.startswith("--")))
+            what = "is no option of this command" if unknown.startswith("-") else "is an argument too many"
+            self.error(f"{_shown(name)} {what}: {hint or self._help()}")
         return parsed, rest
 
     def error(self, message: str) -> NoReturn:
-        """Print the message, with a suggestion for an unknown choice or for a required option that is misspelt."""
-        wrong = re.search(r"invalid choice: '(.*)' \(choose from (.*)\)", message)
-        hint = did_you_mean(wrong[1], re.findall(r"[\w-]+", wrong[2])) if wrong else ""
-        if message.startswith("the following arguments are required"):
+        """Print argparse's message as one sentence that names the option, its value and what is right."""
+        for said, ours in WORDS:
+            message = re.sub(said, ours, message)
+        if message.endswith(MISSING):
             options = [option for option in self._option_string_actions if option.startswith("--")]
             names = (argument.partition("=")[0] for argument in self.given)
             unknown = (name for name in names if not any(option.startswith(name) for option in options))
             hint = next(filter(None, (did_you_mean(name, options) for name in unknown)), "")
-        super().error(f"{message}: {hint.rstrip()}" if hint else message)
+            message = f"{message}: {hint or self._help()}"
+        self.exit(2, f"{self.prog}: {' '.join(message.split())}\n")
+
+    def _help(self) -> str:
+        return f"'{self.prog} --help' shows what there is"
+
+    def _get_value(self, action: argparse.Action, text: str) -> Any:
+        """Name the value in the error of one that has the wrong type."""
+        try:
+            return super()._get_value(action, text)  # type: ignore[misc]
+        except argparse.ArgumentError as error:
+            right = "a whole number" if action.type is int else "a number" if action.type is float else ""
+            raise argparse.ArgumentError(
+                action, f"{_shown(text)}: {f'should be {right}' if right else error.message}"
+            ) from None
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Say which choices there are, and which was probably meant."""
+        if action.choices is not None and value not in action.choices:
+            choices = [str(choice) for choice in action.choices]
+            right = " or ".join(filter(None, (", ".join(choices[:-1]), choices[-1])))
+            text = f"{_shown(value)}: {did_you_mean(str(value), choices)}should be {right}"
+            raise argparse.ArgumentError(action, text)
+
+
+MISSING = "is missing"
+WORDS = (  # what argparse says, and what is said here
+    (r"(?s)^argument ([^:]*/)?([^:]+): not allowed with argument ([^:]*/)?(.+)$", r"\2 does not go with \4"),
+    (r"(?s)^argument ([^:]*/)?([^:]+): ignored explicit argument (.*)$", r"\2 takes no value, but has \3"),
+    (r"(?s)^argument ([^:]*/)?([^:]+): expected (at least )?one argument$", r"\2: a value is missing after it"),
+    (r"(?s)^argument ([^:]*/)?(?:\S+\|\S+: |([^:]+): )", r"\2 "),
+    (r"(?s)^the following arguments are required: (.+)$", rf"\1 {MISSING}"),
+    (r"(?s)^one of the arguments (.+) is required$", rf"one of \1: {MISSING}"),
+    (r"(?s)^ambiguous option: (\S+) could match (.+)$", r"\1 could be any of \2"),
+)
+
+
+def _shown(text: object) -> str:
+    """A value as it would be typed, cut where it is long."""
+    return shlex.quote(str(text)[:40])
 
 
 def add_output_options(sub: argparse.ArgumentParser, json: bool) -> None:
@@ -66,7 +106,7 @@ def share(text: str) -> tuple[int, int]:
     """A share of the trials, as 1/4. Raises ArgumentTypeError."""
     k, slash, n = text.partition("/")
     if not (slash and k.isdecimal() and n.isdecimal() and len(text) <= DIGITS):
-        raise argparse.ArgumentTypeError(f"{text!r}: should be such as 1/4")
+        raise argparse.ArgumentTypeError("should be such as 1/4")
     return int(k), int(n)
 
 
@@ -88,11 +128,11 @@ def round_or_time(text: str) -> Any:
         try:
             return parse_time(text)
         except ValueError as error:
-            raise argparse.ArgumentTypeError(f"{text[:40]!r}: {error}") from None
+            raise argparse.ArgumentTypeError(str(error)) from None
     return _whole(text, 0)
 
 
 def _whole(text: str, least: int) -> int:
     if not (text.isascii() and text.isdigit() and len(text) <= DIGITS and int(text) >= least):
-        raise argparse.ArgumentTypeError(f"{text[:40]!r}: should be a whole number from {least}")
+        raise argparse.ArgumentTypeError(f"should be a whole number from {least}")
     return int(text)
