@@ -62,6 +62,13 @@ def micropython(source):
     return done.stdout
 
 
+def lacks(source):
+    """Whether MicroPython refuses what CPython runs."""
+    exec(source, {})
+    program = f"try:\n    exec({source!r}, {{}})\nexcept (SyntaxError, NotImplementedError):\n    print('lacks it')"
+    return micropython(program) == "lacks it\n"
+
+
 def refused(source, read=brains.parse):
     with pytest.raises(InputError) as caught:
         read(source, "x", Path("x.py"))
@@ -70,7 +77,11 @@ def refused(source, read=brains.parse):
 
 def test_the_list_is_what_micropython_has():
     known = micropython("import math\nprint(*dir(math))").split()
-    assert {name for name in known if name[0] != "_"} == {*robot_math.FUNCTIONS, *robot_math.CONSTANTS}
+    assert {name for name in known if name[0] != "_"} == {
+        *robot_math.FUNCTIONS,
+        *robot_math.CONSTANTS,
+        *robot_math.NOT_IN_C,
+    }
     calls = micropython("import builtins\nprint(*dir(builtins))").split()
     assert {"abs", "min", "max", "int", "float", "bool", "round", "range", "pow", "divmod", "len"} <= {*calls}
 
@@ -86,7 +97,8 @@ def test_a_function_is_allowed_or_refused_with_its_line(name):
     if name in robot_math.FUNCTIONS:
         assert brains.parse(source, "x", Path("x.py"))
     else:
-        assert f"x.py, line 8: uses math.{name}, which MicroPython on a robot lacks: " in refused(source)
+        who = "C" if name in robot_math.NOT_IN_C else "MicroPython"
+        assert f"x.py, line 8: uses math.{name}, which {who} on a robot lacks: " in refused(source)
 
 
 @pytest.mark.parametrize(
@@ -101,6 +113,29 @@ def test_however_it_is_imported(head, call, line):
     said = refused(TINY.replace("import math", head).replace("me.x = 0.5", f"me.x = {call}"))
     assert f"line {line}: uses math.log1p" in said
     assert "math.log(1.0 + x)" in said
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("match me.t:\n        case 0.0:\n            me.x = 0.5", "match statement: if and elif are right"),
+        (
+            "pair = (me.x, 1.0)\n    me.x = max((*pair, 2.0))",
+            "* in a tuple, as in (*pair, 2.0): write its items one by one",
+        ),
+        ("me.x = (1.0, 0.5, 0.0)[::2][1]", "step in a slice, as in (1.0, 0.5, 0.0)[::2]: a loop over range is right"),
+    ],
+)
+def test_syntax_that_micropython_lacks(line, said):
+    error = refused(TINY.replace("    me.x = 0.5\n", f"    {line}\n"))
+    assert f"line {8 + line.startswith('pair')}: MicroPython on a robot has no {said}" in error
+    assert lacks(f"def f(me):\n    {line}\nclass M:\n    t = x = 0.0\nf(M())")
+
+
+def test_arguments_by_place_only():
+    said = refused(f"{TINY}\n\ndef half(x, /):\n    return 0.5 * x\n")
+    assert "MicroPython on a robot has no / among arguments, as half has: leave it out" in said
+    assert lacks("def half(x, /):\n    return 0.5 * x")
 
 
 def test_own_names_are_no_functions_of_math():
@@ -139,6 +174,6 @@ def test_what_avr_libc_declares():
         ["avr-gcc", "-E", "-"], input="#include <math.h>\n", capture_output=True, text=True, check=True
     ).stdout
     declared = {*re.findall(r"\b(\w+)\s*\(", header)}
-    not_of_c = {"degrees", "radians", "factorial", "isclose"}
+    not_of_c = {"degrees", "radians"}
     names_in_c = {name: "tgamma" if name == "gamma" else name for name in robot_math.FUNCTIONS if name not in not_of_c}
     assert {name for name, in_c in names_in_c.items() if in_c not in declared} == {*robot_math.NOT_ON_AVR}

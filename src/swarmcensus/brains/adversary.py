@@ -10,7 +10,7 @@ from typing import Any, ClassVar, NamedTuple
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.plugins import Plugins
-from swarmcensus.brains import robot_math, syntax
+from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.contract import FUNCTIONS as OF_BRAINS
 from swarmcensus.brains.contract import functions_in, require
 from swarmcensus.brains.fields import Value, fields_of, length
@@ -121,6 +121,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Lies:
     for name in parameters:
         require(name not in memory, f"PARAMETERS[{name!r}] is in MEMORY too: a value that changes is not a parameter")
     robot_math.check(tree)
+    robot_syntax.check(tree)
     syntax.check_returns(functions, READ_ONLY)
     own, given = ({name: length(value) for name, value in table.items()} for table in (memory, parameters))
     syntax.check(tree, own, given, (), "lie", READ_ONLY, LUCKY)

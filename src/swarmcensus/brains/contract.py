@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from swarmcensus.basics import safe_source
 from swarmcensus.basics.errors import InputError
-from swarmcensus.brains import robot_math, syntax
+from swarmcensus.brains import robot_math, robot_syntax, syntax
 from swarmcensus.brains.fields import Value, fields_of, length
 from swarmcensus.brains.syntax import BELIEFS
 
@@ -89,6 +89,7 @@ def _contents(tree: ast.Module, constants: Mapping[str, Any]) -> Contents:
         not (sums and "jam" in functions), "SUMS cannot be combined with jam: with noise, messages are heard one by one"
     )
     robot_math.check(tree)
+    robot_syntax.check(tree)
     syntax.check_decisions(tree, options)
     syntax.check_interval(tree)
     syntax.check(tree, lengths, {name: length(value) for name, value in given.items()}, sums)

@@ -46,9 +46,8 @@ class Parser(argparse.ArgumentParser):
             return super()._get_value(action, text)  # type: ignore[misc]
         except argparse.ArgumentError as error:
             right = "a whole number" if action.type is int else "a number" if action.type is float else ""
-            raise argparse.ArgumentError(
-                action, f"{_shown(text)}: {f'should be {right}' if right else error.message}"
-            ) from None
+            what = f"should be {right}" if right else error.message
+            raise argparse.ArgumentError(action, f"{_shown(text)}: {what}") from None
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         """Say which choices there are, and which was probably meant."""
