@@ -97,11 +97,6 @@ static inline int32_t item_at(int32_t index, int32_t items) {
 }
 # avr-libc has no such functions, and its numbers are floats
 OF_AVR = {
-    "log1p": """
-static inline float missing_log1pf(float x) {
-    const volatile float all = 1.0f + x;  // what rounding took from it is made good below
-    return all == 1.0f ? x : logf(all) * (x / (all - 1.0f));
-}""",
     "expm1": """
 static inline float missing_expm1f(float x) {
     if (fabsf(x) < 0.01f) {
@@ -111,8 +106,6 @@ static inline float missing_expm1f(float x) {
 }""",
     "log2": """
 static inline float missing_log2f(float x) { return logf(x) * 1.442695f; }""",
-    "exp2": """
-static inline float missing_exp2f(float x) { return expf(x * 0.6931472f); }""",
     "erf": """
 // A power series near 0, and the continued fraction of the rest beyond.
 static inline float missing_erfcf(float x) {
