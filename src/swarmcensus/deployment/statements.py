@@ -237,11 +237,9 @@ class Function:
             raise Untranslatable(f"a loop over {ast.unparse(node.iter)}: name the tuple as a constant", node)
         self._write(f"for (int32_t {place} = 0; {place} < {items}; {place}++) {{", depth, remark)
         assert isinstance(node.target, ast.Name)
-        name = self.unit.local(node.target.id)
-        is_own = id(node) in self.scopes.private
-        item = f"{self.say.vector(node.iter).text}[{place}]"
+        name, is_own = self.unit.local(node.target.id), id(node) in self.scopes.private
         declared = f"{self.unit.type_of(self.names[node.target.id], node)} {name}" if is_own else name
-        self._write(f"{declared} = {item};", depth + 1)
+        self._write(f"{declared} = {self.say.vector(node.iter).text}[{place}];", depth + 1)
         if is_own:
             self._write(f"(void){name};", depth + 1)
         self._block(node.body, depth + 1)
@@ -321,6 +319,9 @@ class Function:
                 name in ("frexp", "divmod", "modf") and name not in self.unit.functions
             ):
                 return self._split(name, value, depth)
+            case ast.IfExp(test=test):
+                what = f"a choice between tuples has no translation to C: if {ast.unparse(test)}: and else: are right"
+                raise Untranslatable(what, node)
         record = self.say.record(value)
         if record is None or len(record.items) != count:
             raise Untranslatable(f"{ast.unparse(value)} gives no tuple of {count}", node)
@@ -439,9 +440,8 @@ class Function:
                 self._fill(f"{name}{arrow}{place}", item, kind, items, depth)
         else:
             kinds = tuple(REAL for _ in record.items)
-            for text, place in zip(
-                self._items(node, value, len(record.items), depth, kinds), record.items, strict=True
-            ):
+            texts = self._items(node, value, len(record.items), depth, kinds)
+            for text, place in zip(texts, record.items, strict=True):
                 self._write(f"{name}{arrow}{place} = {text};", depth)
         self._write("return true;" if self.fills else f"return {name};", depth, remark)
 
