@@ -310,7 +310,7 @@ ODD = {
 FAULTS = {
     "me.x = last(me.list, int(me.x))": "may be negative, and counts from an end that is not known here",
     "me.x = max(me.list)": "max(me.list): max needs two numbers or more here",
-    "a, c = (me.x, 1.0) if me.x > 0.5 else (2.0, me.x)\nme.x = a + c": "a choice between tuples has no translation to C",
+    "a, c = (me.x, 1) if me.x > 0.5 else (2, me.x)\nme.x = a + c": "a choice between tuples has no translation to C",
     "me.x = round(me.x, 2)": "round has no translation to C",
     "for k in range(3):\n    me.x += k\nelse:\n    me.x = 0.0": "a loop with else has no translation to C",
     "me.x = me.y + grown(me)": "grown(me) changes what the rest of the line reads",
