@@ -334,9 +334,8 @@ def test_a_brain_may_have_names_of_its_own_that_python_has(own, use, lie, told):
 
 
 BOUND = """
-    match me.t:
-        case K:
-            me.own = K + 10.0 * J + 100.0 * len(SUMS) + 1000.0 * kept()
+    if (K := me.t) > 0.0:
+        me.own = K + 10.0 * J + 100.0 * len(SUMS) + 1000.0 * kept()
 
 
 def kept():
@@ -345,7 +344,7 @@ def kept():
 
 
 def test_constants_and_locals_are_as_they_were():
-    """A name bound twice, one that a `match` binds in a function, and SUMS, which become empty."""
+    """A name bound twice, one that `:=` binds in a function, and SUMS, which become empty."""
     constants = 'SUMS = ("seen",)\nK = 3.0\nJ = K\nK = 5.0\nMEMORY = {"seen": 0.0, "own": 0.0, '
     source = changed(("MEMORY = {", constants), ("def fuse(me):\n    pass", "def fuse(me):" + BOUND))
     used = brains.lying_brain(adversary.load("always-black"), brain(source))
