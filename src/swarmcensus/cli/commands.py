@@ -16,6 +16,7 @@ from swarmcensus.cli import (
     compare,
     deploy,
     explain,
+    export,
     leaderboard,
     list_brains,
     plan,
@@ -110,7 +111,8 @@ def _look_for_results(options: argparse.Namespace) -> None:
     """Raise InputError for results files that do not exist, before a command spends time on its imports."""
     results = getattr(options, "results", [])
     for path in [results] if isinstance(results, Path) else results:
-        if options.run is not run.status:  # it may describe a run that has not written its results yet
+        # a run may have written no results yet, and `export` reads folders too
+        if options.run not in (run.status, export.export):
             check_there(path)
 
 
@@ -182,8 +184,8 @@ COMMANDS = {
     ),
     "plot": Command("Draw a figure of a results file.", plot.plot, plot.add_plot_options, json=False),
     "export": Command(
-        "Write results as a table with one row per robot and trial.",
-        read_results.export, read_results.add_export_options, json=False,
+        "Write results as a table with one row per robot and trial, or robots' logs as MCAP.",
+        export.export, export.add_export_options, json=False,
     ),
     "replay": Command(
         "Run one trial of a results file again and show every round.", replay.replay, replay.add_replay_options

@@ -1,4 +1,4 @@
-"""The commands `show`, `merge`, `verify` and `export`. Imports wait until a command needs them."""
+"""The commands `show`, `merge` and `verify`. Imports wait until a command needs them."""
 
 import argparse
 from pathlib import Path
@@ -147,31 +147,3 @@ def verify(options: argparse.Namespace) -> int:
 
 def _code(verification: "Verification") -> int:
     return DIFFER if verification.differences or verification.labels else 0
-
-
-def add_export_options(sub: argparse.ArgumentParser) -> None:
-    """Add the options of `export`."""
-    add_source_options(sub)
-    sub.add_argument("--to", choices=("csv", "parquet"), help="format (default: by the ending of --out, else csv)")
-    sub.add_argument(
-        "--out", type=Path, metavar="FILE", help="file to write (default: RESULTS.csv or .parquet, in this folder)"
-    )
-
-
-def export(options: argparse.Namespace) -> int:
-    """Write results as a table."""
-    from swarmcensus.basics.files import check_writable
-    from swarmcensus.results import store
-    from swarmcensus.results.partial import say_partial
-
-    kinds = {".csv": "csv", ".parquet": "parquet"}
-    kind = options.to or (kinds.get(options.out.suffix.lower(), "csv") if options.out else "csv")
-    out = options.out or Path(f"{options.results.stem}.{kind}")
-    if kinds.get(out.suffix.lower(), kind) != kind:
-        raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
-    check_writable(out, options.results)
-    source = read(options)
-    say_partial(source.stored, options.results)
-    rows = store.export(source.selected, out, kind)
-    wrote(f"{out}: {counted(rows, 'row')}")
-    return 0

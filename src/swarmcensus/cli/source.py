@@ -23,9 +23,11 @@ class Source(NamedTuple):
     selected: "xr.Dataset"
 
 
-def add_source_options(sub: argparse.ArgumentParser) -> None:
+def add_source_options(
+    sub: argparse.ArgumentParser, metavar: str = "RESULTS.nc", results_help: str = RESULTS_HELP
+) -> None:
     """Add the options of all commands that read the settings of a results file."""
-    sub.add_argument("results", type=Path, metavar="RESULTS.nc", help=RESULTS_HELP)
+    sub.add_argument("results", type=Path, metavar=metavar, help=results_help)
     sub.add_argument(
         "--where", metavar="EXPR", help="only these settings, such as 'topology == \"ring\" and robots == 100'"
     )

@@ -199,6 +199,7 @@ EXTRAS = {
     "cluster": ("distributed", "dask_jobqueue"),
     "tune": ("cma",),
     "watch": ("starlette", "uvicorn", "websockets"),
+    "ros": ("mcap", "rosbags"),
 }  # the modules of each extra in pyproject.toml
 
 

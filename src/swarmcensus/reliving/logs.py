@@ -1,5 +1,6 @@
 """A robot's log, read: blocks to states and ticks, whatever was cut or damaged."""
 
+import mmap
 import struct
 from binascii import crc32
 from collections.abc import Iterator
@@ -94,11 +95,7 @@ class RobotLog:
 def read_log(path: str | Path) -> RobotLog:
     """Read the log of one robot. Raises InputError if the file cannot be read, or has no whole state."""
     path = Path(path)
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: {error.strerror}") from None
-    blocks = tuple(_blocks(data, path))
+    blocks = tuple(blocks_of(path))
     states = [block for block in blocks if isinstance(block, State)]
     if not states:
         raise InputError(f"{path}: should be a robot's log, which begins with what the robot is")
@@ -109,7 +106,19 @@ def read_log(path: str | Path) -> RobotLog:
     return RobotLog(path, states[0].number, blocks)
 
 
-def _blocks(data: bytes, path: Path) -> Iterator[State | Tick | Gap]:
+def blocks_of(path: str | Path) -> Iterator[State | Tick | Gap]:
+    """The blocks of a log one after the other, in memory that does not grow with the log. Raises InputError."""
+    path = Path(path)
+    try:
+        with path.open("rb") as file:
+            size = file.seek(0, 2)
+            data = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) if size else b""
+    except OSError as error:
+        raise InputError(f"{path}: {error.strerror}") from None
+    yield from _blocks(data, path)
+
+
+def _blocks(data: bytes | mmap.mmap, path: Path) -> Iterator[State | Tick | Gap]:
     at, size = 0, 0  # size: bytes of a message, known after the first state
     while at < len(data):
         kind, body, after = _block(data, at)
@@ -125,7 +134,7 @@ def _blocks(data: bytes, path: Path) -> Iterator[State | Tick | Gap]:
         at = after
 
 
-def _block(data: bytes, at: int) -> tuple[int, bytes | None, int]:
+def _block(data: bytes | mmap.mmap, at: int) -> tuple[int, bytes | None, int]:
     """The kind and the body of the block that begins here, None if it is not whole, and where the next one begins."""
     before, behind = AROUND
     if at + before + behind > len(data):
@@ -137,7 +146,7 @@ def _block(data: bytes, at: int) -> tuple[int, bytes | None, int]:
     return kind, data[at + before : end], end + behind
 
 
-def _next_state(data: bytes, at: int) -> int:
+def _next_state(data: bytes | mmap.mmap, at: int) -> int:
     """Where the next whole state begins: ticks after damage begin from an unknown memory."""
     while (found := data.find(written.MAGIC, at + 1)) >= 0:
         begins = found - AROUND[0]

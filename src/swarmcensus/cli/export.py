@@ -1,0 +1,74 @@
+"""The command `export`: results as a table, and logs of robots as MCAP. Imports wait until it needs them."""
+
+import argparse
+from pathlib import Path
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
+from swarmcensus.cli.output import say, wrote
+from swarmcensus.cli.source import RESULTS_HELP, add_source_options, read
+
+TABLES = ("csv", "parquet")
+FORMATS = (*TABLES, "mcap")
+OF_RESULTS = ("where", "bins", "delta")  # options that select and measure results
+
+
+def add_export_options(sub: argparse.ArgumentParser) -> None:
+    """Add the options of `export`."""
+    add_source_options(sub, "RESULTS.nc|FOLDER", f"{RESULTS_HELP}; or a folder of robots' logs")
+    sub.add_argument(
+        "--to", choices=FORMATS, help="format (default: by the ending of --out, else csv; of robots' logs mcap)"
+    )
+    sub.add_argument(
+        "--out", type=Path, metavar="FILE", help="file to write (default: the input's name and .TO, in this folder)"
+    )
+
+
+def export(options: argparse.Namespace) -> int:
+    """Write results as a table, or logs of robots as MCAP."""
+    from swarmcensus.basics.files import check_writable
+    from swarmcensus.reliving.mcap_files import logs_in
+    from swarmcensus.results.presence import check_there
+
+    source = options.results
+    logs = logs_in(source)
+    if not logs:
+        check_there(source)
+    formats = ("mcap",) if logs else TABLES
+    ending = options.out.suffix.lower().removeprefix(".") if options.out else ""
+    kind = options.to or (ending if ending in FORMATS else formats[0])
+    if kind not in formats:
+        asked = f"--to {kind}" if options.to else f"--out {options.out}"
+        what = "robots' logs are written as mcap" if logs else "results are written as csv or parquet"
+        raise InputError(f"{source}: {what}, not by {asked}")
+    stem = source.resolve().name if logs else source.stem
+    out = options.out or Path(f"{stem}.{kind}")
+    if (ending in FORMATS and ending != kind) or (logs and ending not in ("", "mcap")):
+        raise InputError(f"--out {out}: --to {kind} is written as .{kind}")
+    check_writable(out, source, *logs)
+    return _export_logs(options, out) if logs else _export_results(options, out, kind)
+
+
+def _export_logs(options: argparse.Namespace, out: Path) -> int:
+    from swarmcensus.reliving.mcap_files import write_mcap
+
+    for name in OF_RESULTS:
+        if getattr(options, name) is not None:
+            raise InputError(f"--{name} is for results files: {options.results} holds robots' logs")
+    written = write_mcap(options.results, out)
+    if written.lost:
+        say(f"{options.results}: logs are cut or damaged: {counted(written.lost, 'byte')} could not be read")
+    robots, ticks = counted(written.robots, "robot"), counted(written.ticks, "tick")
+    wrote(f"{out}: {robots}, {ticks}, {counted(written.messages, 'message')}")
+    return 0
+
+
+def _export_results(options: argparse.Namespace, out: Path, kind: str) -> int:
+    from swarmcensus.results import store
+    from swarmcensus.results.partial import say_partial
+
+    source = read(options)
+    say_partial(source.stored, options.results)
+    rows = store.export(source.selected, out, kind)
+    wrote(f"{out}: {counted(rows, 'row')}")
+    return 0

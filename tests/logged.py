@@ -1,0 +1,69 @@
+"""A folder of robots that lived together, with their logs, for tests."""
+
+import random
+
+from swarmcensus import brains
+from swarmcensus.brains.packing import Numbers
+from swarmcensus.deployment.messages import messages_of
+from swarmcensus.robot.log import Log
+from swarmcensus.robot.runtime import Robot
+
+SECOND = 1000
+
+
+class Air:
+    """A sensor and a radio: readings by chance, datagrams put in by hand."""
+
+    def __init__(self, seed):
+        self.sent, self.waiting = [], []
+        self.chance = random.Random(seed)
+
+    def start(self):
+        pass
+
+    def read(self):
+        return self.chance.random() < 0.6
+
+    def send(self, datagram):
+        self.sent.append(datagram)
+
+    def receive(self):
+        return self.waiting.pop(0) if self.waiting else None
+
+
+class Clock:
+    """One that begins again at 2^30 ms."""
+
+    def __init__(self, ms=0):
+        self.ms = ms
+
+    def __call__(self):
+        return self.ms & 0x3FFFFFFF
+
+
+def made(folder, number, clock, name="commons", now=0, message="ratio16", boot=0):
+    """A robot that logs, with what it hears and says."""
+    brain = brains.load(name).with_numbers(Numbers(message=message))
+    air = Air(number)
+    robot = Robot(brain.functions, messages_of(brain), air, air, clock, 0.9, 0.8, number, period=100)
+    robot.boot = boot
+    form = {"float32": 1, "float16": 2, "ratio16": 3}[message]
+    robot.record(Log(folder / f"robot-{number}.log", bytes.fromhex(brain.sha256)[:8], form=form, now=now))
+    return robot, air
+
+
+def lives(robots, clock, ticks):
+    """All robots of a fully connected swarm, tick by tick."""
+    for _ in range(ticks):
+        clock.ms += 100
+        for robot, air in robots:
+            robot.tick()
+            for _, other in robots:
+                if other is not air:
+                    other.waiting.extend(air.sent[-1:])
+
+
+def closed(robots):
+    """Close their logs."""
+    for robot, _ in robots:
+        robot.log.close()
