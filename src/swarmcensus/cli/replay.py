@@ -2,11 +2,17 @@
 
 import argparse
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.output import wrote
+from swarmcensus.cli.output import say, wrote
 from swarmcensus.cli.plot import brain_of, figure_files, save_figure
 from swarmcensus.cli.source import RESULTS_HELP
+
+if TYPE_CHECKING:
+    import numpy as np
+
+OF_BAGS = ("readings", "messages", "period")  # options of `infer`
 
 
 def add_replay_options(sub: argparse.ArgumentParser) -> None:
@@ -64,8 +70,22 @@ def replay(options: argparse.Namespace) -> int:
 def add_infer_options(sub: argparse.ArgumentParser) -> None:
     """Add the options of `infer`."""
     sub.add_argument(
-        "observations", type=Path, metavar="OBSERVATIONS.csv", help="readings: one row per step, one column per robot"
+        "observations",
+        type=Path,
+        metavar="OBSERVATIONS.csv|BAG",
+        help="readings: one row per step, one column per robot; or a bag of ROS 2, a folder or its .mcap or .db3",
     )
+    sub.add_argument(
+        "--readings",
+        metavar="TOPIC",
+        help="topics of a bag with readings, such as '/robot_{robot}/floor', where {robot} is the robot's name",
+    )
+    sub.add_argument(
+        "--messages",
+        metavar="TOPIC",
+        help="topics of a bag that tell whom a robot heard, such as '/robot_{robot}/heard'",
+    )
+    sub.add_argument("--period", type=float, metavar="SECONDS", help="time of a step of a bag")
     sub.add_argument(
         "--links", type=Path, metavar="LINKS.csv", help="edges, or messages with the columns step, sender, receiver"
     )
@@ -103,11 +123,11 @@ def infer(options: argparse.Namespace) -> int:
     figure_files(plotted, ("png",))
     sources = {
         "observations": options.observations,
-        "links": options.links,
+        "links": options.links or options.observations,
         "accuracy": f"--accuracy {options.accuracy}",
     }
-    readings = recordings.read_observations(options.observations)
-    links = recordings.read_links(options.links) if options.links else None
+    readings, heard = _recorded(options)
+    links = recordings.read_links(options.links) if options.links else heard
     try:
         accuracy = recordings.read_accuracy(options.accuracy)
         with log_compilation(Path(options.brain).name, "recorded data"):
@@ -120,6 +140,27 @@ def infer(options: argparse.Namespace) -> int:
     wrote(out)
     save_figure(plot.curves(trace), plotted, ("png",))
     return 0
+
+
+def _recorded(options: argparse.Namespace) -> "tuple[np.ndarray, np.ndarray | None]":
+    """Readings, and the messages of a bag."""
+    from swarmcensus.reliving.bags import is_bag, read_bag
+    from swarmcensus.results.recordings import read_observations
+
+    path = options.observations
+    if not is_bag(path):
+        for name in OF_BAGS:
+            if getattr(options, name) is not None:
+                raise InputError(f"--{name} is for a bag: {path} is none, which is a folder, or ends in .mcap or .db3")
+        return read_observations(path), None
+    if missing := [f"--{name}" for name in ("readings", "period") if getattr(options, name) is None]:
+        raise InputError(f"{path}: a bag needs {' and '.join(missing)}")
+    if options.links and options.messages:
+        raise InputError(f"--links {options.links} and --messages {options.messages}: one of them is right")
+    recorded = read_bag(path, options.readings, options.messages, options.period)
+    for note in recorded.notes:
+        say(note)
+    return recorded.readings, recorded.messages
 
 
 def _check_trace(out: Path) -> None:
