@@ -21,6 +21,7 @@ NUMBERS = (*(f"{sign}nt{bits}" for sign in ("I", "UI") for bits in (8, 16, 32, 6
 READINGS = ("Bool", *NUMBERS, "Float32", "Float64")
 MESSAGES = (*NUMBERS, *(f"{name}MultiArray" for name in NUMBERS), "String")
 MOST_STEPS = 10_000_000
+MOST_LACKING = 2**32  # bytes of a cut file that are made up; more is a damaged number
 NANO = 10**9
 # of an MCAP chunk's record: bytes before its records if they are not compressed, and where the name's length is told
 CHUNK_HEAD, COMPRESSION, COMPRESSION_END = 49, 37, 41
@@ -74,7 +75,7 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
             raise InputError(f"{option(name, template)}: should name a robot once as {ROBOT}, as /robot_{ROBOT}/floor")
     if not 1e-9 <= period < 1e9:
         raise InputError(f"{option('period', period)}: should be the seconds of a step, above 0")
-    raw, topics, notes = _raw(path)
+    raw, topics, notes = _raw(path, [_pattern(template) for template in (readings, messages) if template is not None])
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]] = {}
     _choose(path, topics, readings, "readings", READINGS, _reading, wanted)
     if messages is not None:
@@ -87,8 +88,8 @@ def read_bag(path: str | Path, readings: str, messages: str | None, period: floa
     return _steps(path, events, messages is not None, round(period * NANO), notes)
 
 
-def _raw(path: Path) -> tuple[list[Raw], dict[str, str], list[str]]:
-    """All messages of std_msgs in a bag, the types of its topics, and what is damaged. Raises InputError."""
+def _raw(path: Path, patterns: list[re.Pattern[str]]) -> tuple[list[Raw], dict[str, str], list[str]]:
+    """The messages of topics of these patterns, the types of all topics, and what is damaged. Raises InputError."""
     try:
         from rosbags.rosbag2 import Reader
     except ImportError:
@@ -99,34 +100,35 @@ def _raw(path: Path) -> tuple[list[Raw], dict[str, str], list[str]]:
     raw: list[Raw] = []
     topics: dict[str, str] = {}
     try:
-        _collect(Reader(path), raw, topics)
+        raw += _read(Reader(path), topics, patterns)
     except Exception:  # a damaged bag raises anything
         files = sorted(p for p in path.iterdir() if p.suffix in STORAGES) if path.is_dir() else [path]
         if not files:
             raise InputError(f"{path}: no bag of rosbag2, which has files that end in .mcap or .db3") from None
         raw.clear()
         for file in files:
-            _salvage(file, raw, topics)
-        if not raw:
+            _salvage(file, raw, topics, patterns)
+        if not topics:
             raise InputError(f"{path}: no message of it could be read") from None
         return raw, topics, [f"{path}: the bag is cut or damaged: {counted(len(raw), 'message')} could be read"]
     return raw, topics, []
 
 
-def _collect(reader: Any, raw: list[Raw], topics: dict[str, str]) -> None:
-    """Add what a reader of rosbags reads."""
+def _read(reader: Any, topics: dict[str, str], patterns: list[re.Pattern[str]]) -> Iterator[Raw]:
+    """The messages that a reader of rosbags reads. Raises anything."""
     with reader:
         topics.update({c.topic: c.msgtype for c in reader.connections})
-        wanted = [c for c in reader.connections if c.msgtype.startswith("std_msgs/")]
+        wanted = [c for c in reader.connections if any(p.fullmatch(c.topic) for p in patterns)]
         for connection, time, data in reader.messages(wanted) if wanted else ():
-            raw.append(Raw(connection.topic, connection.msgtype, time, bytes(data)))
+            yield Raw(connection.topic, connection.msgtype, time, data)
 
 
-def _salvage(file: Path, raw: list[Raw], topics: dict[str, str]) -> None:
+def _salvage(file: Path, raw: list[Raw], topics: dict[str, str], patterns: list[re.Pattern[str]]) -> None:
     """Add what is readable of one file."""
     with contextlib.suppress(Exception):  # here the damage begins
         for one in _records(file, topics) if file.suffix == ".mcap" else _rows(file, topics):
-            raw.append(one)
+            if any(pattern.fullmatch(one.topic) for pattern in patterns):
+                raw.append(one)
 
 
 def _rows(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
@@ -134,10 +136,12 @@ def _rows(file: Path, topics: dict[str, str]) -> Iterator[Raw]:
     content = bytearray(file.read_bytes())
     page, pages = int.from_bytes(content[16:18], "big"), int.from_bytes(content[28:32], "big")
     content[18:20] = 1, 1  # no second file is asked for newer rows
-    content += bytes(max(0, page * pages - len(content)))  # SQLite opens no file that is shorter than it should be
+    lacking = max(0, page * pages - len(content))
+    content += bytes(lacking if lacking < MOST_LACKING else 0)  # SQLite opens no file that is shorter than it should be
     with contextlib.closing(sqlite3.connect(":memory:")) as base:
         base.deserialize(bytes(content))
         kinds = {key: (topic, kind) for key, topic, kind in base.execute("SELECT id, name, type FROM topics")}
+        kinds = {key: names for key, names in kinds.items() if all(isinstance(name, str) for name in names)}
         topics.update(kinds.values())
         last = 0
         for order in ("ASC", "DESC"):
@@ -203,8 +207,7 @@ def _choose(
     wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]],
 ) -> None:
     """Add the topics that a template means to those that are wanted."""
-    before, _, after = template.partition(ROBOT)
-    pattern = re.compile(f"{re.escape(before)}([^/]+){re.escape(after)}")
+    pattern = _pattern(template)
     found = {topic: match[1] for topic in topics if (match := pattern.fullmatch(topic))}
     if not found:
         there = ", ".join(f"{topic} ({kind})" for topic, kind in sorted(topics.items())[:20]) or "none"
@@ -218,6 +221,12 @@ def _choose(
         wanted[topic] = add, robot
 
 
+def _pattern(template: str) -> re.Pattern[str]:
+    """What matches the topics of a template, with the robot's name as a group."""
+    before, _, after = template.partition(ROBOT)
+    return re.compile(f"{re.escape(before)}([^/]+){re.escape(after)}")
+
+
 def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str, Any], None], str]]) -> _Events:
     from rosbags.typesys import Stores, get_typestore
 
@@ -227,6 +236,8 @@ def _decoded(raw: list[Raw], wanted: dict[str, tuple[Callable[[_Events, Raw, str
         if one.topic not in wanted:
             continue
         try:
+            if not isinstance(one.time, int) or not isinstance(one.data, bytes):  # of a damaged row
+                raise TypeError
             value: Any = store.deserialize_cdr(one.data, one.kind)
         except Exception:  # rosbags raises anything for bytes that do not fit
             events.undecoded += 1
