@@ -173,7 +173,7 @@ def test_of_a_damaged_bag_is_read_what_is_readable(tmp_path, storage, damage):
 
 def test_rows_of_other_types_are_left_out(tmp_path):
     """As damage leaves them."""
-    file, seen = long_bag(tmp_path / "bag", "SQLITE3")
+    file, _ = long_bag(tmp_path / "bag", "SQLITE3")
     with contextlib.closing(sqlite3.connect(file)) as base, base:
         base.execute("UPDATE messages SET timestamp = x'00' WHERE id = 3")
         base.execute("UPDATE messages SET data = 5 WHERE id = 4")
