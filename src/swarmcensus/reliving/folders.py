@@ -1,0 +1,186 @@
+"""A folder of robots' logs: who the robots were, which brain each had, and what is known of the day."""
+
+import json
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from swarmcensus import brains
+from swarmcensus.basics.errors import InputError
+from swarmcensus.basics.formatting import counted
+from swarmcensus.brains import Brain
+from swarmcensus.reliving.logs import RobotLog, read_log
+
+ABOUT = "swarm.json"
+OWN = "brain.py"
+FORMAT = 1
+
+
+@dataclass(frozen=True)
+class Member:
+    """One robot: its log, the brain that it ran, and whether it was honest."""
+
+    number: int
+    log: RobotLog
+    brain: Brain
+    honest: bool = True
+    adversary: str | None = None  # that its brain wore, if it is known
+    is_swarm: bool = True  # whether its brain is that of most robots
+
+
+@dataclass(frozen=True)
+class Day:
+    """All robots of a folder, by their numbers, and what is known of their world."""
+
+    folder: Path
+    title: str
+    brain: Brain  # of the honest robots, with its parameters
+    members: tuple[Member, ...]
+    fill_ratio: float | None
+    bins: int
+    delta: float
+    seed: int
+    trial: int
+    about: Mapping[str, Any]  # the rest of swarm.json
+    absent: tuple[str, ...]  # logs that swarm.json names and that are not there, or hold nothing
+
+
+def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: float | None = None) -> Day:
+    """Read a folder. `brain_file` is the brain of robots whose brain the folder does not hold. Raises InputError."""
+    if not folder.is_dir():
+        raise InputError(f"{folder}: should be a folder of robots' logs")
+    about = _about(folder / ABOUT)
+    entries = {str(entry["log"]): entry for entry in about.get("robots", [])}
+    names = list(dict.fromkeys([*entries, *(path.name for path in sorted(folder.glob("*.log")))]))
+    if not names:
+        raise InputError(f"{folder}: it holds no log: should be a folder with files such as robot-0.log")
+    logs, absent = {}, []
+    for name in names:
+        try:
+            logs[name] = read_log(folder / name)
+        except InputError as error:
+            absent.append(str(error))
+    if not logs:
+        raise InputError(f"{folder}: no robot's log can be read: {absent[0]}")
+    numbers = [log.number for log in logs.values()]
+    if twice := next((number for number in numbers if numbers.count(number) > 1), None):
+        raise InputError(f"{folder}: two logs are of robot {twice}: each robot has one")
+    kept = Brains(folder, brain_file, about)
+    members = []
+    for name, log in logs.items():
+        entry = entries.get(name, {})
+        of_swarm = str(entry.get("brain", kept.file)) == kept.file
+        brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
+        honest, adversary = bool(entry.get("honest", True)), entry.get("adversary")
+        members.append(Member(log.number, log, brain, honest, adversary and str(adversary), of_swarm))
+    members.sort(key=lambda member: member.number)
+    swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
+    known = about.get("fill_ratio") if fill_ratio is None else fill_ratio
+    return Day(
+        folder, str(about.get("title") or folder.resolve().name), swarm, tuple(members),
+        None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
+        int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
+    )  # fmt: skip
+
+
+class Brains:
+    """The brains of a folder: its files, a file that is given, or shipped ones with the hashes that logs name."""
+
+    def __init__(self, folder: Path, given: str | Path | None, about: Mapping[str, Any]) -> None:
+        """`about` is the content of swarm.json; empty without it."""
+        self.folder, self.given = folder, given
+        named = about.get("brain", {})
+        self.file = str(named.get("file", OWN))
+        self.name = str(named.get("name", ""))
+        self.values = {k: tuple(v) if isinstance(v, list) else v for k, v in named.get("parameters", {}).items()}
+        self.read: dict[str, Brain] = {}
+
+    def swarm(self, log: RobotLog) -> Brain:
+        """The brain of the honest robots."""
+        if self.given is not None:
+            if OWN not in self.read:
+                self.read[OWN] = self._with_values(brains.load(self.given))
+            return self.read[OWN]
+        if (self.folder / self.file).is_file():
+            return self.of_file(self.file)
+        return self._shipped(log)
+
+    def of_file(self, name: str) -> Brain:
+        """The brain in a file of the folder."""
+        if name not in self.read:
+            path = self.folder / name
+            source = brains.read_source("brain", path)
+            label = self.name if name == self.file and self.name else _name_of(source) or path.stem
+            brain = brains.parse(source, label, path)
+            self.read[name] = self._with_values(brain) if name == self.file else brain
+        return self.read[name]
+
+    def _shipped(self, log: RobotLog) -> Brain:
+        mark = log.states[0].brain
+        for name in brains.shipped():
+            if brains.digest(brains.read_source("brain", brains.find(name))).startswith(mark.hex()):
+                if name not in self.read:
+                    self.read[name] = self._with_values(brains.load(name))
+                return self.read[name]
+        raise InputError(
+            f"{log.path}: the robot's brain has a hash that begins with {mark.hex()}, and no shipped brain has it: "
+            f"put its file into the folder as {OWN}, or name it with --brain-file"
+        )
+
+    def _with_values(self, brain: Brain) -> Brain:
+        try:
+            return brain.with_parameters(self.values)
+        except ValueError:  # another brain was given: its own values are right for it
+            return brain
+
+
+def _name_of(source: str) -> str | None:
+    """The name of the shipped brain with this source."""
+    mark = brains.digest(source)
+    for name in brains.shipped():
+        if brains.digest(brains.read_source("brain", brains.find(name))) == mark:
+            return name
+    return None
+
+
+def _about(path: Path) -> dict[str, Any]:
+    """The content of swarm.json; empty if there is none. Raises InputError."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise InputError(f"{path}: cannot be read as JSON: {error}") from None
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        found = content.get("format") if isinstance(content, dict) else content
+        raise InputError(f"{path}: its format is {found!r}: this swarmcensus reads {FORMAT}")
+    _check(path, content)
+    return content
+
+
+def _check(path: Path, content: dict[str, Any]) -> None:
+    """Raise InputError if what is used of swarm.json is not what it should be."""
+    robots = content.get("robots", [])
+    if not isinstance(robots, list) or not all(isinstance(one, dict) and "log" in one for one in robots):
+        raise InputError(f"{path}: robots should be a list of tables, each with a log")
+    for robot in robots:
+        for key in ("log", "brain"):
+            name = robot.get(key, OWN)
+            if not isinstance(name, str) or not re.fullmatch(r"[^/\\]+", name) or name in (".", ".."):
+                raise InputError(f"{path}: {key} = {name!r}: should be the name of a file in the folder")
+    ratio = content.get("fill_ratio")
+    if ratio is not None and not (isinstance(ratio, int | float) and 0.0 <= ratio <= 1.0):
+        raise InputError(f"{path}: fill_ratio = {ratio!r}: should be from 0 to 1, or null")
+    if not isinstance(content.get("brain", {}), dict):
+        raise InputError(f"{path}: brain should be a table with the key file")
+    for key, kind in (("bins", int), ("delta", int | float), ("seed", int), ("trial", int)):
+        if key in content and not isinstance(content[key], kind):
+            raise InputError(f"{path}: {key} = {content[key]!r}: should be a number")
+
+
+def summary_of(day: Day) -> str:
+    """Who there was, in a line."""
+    liars = sum(not member.honest for member in day.members)
+    return counted(len(day.members), "robot") + (f", {liars} of them not honest" if liars else "")
