@@ -1,4 +1,4 @@
-"""A swarm in memory: the robots' runtime, driven tick by tick with the readings, losses and luck of a simulated trial."""
+"""A swarm in memory: the robots' runtime, given the readings, losses and luck of a simulated trial tick by tick."""
 
 import numpy as np
 

@@ -5,11 +5,8 @@ import pytest
 
 import swarmcensus as sc
 from swarmcensus import brains
-from swarmcensus.brains.packing import Numbers
-from swarmcensus.reliving import lives as reliving
 from swarmcensus.reliving.folders import read_day
 from swarmcensus.reliving.lives import relive
-from swarmcensus.reliving.minds import Mind
 from swarmcensus.reliving.others import under
 from swarmcensus.simulation.trials import record_trial
 from tests.lockstep import Swarm
@@ -85,7 +82,7 @@ OTHERS = [
 
 @pytest.mark.parametrize(("brain", "other", "message", "precision"), OTHERS)
 def test_another_brain_lives_the_day_as_its_simulation(tmp_path, brain, other, message, precision):
-    study, setting, swarm = logged(tmp_path / "day", brain, message=message, precision=precision)
+    study, _, swarm = logged(tmp_path / "day", brain, message=message, precision=precision)
     swarm.run()
     shown = swarm.close()
     told(tmp_path / "day", study)

@@ -22,6 +22,7 @@ from swarmcensus.cli import (
     plan,
     plot,
     read_results,
+    relive,
     replay,
     run,
     start,
@@ -193,6 +194,10 @@ COMMANDS = {
     "infer": Command(
         "Run a brain on recorded observations and links instead of a simulated world.",
         replay.infer, replay.add_infer_options,
+    ),
+    "relive": Command(
+        "Live robots' minds again from their logs, to the bit, or the same day under another brain.",
+        relive.relive, relive.add_relive_options,
     ),
     "list": Command(
         "List what studies and figures can use by name, including plugins from other packages.",

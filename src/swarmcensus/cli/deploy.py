@@ -53,7 +53,7 @@ def _deploy(options: argparse.Namespace) -> int:
     check_free(options.to)
     plan = plan_for(
         brains.load(options.what), options.radio, options.b, options.w, options.message,
-        10.0 if options.hz is None else options.hz, _parameters(options.parameter or []), options.number,
+        10.0 if options.hz is None else options.hz, parameters_of(options.parameter or []), options.number,
     )  # fmt: skip
     made = write(plan, options.to)
     if options.json:
@@ -76,7 +76,8 @@ def _sizes(made: "Deployed") -> list[str]:
     return lines
 
 
-def _parameters(given: list[str]) -> dict[str, Any]:
+def parameters_of(given: list[str]) -> dict[str, Any]:
+    """The values of --parameter. Raises InputError."""
     values: dict[str, Any] = {}
     for text in given:
         name, equals, value = text.partition("=")

@@ -5,10 +5,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Literal, NamedTuple
 
-from swarmcensus.reliving.folders import Member
+from swarmcensus.basics.fork import in_background
+from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.logs import Gap, RobotLog, State, Tick
 from swarmcensus.reliving.minds import Mind, Unfit, checksum_of, mind_of
 from swarmcensus.reliving.reasons import reason_of, unfit_reason
+
+LARGE = 20_000  # blocks of all logs, from which on a second process is worth its start
 
 
 class Start(NamedTuple):
@@ -99,6 +102,15 @@ def relive(member: Member, keep: bool = False) -> Life:
             life.breaks.append(Break(boot, block.tick, reason_of(member, first, at, mind, lives)))
             mind = None
     return life
+
+
+def relive_all(day: Day, keep: bool = False) -> list[Life]:
+    """Live all lives of a day again, half of them in another process where that is possible."""
+    half = len(day.members) // 2
+    if sum(len(member.log.blocks) for member in day.members) < LARGE:
+        half = len(day.members)
+    rest = in_background(lambda: [relive(member, keep) for member in day.members[half:]])
+    return [relive(member, keep) for member in day.members[:half]] + rest()
 
 
 def lives(mind: Mind, tick: Tick) -> bool:

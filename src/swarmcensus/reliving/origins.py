@@ -40,14 +40,13 @@ class Origins:
         same = [one for one in known if blocks[one].said == heard.code]  # type: ignore[attr-defined]
         if not same:
             return "forged"
-        if len(same) > 1:
-            chosen = self._nearest(receiver, at, heard.sender, same)
-        else:
-            chosen = same[0]
+        chosen = self._nearest(receiver, at, heard.sender, same)
         self.last[receiver, heard.sender] = chosen
         return heard.sender, chosen
 
     def _nearest(self, receiver: int, at: int, sender: int, known: list[int]) -> int:
+        if len(known) == 1:
+            return known[0]
         here = self.clock.time(receiver, at)
         last = self.last.get((receiver, sender))
         if self.clock.is_common or last is None:

@@ -227,7 +227,8 @@ def brain_of(member: Member, brain: Brain) -> Brain | None:
 
 def _told(member: Member, parameters: Mapping[str, object]) -> dict[str, object]:
     """The values that a log tells of an adversary's parameters, which its brain has with a prefix."""
-    state, at, values = member.log.states[0], 0, {}
+    values: dict[str, object] = {}
+    state, at = member.log.states[0], 0
     for name in sorted(member.brain.parameters):
         default = member.brain.parameters[name]
         size = len(default) if isinstance(default, tuple) else 1

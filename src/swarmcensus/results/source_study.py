@@ -23,6 +23,7 @@ from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 from swarmcensus.worlds.networks import MOVING
 
+RELIVED = "relived"  # the attribute of results that robots made, and no simulation
 Brains = str | Path | Iterable[str | Path] | None  # brain files, given for those that results name
 
 
@@ -63,6 +64,11 @@ def studies_of(data: xr.Dataset, brain: Brains = (), *, run: bool = True) -> lis
     the sources that the results were made with; this is checked before they are run. Other brains stay unread (see
     `must_be_read`), and with run=False all do. Raises InputError.
     """
+    if run and RELIVED in data.attrs:
+        raise InputError(
+            f"these results are the day {data.attrs[RELIVED]!r} of robots, which no simulation runs again: "
+            "swarmcensus relive FOLDER does, from their logs"
+        )
     (sources, texts), lying = made_from(data), adversaries_in(data)
     known: dict[str, brains.Brain] = {}
     liars: dict[str, brains.Adversary] = {}

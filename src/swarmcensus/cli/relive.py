@@ -1,0 +1,230 @@
+"""The command `relive`: lives robots' minds again from their logs, under their brain or others."""
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.output import answer, say, wrote
+
+if TYPE_CHECKING:
+    from swarmcensus.brains import Brain
+    from swarmcensus.reliving.clocks import Clock
+    from swarmcensus.reliving.folders import Day
+    from swarmcensus.reliving.lives import Life
+    from swarmcensus.reliving.others import OtherDay
+
+DIFFER = 1  # exit code where a mind was not lived again to the bit, as of `verify`
+SHOWN = 8  # lines of a list
+
+
+def add_relive_options(sub: argparse.ArgumentParser) -> None:
+    """Add the options of `relive`."""
+    sub.add_argument("folder", type=Path, metavar="FOLDER", help="robots' logs, as swarmcensus swarm or boards write")
+    sub.add_argument(
+        "--brain", action="append", default=[], metavar="BRAIN", help="live the day under this brain too; repeatable"
+    )
+    sub.add_argument(
+        "--parameter", action="append", default=[], metavar="NAME=VALUE", help="a parameter of --brain; repeatable"
+    )
+    sub.add_argument("--message", metavar="FORMAT", help="message format under --brain (default: that of the logs)")
+    sub.add_argument("--brain-file", type=Path, metavar="FILE.py", help="the robots' brain, if FOLDER lacks its file")
+    sub.add_argument("--fill-ratio", type=float, metavar="F", help="the true share of black, if FOLDER does not say it")
+    sub.add_argument("--out", type=Path, metavar="FILE.nc", help="results to write: one setting per brain")
+    sub.add_argument(
+        "--trace",
+        type=Path,
+        metavar="FILE.nc|csv",
+        help="write every robot's estimate and memory after every tick, under --brain if there is one",
+    )
+    sub.add_argument("--plot", type=Path, metavar="FILE.png|svg|pdf", help="plot the estimates of that trace")
+
+
+def relive(options: argparse.Namespace) -> int:
+    """Live the minds of a folder again."""
+    from swarmcensus.reliving import traces
+    from swarmcensus.reliving.clocks import Clock
+    from swarmcensus.reliving.folders import read_day
+    from swarmcensus.reliving.lives import relive_all
+    from swarmcensus.reliving.others import under
+
+    _check(options)
+    day = read_day(options.folder, options.brain_file, options.fill_ratio)
+    others = _brains(options, day)
+    for what in day.absent:
+        say(f"left out: {what}")
+    clock = Clock(day.members)
+    wanted = bool(options.trace) and not others
+    lives = relive_all(day, keep=wanted)
+    lived = [traces.as_logged(day, lives)]
+    lived += [under(day, brain, options.message, clock) for brain in others]
+    if options.out:
+        from swarmcensus.results.relived import dataset_of
+        from swarmcensus.results.store import save
+
+        save(dataset_of(day, lived, clock, options.message), options.out)
+    if options.trace or options.plot:
+        _write_trace(options, traces.as_trace(day, lived[-1], clock))
+    if options.json:
+        answer("relived", _as_dict(day, lives, lived, clock))
+    else:
+        _show(day, lives, lived, clock)
+    if options.out:
+        wrote(options.out)
+    return 0 if all(life.to_the_bit for life in lives) else DIFFER
+
+
+def _check(options: argparse.Namespace) -> None:
+    """Raise InputError for options that do not go together, before anything is lived."""
+    from swarmcensus.basics.files import check_writable
+    from swarmcensus.basics.hints import did_you_mean
+    from swarmcensus.brains.packing import FORMATS
+    from swarmcensus.cli.plot import figure_files
+
+    if options.fill_ratio is not None and not 0.0 <= options.fill_ratio <= 1.0:
+        raise InputError(f"--fill-ratio {options.fill_ratio:g}: should be a share of black, from 0 to 1")
+    for flag, value in (("--parameter", options.parameter), ("--message", options.message)):
+        if value and not options.brain:
+            raise InputError(f"{flag} goes with --brain")
+    if options.parameter and len(options.brain) > 1:
+        raise InputError("--parameter goes with one --brain")
+    if options.message and options.message not in FORMATS[1:]:
+        hint = did_you_mean(options.message, FORMATS[1:])
+        raise InputError(f"--message {options.message}: {hint}should be one of {', '.join(FORMATS[1:])}")
+    if (options.trace or options.plot) and len(options.brain) > 1:
+        raise InputError(f"--{'trace' if options.trace else 'plot'} goes with one --brain at most")
+    for flag, path, suffixes in (("--out", options.out, (".nc",)), ("--trace", options.trace, (".nc", ".csv"))):
+        if path and path.suffix not in suffixes:
+            raise InputError(f"{flag} {path}: it is written as {' or '.join(suffixes)}")
+        if path:
+            check_writable(path)
+    if options.plot:
+        figure_files(options.plot, ("png",))
+
+
+def _brains(options: argparse.Namespace, day: "Day") -> list["Brain"]:
+    from swarmcensus import brains
+    from swarmcensus.cli.deploy import parameters_of
+
+    found = []
+    for name in options.brain:
+        brain = brains.load(name)
+        try:
+            brain = brain.with_parameters(parameters_of(options.parameter))
+        except ValueError as error:
+            raise InputError(f"--parameter: {error}") from None
+        if brain.name == day.brain.name and brain.sha256 != day.brain.sha256:
+            brain = replace(brain, name=f"{brain.name} (--brain)")
+        found.append(brain)
+    labels = [day.brain.label, *(brain.label for brain in found)]
+    if twice := next((label for label in labels if labels.count(label) > 1 and options.out), None):
+        raise InputError(f"--out {options.out}: {twice} would be there twice: the robots' own brain is always there")
+    return found
+
+
+def _write_trace(options: argparse.Namespace, trace: Any) -> None:
+    from swarmcensus.cli.plot import save_figure
+    from swarmcensus.results.recordings import write_trace
+
+    if options.trace:
+        write_trace(trace, options.trace)
+        wrote(options.trace)
+    if options.plot:
+        from swarmcensus.figures import plot
+
+        save_figure(plot.curves(trace), options.plot, ("png",))
+
+
+def _as_dict(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], clock: "Clock") -> dict[str, Any]:
+    robots = [
+        {
+            "number": life.number, "ticks": life.ticks, "relived": life.relived, "to_the_bit": life.to_the_bit,
+            "starts": [
+                {"boot": one.boot, "tick": one.tick, "kind": one.kind, "source_boot": one.source_boot}
+                for one in life.starts
+            ],
+            "differences": [one._asdict() for one in life.breaks],
+            "lost": [one._asdict() for one in life.lost],
+        }
+        for life in lives
+    ]  # fmt: skip
+    brains = [
+        {"brain": one.brain.label, **_ends(day, one, clock), "unknown": one.unknown, "counts": dict(one.counts)}
+        for one in lived
+    ]
+    return {"title": day.title, "fill_ratio": day.fill_ratio, "robots": robots, "brains": brains}
+
+
+def _ends(day: "Day", lived: "OtherDay", clock: "Clock") -> dict[str, float | None]:
+    """The mean error of honest robots at the end and the share in the right bin; None where f is not known."""
+    import numpy as np
+
+    from swarmcensus.reliving.traces import estimates_of, last_estimates
+    from swarmcensus.simulation.metrics import correct
+
+    honest = np.array([member.honest for member in day.members])
+    last = last_estimates(estimates_of(day, lived, clock))[-1][honest]
+    last = last[np.isfinite(last)]
+    if not last.size:
+        return {"mean_estimate": None, "mean_error": None, "right": None}
+    f = day.fill_ratio
+    return {
+        "mean_estimate": float(last.mean()),
+        "mean_error": None if f is None else float(np.abs(last - f).mean()),
+        "right": None if f is None else float(correct(last, f, day.bins)),
+    }
+
+
+def _show(day: "Day", lives: Sequence["Life"], lived: Sequence["OtherDay"], clock: "Clock") -> None:
+    from swarmcensus.basics.formatting import counted
+    from swarmcensus.basics.terminal import console, table
+    from swarmcensus.reliving.folders import summary_of
+    from swarmcensus.reliving.others import TOLD, UNKNOWN
+
+    exact = sum(life.to_the_bit for life in lives)
+    ticks, relived = sum(life.ticks for life in lives), sum(life.relived for life in lives)
+    truth = "" if day.fill_ratio is None else f", fill ratio {day.fill_ratio:g}"
+    print(f"{day.title}: {summary_of(day)}, {counted(ticks, 'tick')} in their logs{truth}")
+    print(f"{exact:,} of {counted(len(lives), 'mind')} lived again to the bit, {relived:,} of {counted(ticks, 'tick')}")
+    _list([f"  robot {life.number}, boot {b.boot}, tick {b.tick}: {b.reason}" for life in lives for b in life.breaks])
+    _list([_lost_line(life.number, lost) for life in lives for lost in life.lost])
+    _list([
+        f"  robot {life.number}, boot {s.boot}: " + (
+            "started blank" if s.kind == "blank" else f"resumed the memory of boot {s.source_boot}, tick {s.tick}"
+            if s.kind == "resumed" else f"started with a memory of tick {s.tick} that its log does not have"
+        )
+        for life in lives for s in life.starts if s.boot or s.kind != "blank"
+    ])  # fmt: skip
+    columns = [("brain", False), *((name, True) for name in ("estimate", "error", "right", "sent", "heard", "unknown"))]
+    rows = []
+    for k, one in enumerate(lived):
+        ends = _ends(day, one, clock)
+        rows.append((
+            one.brain.label + ("" if k else ", as it was"), _number(ends["mean_estimate"]), _number(ends["mean_error"]),
+            "-" if ends["right"] is None else f"{100 * ends['right']:.1f} %", f"{sum(one.sent.values()):,}",
+            f"{sum(one.heard.values()):,}", f"{one.unknown:,}" if k else "-",
+        ))  # fmt: skip
+    print()
+    console().print(table(columns, rows))
+    for one in lived[1:]:
+        lines = [f"  {one.counts[name]:,} {what}" for name, what in (UNKNOWN | TOLD).items() if one.counts[name]]
+        if lines:
+            print(f"under {one.brain.label}:", *lines, sep="\n")
+
+
+def _lost_line(number: int, lost: Any) -> str:
+    until = "on" if lost.before is None else f"to {lost.before - 1}"
+    return f"  robot {number}, boot {lost.boot}: ticks {lost.after + 1} {until} are not in the log: {lost.reason}"
+
+
+def _list(lines: Sequence[str]) -> None:
+    for line in lines[:SHOWN]:
+        print(line)
+    if len(lines) > SHOWN:
+        print(f"  ... and {len(lines) - SHOWN:,} more")
+
+
+def _number(value: float | None) -> str:
+    return "-" if value is None else f"{value:.4f}"

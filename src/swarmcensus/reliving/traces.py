@@ -1,0 +1,94 @@
+"""Lives as a trace: every robot's estimate and memory by round, as `replay` and `infer` have it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.reliving.clocks import Clock
+from swarmcensus.reliving.folders import Day
+from swarmcensus.reliving.lives import Life
+from swarmcensus.reliving.logs import State, Tick
+from swarmcensus.reliving.minds import Unfit, mind_of
+from swarmcensus.reliving.others import OtherDay, brain_of
+from swarmcensus.simulation.inferring import trace_of
+
+
+def as_logged(day: Day, lives: Sequence[Life]) -> OtherDay:
+    """The day as it was: the estimates of the logs, and the memory of minds that were lived again."""
+    result = OtherDay(day.brain, {}, {})
+    for member, life in zip(day.members, lives, strict=True):
+        estimates: dict[int, float] = {}
+        number, memory = member.number, dict(life.memory)
+        for at, block in enumerate(member.log.blocks):
+            if isinstance(block, Tick):
+                estimates[at] = block.estimate
+                result.sent[number] += block.said is not None
+                result.heard[number] += len(block.heard)
+            elif isinstance(block, State) and block.starts:
+                try:
+                    mind = mind_of(member.brain, block)
+                except Unfit:
+                    continue
+                estimates[at], memory[at] = mind.estimate, mind.numbers()
+        result.estimates[number], result.memory[number] = estimates, memory
+    return result
+
+
+def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
+    """The estimates (round, robot); NaN where a robot was away, or its log lacks the tick."""
+    out = np.full((clock.rounds + 1, len(day.members)), np.nan)
+    for column, member in enumerate(day.members):
+        for at, estimate in lived.estimates.get(member.number, {}).items():
+            out[clock.time(member.number, at), column] = estimate
+    return out
+
+
+def as_trace(day: Day, lived: OtherDay, clock: Clock) -> xr.Dataset:
+    """The trace of a day."""
+    trace = trace_of(_fields(day, lived, clock), estimates_of(day, lived, clock), lived.brain)
+    trace = trace.assign_coords(robot=[member.number for member in day.members])
+    trace["round"].attrs = {"units": "ticks", "long_name": "tick; 0 is before any observation"}
+    if not all(member.honest for member in day.members):
+        says = {"long_name": "1 where metrics count the robot"}
+        trace["honest"] = ("robot", np.array([member.honest for member in day.members], np.int8), says)
+    known = {} if day.fill_ratio is None else {"fill_ratio": day.fill_ratio}
+    trace.attrs |= {"title": f"{day.title}: {lived.brain.label}", "bins": day.bins, "delta": day.delta} | known
+    return trace
+
+
+def _fields(day: Day, lived: OtherDay, clock: Clock) -> dict[str, np.ndarray]:
+    """The fields of the brain's memory (round, robot) or (round, robot, item)."""
+    shape, lengths = (clock.rounds + 1, len(day.members)), lived.brain.lengths
+    width = sum(size or 1 for size in lengths.values())
+    every = np.full((*shape, width), np.nan)
+    for column, member in enumerate(day.members):
+        own = member.brain if lived.brain is day.brain else brain_of(member, lived.brain)
+        if own is not None and own.lengths == lengths:  # a liar remembers more
+            for at, numbers in lived.memory.get(member.number, {}).items():
+                every[clock.time(member.number, at), column] = numbers
+    fields, first = {}, 0
+    for name in sorted(lengths):
+        size = lengths[name]
+        fields[name] = every[..., first : first + size] if size else every[..., first]
+        first += size or 1
+    return fields
+
+
+def last_estimates(estimates: np.ndarray) -> np.ndarray:
+    """Estimates (round, robot) without gaps: a robot that is away counts with what it last believed.
+
+    Before its first start it counts with what it believes then.
+    """
+    out = estimates.copy()
+    for column in out.T:
+        there = np.flatnonzero(~np.isnan(column))
+        if there.size:
+            place = np.searchsorted(there, np.arange(len(column)), side="right") - 1
+            column[:] = column[there[np.maximum(place, 0)]]
+    return out
+
+
+def messages_of_robots(day: Day, counts: Mapping[int, int]) -> np.ndarray:
+    """How many messages each robot has (robot,)."""
+    return np.array([float(counts[member.number]) for member in day.members])

@@ -1,0 +1,97 @@
+"""Days of robots as results: each brain is a setting of one trial, measured as a simulated one."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import xarray as xr
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.brains import Brain
+from swarmcensus.brains.packing import Format
+from swarmcensus.reliving.clocks import Clock
+from swarmcensus.reliving.folders import Day
+from swarmcensus.reliving.minds import format_of
+from swarmcensus.reliving.others import OtherDay
+from swarmcensus.reliving.traces import estimates_of, last_estimates, messages_of_robots
+from swarmcensus.results.source_study import RELIVED
+from swarmcensus.results.store import dataset
+from swarmcensus.results.values import Values
+from swarmcensus.simulation.metrics import convergence, correct, error_at
+from swarmcensus.studies.study import Study
+from swarmcensus.studies.toml_text import to_toml
+
+
+def dataset_of(day: Day, lived: Sequence[OtherDay], clock: Clock, message: Format | None = None) -> xr.Dataset:
+    """The results of a day, a setting for each brain. Raises InputError if the fill ratio is not known."""
+    if day.fill_ratio is None:
+        raise InputError(f"{day.folder}: the fill ratio is not known, and errors need it: give it with --fill-ratio")
+    honest = np.array([member.honest for member in day.members])
+    study = _study(day, [one.brain for one in lived], clock, message)
+    settings = study.settings()
+    values = Values(study, settings, 1)
+    for number, one in enumerate(lived):
+        curves = last_estimates(estimates_of(day, one, clock))[:, honest]
+        if np.isnan(curves).any():
+            raise InputError(f"{day.folder}: not every robot's estimates are known under {one.brain.label}")
+        values.put(number, 0, _columns(day, study, one, curves, honest))
+    marks = [setting.fingerprint(study.seed) for setting in settings]
+    data = dataset(study, settings, marks, values)
+    data.attrs |= {RELIVED: day.title, "trials_done": len(lived), "trials_total": len(lived)}
+    return data
+
+
+def _columns(day: Day, study: Study, lived: OtherDay, curves: np.ndarray, honest: np.ndarray) -> dict[str, np.ndarray]:
+    assert day.fill_ratio is not None
+    index = convergence(curves, day.delta)
+    at = [correct(curves[checkpoint], day.fill_ratio, day.bins) for checkpoint in study.checkpoints]
+    return {
+        "convergence_round": index[np.newaxis].astype(np.int32),
+        "convergence_error": error_at(curves, index, day.fill_ratio)[np.newaxis],
+        "final_estimate": curves[-1][np.newaxis],
+        "correct": np.array(at)[:, np.newaxis],
+        "messages_sent": messages_of_robots(day, lived.sent)[honest][np.newaxis],
+        "messages_heard": messages_of_robots(day, lived.heard)[honest][np.newaxis],
+        "estimates": curves[study.checkpoints][:, np.newaxis],
+    }
+
+
+def _study(day: Day, brains: Sequence[Brain], clock: Clock, message: Format | None) -> Study:
+    """A study whose settings describe the day: its links are those on which anything was heard."""
+    states = [member.log.states[0] for member in day.members]
+    column = {member.number: k for k, member in enumerate(day.members)}
+    heard = {
+        (column[one.sender], column[member.number])
+        for member in day.members for tick in member.log.ticks for one in tick.heard if one.sender in column
+    }  # fmt: skip
+    looks = max((tick.looks for member in day.members for tick in member.log.ticks), default=1)
+    known = {brain.name: brain.as_written for brain in brains}
+    liars = sum(not member.honest for member in day.members)
+    tables = {
+        "name": day.title,
+        "trials": 1,
+        "seed": day.seed,
+        "swarm": {
+            "brain": [{"file": brain.name, **_listed(brain)} for brain in brains],
+            "robots": len(day.members),
+            "accuracy": {"black": _mean([s.b for s in states]), "white": _mean([s.w for s in states])},
+            "precision": "single" if states[0].single else "double",
+        },
+        "world": {
+            "topology": {"name": "heard", "directed": True, "edges": sorted(map(list, heard))},
+            "fill_ratio": day.fill_ratio,
+            "message": message or format_of(brains[0], states[0]),
+            "feedback": states[0].feedback,
+        },
+        "schedule": {"rounds": max(clock.rounds, 1), "observations_per_round": max(looks, 1)},
+        "measure": {"bins": day.bins, "delta": day.delta, "estimates": True},
+        **({"members": [{"robots": liars, "honest": False}]} if liars else {}),
+    }
+    return Study.parse(to_toml(tables), where=str(day.folder), context={"base": None, "brains": known, "kept": True})
+
+
+def _listed(brain: Brain) -> dict[str, object]:
+    return {name: list(value) if isinstance(value, tuple) else value for name, value in brain.overrides}
+
+
+def _mean(values: Sequence[float]) -> float:
+    return round(float(np.mean(values)), 6)
