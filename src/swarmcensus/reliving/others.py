@@ -15,7 +15,7 @@ from swarmcensus.brains.packing import Format, Numbers
 from swarmcensus.reliving.clocks import Clock
 from swarmcensus.reliving.folders import Day, Member
 from swarmcensus.reliving.lives import Start, starts_of
-from swarmcensus.reliving.logs import Gap, State, Tick
+from swarmcensus.reliving.logs import State, Tick
 from swarmcensus.reliving.luck import Luck, of_calls
 from swarmcensus.reliving.minds import Mind, format_of, other_mind
 from swarmcensus.reliving.origins import Origins, Place
@@ -130,7 +130,7 @@ class _Day:
                 self._think(robot, block, place)
             if robot.at in robot.keeps and robot.mind is not None:
                 robot.saved[robot.at] = robot.mind.kept()
-            if robot.mind is not None and not isinstance(block, Gap):
+            if robot.mind is not None and (isinstance(block, Tick) or (isinstance(block, State) and block.starts)):
                 self.result.estimates[number][robot.at] = robot.mind.estimate
                 self.result.memory[number][robot.at] = [float(x) for x in robot.mind.numbers()]
             robot.at += 1

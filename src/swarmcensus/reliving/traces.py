@@ -40,7 +40,9 @@ def estimates_of(day: Day, lived: OtherDay, clock: Clock) -> np.ndarray:
     out = np.full((clock.rounds + 1, len(day.members)), np.nan)
     for column, member in enumerate(day.members):
         for at, estimate in lived.estimates.get(member.number, {}).items():
-            out[clock.time(member.number, at), column] = estimate
+            row = clock.time(member.number, at)
+            if isinstance(member.log.blocks[at], Tick) or np.isnan(out[row, column]):  # a start comes after the tick
+                out[row, column] = estimate
     return out
 
 
