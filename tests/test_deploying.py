@@ -21,6 +21,8 @@ from swarmcensus.brains.single import rounded_to_single
 from swarmcensus.cli.commands import main
 from swarmcensus.deployment import board_tests
 from swarmcensus.deployment.messages import codec as codec_of
+from swarmcensus.reliving.folders import read_day
+from swarmcensus.reliving.lives import relive
 from tests.boards import needs_micropython, on_board
 
 NEEDED = ["--b", ".9", "--w", ".85"]
@@ -77,6 +79,7 @@ def test_parameters_are_the_robots(tmp_path):
 WRONG = [
     (["--radio", "upd"], "--radio upd: did you mean 'udp'? should be one of udp, espnow, serial, kilobot"),
     (["--message", "ratio15"], "--message ratio15: did you mean 'ratio16'? should be one of float32, float16"),
+    (["--radio", "kilobot", "--log", "9"], "--log 9 does not go with --radio kilobot: a Kilobot has no files"),
     (["--message", "double"], "--message double: should be one of float32, float16, ratio16, ratio8"),
     (["--b", "1.2"], "--b 1.2: should be a share of right readings, from 0 to 1"),
     (["--w", "-0.1"], "--w -0.1: should be a share of right readings, from 0 to 1"),
@@ -377,6 +380,52 @@ def test_robots_with_espnow_hear_each_other_on_boards(tmp_path):
     assert "heard 99 stale 0 refused 0" in first
     assert "heard 100 stale 0 refused 0" in second
     assert "sensor_faults 0 radio_faults 0" in second
+
+
+LOGGED = """
+import robot as program
+import settings
+from binascii import hexlify
+
+robots = []
+for number in (1, 2):
+    settings.NUMBER = number
+    robots.append(program.made())
+    if number == 1:  # the other one keeps no log
+        del settings.LOG
+for tick in range(300):
+    for robot in robots:
+        robot.tick()
+robots[0].log.close()
+with open("robot.log", "rb") as file:
+    print(hexlify(file.read()).decode())
+print(robots[0].numbers())
+"""
+
+
+@needs_micropython
+@pytest.mark.parametrize("format_", ["float32", "ratio16"])
+def test_a_life_that_a_board_logged_is_lived_again_to_the_bit(tmp_path, capsys, format_):
+    folder = deployed(tmp_path / "robot", "commons", "serial", "--log", "20000", "--message", format_)
+    files = texts(folder)
+    assert set(files) == FILES | {"log.py"}
+    files["robot.py"] = files.pop("main.py").replace('"memory"', 'f"memory{own_number()}"')
+    files |= {"machine.py": FAKE, "main.py": LOGGED}
+    (tmp_path / "node").mkdir()
+    log, numbers = on_board(tmp_path / "node", files).splitlines()
+    (tmp_path / "day").mkdir()
+    (tmp_path / "day" / "robot.log").write_bytes(bytes.fromhex(log))
+    capsys.readouterr()
+    assert main(["relive", str(tmp_path / "day")]) == 0
+    assert "1 of 1 mind lived again to the bit, 300 of 300 ticks" in capsys.readouterr().out
+    (member,) = read_day(tmp_path / "day").members
+    life = relive(member, keep=True)
+    assert str(max(life.memory.items())[1]) == numbers
+    assert sum(len(tick.heard) for tick in member.log.ticks) == 299
+    short = deployed(tmp_path / "short", "commons", "serial", "--log", "3000", "--message", format_)
+    files["settings.py"] = (short / "settings.py").read_text()
+    log, _ = on_board(tmp_path / "node", files).splitlines()
+    assert 2900 < len(log) // 2 <= 3000 + 5
 
 
 def free_port():

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.cli.options import from_zero
+from swarmcensus.cli.options import from_zero, positive
 from swarmcensus.cli.output import answer, wrote
 
 if TYPE_CHECKING:
@@ -33,6 +33,9 @@ def add_deploy_options(sub: argparse.ArgumentParser) -> None:
     sub.add_argument("--hz", type=number, help="ticks a second (default: 10)")
     sub.add_argument("--parameter", action="append", metavar="NAME=VALUE", help="a parameter of the brain; repeatable")
     sub.add_argument("--number", type=from_zero, help="of this robot, another one for each (default: from the chip)")
+    sub.add_argument(
+        "--log", type=positive, metavar="BYTES", help="let the robot log its life in robot.log, up to so many bytes"
+    )
     sub.add_argument("--check", type=Path, metavar="OUTPUT", help="compare what a board's self-test printed")
 
 
@@ -53,7 +56,7 @@ def _deploy(options: argparse.Namespace) -> int:
     check_free(options.to)
     plan = plan_for(
         brains.load(options.what), options.radio, options.b, options.w, options.message,
-        10.0 if options.hz is None else options.hz, parameters_of(options.parameter or []), options.number,
+        10.0 if options.hz is None else options.hz, parameters_of(options.parameter or []), options.number, options.log,
     )  # fmt: skip
     made = write(plan, options.to)
     if options.json:
@@ -94,9 +97,8 @@ def parameters_of(given: list[str]) -> dict[str, Any]:
 def _check(options: argparse.Namespace) -> int:
     from swarmcensus.deployment.board_tests import compare
 
-    given = [
-        name for name in ("to", "radio", "b", "w", "message", "hz", "parameter", "number") if _is_given(options, name)
-    ]
+    making = ("to", "radio", "b", "w", "message", "hz", "parameter", "number", "log")
+    given = [name for name in making if _is_given(options, name)]
     if given:
         raise InputError(f"--{given[0]} does not go with --check")
     try:

@@ -3,8 +3,9 @@
 import pprint
 from pathlib import Path
 
+from swarmcensus.brains.packing import FORMATS
 from swarmcensus.deployment.plans import RADIOS, Plan
-from swarmcensus.robot import codec, runtime
+from swarmcensus.robot import codec, log, runtime
 
 BOARDS = Path(__file__).parent / "boards"
 HEAD = '''"""What this robot runs: {brain} over {radio}. Fill in the sensor, and what else is marked so."""
@@ -50,10 +51,12 @@ def micropython_files(plan: Plan) -> dict[str, str]:
         brain=plan.brain.label, radio=RADIOS[plan.radio].what, body=plan.brain.message_bytes, size=plan.datagram_bytes,
         checked=checked, save=plan.save_every,
     )  # fmt: skip
+    logged = {"log.py": Path(log.__file__).read_text(encoding="utf-8")} if plan.log else {}
     return {
         "brain.py": plan.brain.source,
         "codec.py": Path(codec.__file__).read_text(encoding="utf-8"),
         "runtime.py": Path(runtime.__file__).read_text(encoding="utf-8"),
+        **logged,
         "settings.py": settings_text(plan),
         "main.py": "\n".join(parts),
         "selftest.py": (BOARDS / "selftest.py").read_text(encoding="utf-8"),
@@ -64,7 +67,7 @@ def micropython_files(plan: Plan) -> dict[str, str]:
 def settings_text(plan: Plan) -> str:
     """The settings of a robot, as constants of Python."""
     brain = plan.brain
-    values = {
+    values: dict[str, tuple[object, str]] = {
         "BRAIN": (brain.name, ""),
         "NUMBER": (plan.number, "of this robot, 0 to 65535, another one for each"),
         "B": (plan.b, "share of right readings on black"),
@@ -79,6 +82,12 @@ def settings_text(plan: Plan) -> str:
         "MARK": (plan.mark, "of brain and format"),
         "CHECKED": (plan.checked, "whether a checksum is sent"),
     }
+    if plan.log:
+        values |= {
+            "LOG": (plan.log, "bytes of robot.log at the most"),
+            "HASH": (bytes.fromhex(brain.sha256[:16]), "of the brain's file, how it begins"),
+            "FORM": (FORMATS.index(brain.numbers.message), "of messages: 1 float32, 2 float16, 3 ratio16, 4 ratio8"),
+        }
     lines = [
         f"{name} = {pprint.pformat(value, width=100)}{f'  # {what}' if what else ''}"
         for name, (value, what) in values.items()

@@ -42,6 +42,7 @@ class Plan:
     w: float
     hz: float
     number: int | None  # of the robot; None takes the chip's
+    log: int | None = None  # bytes of the robot's log at the most; None: it keeps none
     save_every: int = 600  # ticks
 
     @property
@@ -68,7 +69,7 @@ class Plan:
 
 def plan_for(
     brain: Brain, radio: str, b: float, w: float, message: str | None = None, hz: float = 10.0,
-    parameters: Mapping[str, object] | None = None, number: int | None = None,
+    parameters: Mapping[str, object] | None = None, number: int | None = None, log: int | None = None,
 ) -> Plan:  # fmt: skip
     """The plan of a robot. `message` is a format, by default float32, or ratio16 for a Kilobot. Raises InputError."""
     if radio not in RADIOS:
@@ -87,6 +88,8 @@ def plan_for(
         raise InputError(f"--number {number}: should be from 0 to 65535")
     if number is not None and radio == "kilobot":
         raise InputError(f"--number {number} does not go with --radio kilobot: a Kilobot has a number of its own")
+    if log is not None and radio == "kilobot":
+        raise InputError(f"--log {log} does not go with --radio kilobot: a Kilobot has no files")
     if brain.is_oracle:
         raise InputError(f"the brain {brain.name!r} is a bound: no robot hears all others and knows every sensor")
     try:
@@ -102,7 +105,7 @@ def plan_for(
             f"the brain {brain.name!r} sends datagrams of {size} bytes as {message}, a header of {HEADER} with them, "
             f"and {RADIOS[radio].what} holds {largest}: {hint}"
         )
-    return Plan(brain, radio, float(b), float(w), float(hz), number)
+    return Plan(brain, radio, float(b), float(w), float(hz), number, log)
 
 
 def datagram_bytes(brain: Brain, radio: str) -> int:

@@ -19,8 +19,8 @@ def own_number():
     return checksum(machine.unique_id(), 0)
 
 
-def main():
-    """Run for ever; a line every hundred ticks tells how the robot is."""
+def made():
+    """The robot, with the memory that it saved."""
     s = settings
     messages = Messages(s.LENGTHS, s.PLAN, s.MARK, s.CHECKED)
     robot = Robot(
@@ -28,6 +28,17 @@ def main():
         random.random if s.LUCK else None,
     )  # fmt: skip
     robot.keep("memory", s.SAVE_EVERY)
+    if hasattr(s, "LOG"):
+        from log import Log
+
+        now = 0 if hasattr(time, "ticks_ms") else int(time.time() * 1000)  # a board seldom knows the date
+        robot.record(Log("robot.log", s.HASH, s.FORM, now, s.LOG, single=1.0 + 2.0**-30 == 1.0))
+    return robot
+
+
+def main():
+    """Run for ever; a line every hundred ticks tells how the robot is."""
+    robot = made()
     # dog = machine.WDT(timeout=8000)  # restarts the board if a sensor or a radio never returns
     told = robot.ticks
     while True:
