@@ -35,7 +35,7 @@ class Day:
     """All robots of a folder, by their numbers, and what is known of their world."""
 
     folder: Path
-    title: str
+    title: str  # the folder's name
     brain: Brain  # of the honest robots, with its parameters
     members: tuple[Member, ...]
     fill_ratio: float | None
@@ -79,7 +79,7 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
     swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
     known = about.get("fill_ratio") if fill_ratio is None else fill_ratio
     return Day(
-        folder, str(about.get("title") or folder.resolve().name), swarm, tuple(members),
+        folder, folder.resolve().name, swarm, tuple(members),
         None if known is None else float(known), int(about.get("bins", 10)), float(about.get("delta", 0.01)),
         int(about.get("seed", 0)), int(about.get("trial", 0)), about, tuple(absent),
     )  # fmt: skip
