@@ -94,7 +94,7 @@ def test_another_brain_lives_the_day_as_its_simulation(tmp_path, brain, other, m
     assert (found != shown).any()
 
 
-def told(folder, study, setting=None, **more):
+def told(folder, study, /, **more):
     """Write swarm.json."""
     import json
 

@@ -112,6 +112,8 @@ def test_liars_put_their_adversary_on_the_other_brain(tmp_path, capsys):
     for entry in robots:
         entry.pop("adversary", None)
     told(folder, study, robots=robots)
+    assert not under(read_day(folder), brains.load("minimalistic")).unknown  # the study tells which
+    told(folder, study, robots=robots, study=None)
     unknown = under(read_day(folder), brains.load("minimalistic"))
     assert unknown.counts["liar"] > 0
 

@@ -1,9 +1,10 @@
 """A folder of robots' logs: who the robots were, which brain each had, and what is known of the day."""
 
+import contextlib
 import json
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.reliving.logs import RobotLog, read_log
+from swarmcensus.studies.study import Study
 
 ABOUT = "swarm.json"
 OWN = "brain.py"
@@ -75,6 +77,7 @@ def read_day(folder: Path, brain_file: str | Path | None = None, fill_ratio: flo
         brain = kept.swarm(log) if of_swarm else kept.of_file(str(entry["brain"]))
         honest, adversary = bool(entry.get("honest", True)), entry.get("adversary")
         members.append(Member(log.number, log, brain, honest, adversary and str(adversary), of_swarm))
+    members = _with_adversaries(members, about)
     members.sort(key=lambda member: member.number)
     swarm = next((member.brain for member in members if member.is_swarm), members[0].brain)
     known = about.get("fill_ratio") if fill_ratio is None else fill_ratio
@@ -134,6 +137,34 @@ class Brains:
             return brain.with_parameters(self.values)
         except ValueError:  # another brain was given: its own values are right for it
             return brain
+
+
+def _with_adversaries(members: list[Member], about: Mapping[str, Any]) -> list[Member]:
+    """The same robots; the study tells which adversary a brain wears, where swarm.json names none."""
+    honest = next((member.brain for member in members if member.is_swarm), None)
+    unknown = any(not (member.honest or member.is_swarm or member.adversary) for member in members)
+    study = study_of(about) if unknown and honest is not None else None
+    if study is None or honest is None:
+        return members
+    made = {}
+    for liar in study.adversaries:
+        with contextlib.suppress(ValueError):
+            made[brains.lying_brain(liar, honest.as_written).sha256] = liar.name
+    return [
+        member if member.honest or member.adversary else replace(member, adversary=made.get(member.brain.sha256))
+        for member in members
+    ]
+
+
+def study_of(about: Mapping[str, Any]) -> Study | None:
+    """The study in swarm.json, without its files; None if there is none that can be read."""
+    text = about.get("study")
+    try:
+        if isinstance(text, str):
+            return Study.parse(text, context={"base": None})
+        return Study(**text) if isinstance(text, dict) else None
+    except (InputError, TypeError):
+        return None
 
 
 def _name_of(source: str) -> str | None:

@@ -1,19 +1,16 @@
 """The luck of another brain: the log's for calls that the robot's own brain made too, else drawn by addresses."""
 
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from swarmcensus.basics.errors import InputError
 from swarmcensus.brains import Brain
 from swarmcensus.engine.addresses import address
 from swarmcensus.engine.constants import LUCK_FUSE, LUCK_OBSERVE, LUCK_STEER
 from swarmcensus.engine.random import chance, single_chance, word_of, words
-from swarmcensus.reliving.folders import Day
+from swarmcensus.reliving.folders import Day, study_of
 from swarmcensus.reliving.logs import Tick
 from swarmcensus.reliving.minds import Mind
-from swarmcensus.studies.study import Study
 
 PARTS = LUCK_OBSERVE, LUCK_FUSE, LUCK_STEER  # of `observe`, `fuse` and `steer`
 BOOTS = 1 << 20  # between the addresses of two boots
@@ -77,14 +74,3 @@ def _keys_of(day: Day, brain: Brain) -> np.ndarray:
     else:
         content = {"robots": len(day.members)}
     return np.concatenate([address(day.seed, purpose, **content) for purpose in ("luck", "luck of messages")])
-
-
-def study_of(about: Mapping[str, Any]) -> Study | None:
-    """The study in swarm.json, without its files; None if there is none that can be read."""
-    text = about.get("study")
-    try:
-        if isinstance(text, str):
-            return Study.parse(text, context={"base": None})
-        return Study(**text) if isinstance(text, dict) else None
-    except (InputError, TypeError):
-        return None
