@@ -26,6 +26,7 @@ from swarmcensus.cli import (
     replay,
     run,
     start,
+    swarm,
     translate,
     tune,
     watch,
@@ -214,6 +215,10 @@ COMMANDS = {
     "translate": Command(
         "Write a brain as C for a robot without Python, with a test that compares its bits with Python's.",
         translate.translate, translate.add_translate_options,
+    ),
+    "swarm": Command(
+        "Run a swarm of processes on this machine that talk over sockets, as robots do.",
+        swarm.swarm, swarm.add_swarm_options,
     ),
     "new": Command(
         "Write a study or a brain to start from, with every line explained.",

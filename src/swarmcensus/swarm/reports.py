@@ -1,0 +1,72 @@
+"""What robots report, and what is known of each of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+COUNTED = ("heard", "stale", "refused", "missed", "undone", "blanked", "sent", "lost", "late")
+
+
+class Report(NamedTuple):
+    """One datagram of a robot; `round` is -1 until its swarm has started."""
+
+    number: int
+    life: int
+    port: int  # of its radio
+    version: int  # of what it was last told
+    round: int = -1  # the round that comes next, counted from 0
+    ticks: int = 0
+    estimate: float = 0.5
+    decision: float = -1.0
+    heard: int = 0
+    stale: int = 0
+    refused: int = 0
+    missed: int = 0
+    undone: int = 0
+    blanked: int = 0
+    sent: int = 0  # messages, each counted for each robot that should hear it
+    lost: int = 0
+    late: int = 0  # came after its last tick
+
+
+def read_report(datagram: bytes) -> Report | None:
+    """A report; None if the datagram is something else."""
+    words = datagram.split(b" ")
+    kinds = (*(int,) * 6, float, float, *(int,) * 9)
+    if len(words) not in (4, len(kinds)):
+        return None
+    try:
+        return Report(*(kind(word) for kind, word in zip(kinds, words, strict=False)))  # type: ignore[arg-type]
+    except ValueError:
+        return None
+
+
+@dataclass
+class Known:
+    """What is known of a robot."""
+
+    last: Report | None = None  # of this life, or of the one that has ended
+    address: tuple[str, int] | None = None  # of the socket that it reports from; None while it does not run
+    before: dict[str, int] = field(default_factory=lambda: dict.fromkeys(COUNTED, 0))  # sums of earlier lives
+    state: str = "waits"  # waits, runs, stopped, killed, died
+    why: str = ""  # it died
+
+    def count(self, name: str) -> int:
+        """A sum over all its lives."""
+        return self.before[name] + (getattr(self.last, name) if self.last else 0)
+
+    def new_life(self) -> None:
+        """Keep the sums of the life that ends."""
+        self.before = {name: self.count(name) for name in COUNTED}
+        self.last, self.address = None, None
+
+
+def total(robots: Sequence[Known], name: str) -> int:
+    """A sum over all robots."""
+    return sum(known.count(name) for known in robots)
+
+
+def share_heard(robots: Sequence[Known]) -> float:
+    """The share of messages that were heard, of those that neither were lost in the air nor came after the end."""
+    due = total(robots, "sent") - total(robots, "lost") - total(robots, "late")
+    return min(1.0, total(robots, "heard") / due) if due > 0 else float("nan")
