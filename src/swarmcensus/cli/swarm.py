@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from swarmcensus.studies.study import Study
     from swarmcensus.swarm.plans import Air
 
-OF_STUDIES = {  # options that a study file has as keys, with their defaults
+OF_STUDIES: dict[str, Any] = {  # options that a study file has as keys, with their defaults
     "robots": 20, "topology": "ring", "loss": 0.0, "fill_ratio": 0.55, "accuracy": "0.8", "rounds": 500,
     "message": "float32", "precision": "double",
 }  # fmt: skip

@@ -6,7 +6,6 @@ losses can be told afterwards.
 
 MASK = 0xFFFFFFFF
 LOSS, DUPLICATE, JITTER, LUCK, PHASE, DRIFT = range(6)  # what a hash is for
-HEADER = 6  # bytes of a datagram that tell who sent it, and when
 AT_ONCE = 255  # datagrams that are taken from the socket at a time
 WAITING = 2000  # datagrams that wait to be heard, at most
 
@@ -29,13 +28,15 @@ def share(seed, purpose, sender=0, boot=0, tick=0, receiver=0):
 class Air:
     """A robot's radio: sends over a socket to those who hear it, and loses, delays and doubles what arrives.
 
-    socket: of datagrams, which never waits. now: a function that returns milliseconds. number: of this robot. seed: of
-    the hashes. loss, duplicate: shares of messages. delay: milliseconds. `hearers` are addresses of sockets.
+    socket: of datagrams, which never waits. messages: the robot's `Messages`, which tell noise apart. now: a function
+    that returns milliseconds. number: of this robot. seed: of the hashes. loss, duplicate: shares of messages. delay:
+    milliseconds. `hearers` are addresses of sockets.
     """
 
-    def __init__(self, socket, now, number, seed, loss=0.0, duplicate=0.0, delay=0):
+    def __init__(self, socket, messages, now, number, seed, loss=0.0, duplicate=0.0, delay=0):
         """Nobody hears it yet."""
         self.socket = socket
+        self.messages = messages
         self.now = now
         self.number = number
         self.seed = seed
@@ -75,13 +76,13 @@ class Air:
                 break
             times = self.times(datagram)
             if not times:
-                self.lost += 1
+                self.lost += self.messages.unpack(datagram) is not None
             elif len(self.waiting) < WAITING:
                 self.waiting.extend([(heard_from, datagram)] * times)
 
     def times(self, datagram):
-        """How often a datagram is heard: 0 if it is lost, 2 if it is doubled. Noise that is too short is heard once."""
-        if len(datagram) < HEADER:
+        """How often a datagram is heard: 0 if it is lost, 2 if it is doubled. Noise is heard once, and then refused."""
+        if len(datagram) != self.messages.size or datagram[0] != self.messages.mark & 0xFF:
             return 1
         boot, sender, tick = datagram[1], datagram[2] | (datagram[3] << 8), datagram[4] | (datagram[5] << 8)
         if self.loss and share(self.seed, LOSS, sender, boot, tick, self.number) < self.loss:

@@ -1,7 +1,7 @@
 """The processes of a swarm's robots: started, stopped, continued and ended.
 
-Each process is in a group of its own, so that Ctrl-C in a terminal reaches the command alone. If the command is killed,
-robots end because nobody takes their reports; those that are stopped get the signals SIGHUP and SIGCONT from the system,
+Each process is in a group of its own, so that Ctrl-C in a terminal reaches the command alone. If the command is
+killed, robots end because nobody takes their reports. Those that are stopped get SIGHUP and SIGCONT from the system,
 which sends them to groups whose last tie to their session is gone.
 """
 

@@ -13,8 +13,8 @@ import numpy as np
 
 from swarmcensus.basics.documents import json_value
 from swarmcensus.basics.files import atomic_write
-from swarmcensus.brains.packing import FORMATS
 from swarmcensus.brains.fields import Value
+from swarmcensus.brains.packing import FORMATS
 from swarmcensus.brains.single import ROUND, codec_source, rounded_to_single
 from swarmcensus.brains.single import __name__ as SINGLE
 from swarmcensus.deployment.folders import new_folder, write_texts
@@ -27,8 +27,8 @@ ROUNDING = "rounding"
 OURS = Path(__file__).parent
 PROGRAMS = (OURS / "node.py", OURS / "air.py", OURS / f"{ROUNDING}.py", Path(log.__file__), Path(runtime.__file__))
 RUN = "run"  # the folder in it with what robots run, their readings and memories
-SAVED = 5.0  # seconds from one saving of a memory to the next, or FEWEST ticks if that is longer
-FEWEST = 50
+SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks if that is longer
+FEWEST = 20
 
 
 def write_folder(plan: Plan, folder: Path, command_port: int) -> None:

@@ -84,9 +84,9 @@ class Node:
         self.command_handle = self.command.fileno()
         self.poll.register(self.command_handle, select.POLLIN)
         self.seed = settings.SEED
-        self.air = air.Air(
-            self.radio, self.now, settings.NUMBER, self.seed, settings.LOSS, settings.DUPLICATE, settings.DELAY
-        )
+        s = settings
+        messages = Messages(s.LENGTHS, s.PLAN, s.MARK, True, s.FEEDBACK)
+        self.air = air.Air(self.radio, messages, self.now, s.NUMBER, s.SEED, s.LOSS, s.DUPLICATE, s.DELAY)
         self.start = 0.0
         self.pace = 1.0 + DRIFT * (2.0 * air.share(self.seed, air.DRIFT, settings.NUMBER) - 1.0)
 
@@ -158,11 +158,10 @@ class Node:
     def begin(self):
         """Make the robot, with the memory of its last life."""
         s = self.settings
-        messages = Messages(s.LENGTHS, s.PLAN, s.MARK, True, s.FEEDBACK)
         sensor = Sensor(s.READINGS, s.LOOKS)
         brain = __import__(s.BRAIN)
         self.robot = robot = Timed(
-            brain, messages, sensor, self.air, self.clock, s.B, s.W, s.NUMBER, s.PERIOD, s.LOOKS, s.PARAMETERS,
+            brain, self.air.messages, sensor, self.air, self.clock, s.B, s.W, s.NUMBER, s.PERIOD, s.LOOKS, s.PARAMETERS,
             None if s.LUCK is None else self.luck, None, 255,
         )  # fmt: skip
         self.drawn = 0

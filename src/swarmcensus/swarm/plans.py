@@ -9,7 +9,7 @@ import numpy as np
 from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain
-from swarmcensus.brains.packing import FORMATS
+from swarmcensus.brains.packing import FORMATS, Format
 from swarmcensus.deployment.plans import Plan as DeployedPlan
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.inputs import Inputs, inputs_of
@@ -17,7 +17,7 @@ from swarmcensus.simulation.trials import record_readings
 from swarmcensus.studies.settings import Setting
 from swarmcensus.studies.study import Study
 
-PLAIN_FORMAT = "float32"  # in place of "double", which no datagram holds
+PLAIN_FORMAT: Format = "float32"  # in place of "double", which no datagram holds
 MOST_ROBOTS = 1000
 LEAST_PERIOD = 2  # milliseconds: the clocks of robots count whole ones
 

@@ -1,5 +1,6 @@
 """Running a swarm: processes are started, told who hears them, disturbed, watched and ended."""
 
+import contextlib
 import random
 import select
 import socket
@@ -199,10 +200,8 @@ def _tell(swarm: Swarm, number: int, heard_by: Sequence[int]) -> None:
         return
     ports = ",".join(str(swarm.ports[other]) for other in heard_by if other in swarm.ports)
     swarm.told[number] = time.monotonic()
-    try:
+    with contextlib.suppress(OSError):  # it is told again
         swarm.command.sendto(f"{swarm.version} {swarm.started * 1000.0!r} {ports}".encode(), address)
-    except OSError:
-        pass  # it is told again
 
 
 def _tell_again(swarm: Swarm) -> None:
@@ -263,10 +262,8 @@ def _flood(swarm: Swarm) -> None:
                     like = chance.random() < 0.5
                     noise = chance.randbytes(size if like else chance.randrange(64))
                     noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
-                    try:
+                    with contextlib.suppress(OSError):
                         stranger.sendto(noise, (plan.air.host, swarm.ports.get(number, 9)))
-                    except OSError:
-                        pass
             sent[0] = due
     swarm.floods = [flood for flood in swarm.floods if flood[2][0] < FLOODED]
 
