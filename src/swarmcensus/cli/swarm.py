@@ -107,6 +107,8 @@ def _study(options: argparse.Namespace) -> "Study":
     values = OF_STUDIES | given
     if not 0.0 <= values["loss"] <= 1.0:
         raise InputError(f"--loss {values['loss']:g}: should be a share of messages, from 0 to 1")
+    if values["topology"] == "moving":
+        raise InputError("--topology moving: robots that move have no fixed neighbours: ring, full or a file")
     if values["message"] == "double":
         raise InputError("--message double has no bytes: float32, float16, ratio16 or ratio8 is right")
     return Study(

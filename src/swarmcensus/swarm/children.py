@@ -6,7 +6,6 @@ which sends them to groups whose last tie to their session is gone.
 """
 
 import contextlib
-import os
 import signal
 import subprocess
 import sys
@@ -94,16 +93,17 @@ class Children:
         self.running.clear()
         self.stopped.clear()
 
-    def memory(self) -> int | None:
-        """Bytes of all processes together, each shared page counted once; without /proc None."""
+    def memory(self) -> int:
+        """Bytes of all processes together: each shared page is counted once where /proc tells, else in each process."""
+        pids = [process.pid for process in self.running.values()]
+        if not Path("/proc/self/smaps_rollup").exists():
+            return _resident(pids)
         total = 0
-        for process in self.running.values():
-            try:
-                text = Path(f"/proc/{process.pid}/smaps_rollup").read_text(encoding="ascii")
-            except OSError:
-                continue
-            total += next((int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")), 0)
-        return 1024 * total or None
+        for pid in pids:
+            with contextlib.suppress(OSError):  # it has just ended
+                text = Path(f"/proc/{pid}/smaps_rollup").read_text(encoding="ascii")
+                total += next((int(line.split()[1]) for line in text.splitlines() if line.startswith("Pss:")), 0)
+        return 1024 * total
 
     def _errors(self, number: int) -> Path:
         return self.folder / RUN / f"{number}.errors"
@@ -114,17 +114,16 @@ class Children:
         return f"{how}: {' / '.join(line.strip() for line in said)}" if said else how
 
 
+def _resident(pids: list[int]) -> int:
+    """Bytes of these processes as `ps` tells them."""
+    command = ["ps", "-o", "rss=", "-p", ",".join(map(str, pids))]
+    told = subprocess.run(command, capture_output=True, text=True, check=False).stdout if pids else ""
+    return 1024 * sum(int(word) for word in told.split())
+
+
 def seconds_of_children() -> float:
     """Processor seconds of all processes that have been waited for."""
     import resource
 
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
-
-
-def largest_child() -> int:
-    """Bytes of the largest process that has been waited for; where /proc tells nothing better."""
-    import resource
-
-    unit = 1 if os.uname().sysname == "Darwin" else 1024
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss * unit

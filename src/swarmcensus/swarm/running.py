@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from swarmcensus.basics.errors import InputError
-from swarmcensus.swarm.children import Children, check_system, largest_child, seconds_of_children
+from swarmcensus.swarm.children import Children, check_system, seconds_of_children
 from swarmcensus.swarm.faults import Fault, late_starters
 from swarmcensus.swarm.folder import clear, complete, forget, write_folder
 from swarmcensus.swarm.outcomes import Outcome, outcome_of
@@ -72,12 +72,12 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
             _start(swarm)
             at = round((time.time() + AHEAD) * 1000)
             _go_on(swarm, show)
-            _weigh(swarm)
         finally:
+            _weigh(swarm)
             last = time.monotonic()
             swarm.children.end()
             used = seconds_of_children() - before
-            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory or largest_child())
+            outcome = outcome_of(plan, swarm.robots, used, last - began, swarm.memory)
             clear(folder)
             complete(
                 plan, folder, round(time.time() * 1000), {"started": at, "happened": swarm.happened, "result": outcome}
@@ -276,4 +276,4 @@ def _bury(swarm: Swarm) -> None:
 
 
 def _weigh(swarm: Swarm) -> None:
-    swarm.memory = max(swarm.memory, swarm.children.memory() or 0)
+    swarm.memory = max(swarm.memory, swarm.children.memory())

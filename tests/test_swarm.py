@@ -1,0 +1,249 @@
+"""The command `swarm`: processes over sockets, what happens to them, what they leave, and what is refused."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from swarmcensus.basics.errors import InputError
+from swarmcensus.cli.commands import main
+from swarmcensus.engine.constants import LISTED
+from swarmcensus.reliving.logs import read_log
+from swarmcensus.simulation.inputs import inputs_of
+from swarmcensus.simulation.trials import record_readings
+from swarmcensus.studies.study import Study
+from swarmcensus.swarm import air
+from swarmcensus.swarm.faults import faults_of
+from swarmcensus.swarm.plans import Air, plan_of
+
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="processes with signals")
+QUICK = ["--robots", "4", "--rounds", "50", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
+
+
+def run(capsys, folder, *arguments, what="commons", quick=QUICK):
+    assert main(["swarm", what, *quick, "--out", str(folder), *arguments]) == 0
+    return json.loads(capsys.readouterr().out)
+
+
+def logs(folder):
+    return [read_log(path) for path in sorted(Path(folder).glob("robot-*.log"))]
+
+
+def programs(folder, what="args"):
+    """The processes that run robots of this folder."""
+    found = subprocess.run(["ps", "-ww", "-eo", what], capture_output=True, text=True, check=True).stdout
+    return [line for line in found.splitlines() if "import node" in line and str(folder) in line]
+
+
+def study(**world):
+    swarm = {"robots": 5, "accuracy": "U(0.6, 0.9)", "brain": "commons"}
+    schedule = {"rounds": 50, "observations_per_round": 3}
+    given = {"topology": "scale-free", "fill_ratio": 0.3, "link_success": 0.5, "message": "ratio16"} | world
+    return Study(name="five", trials=3, swarm=swarm, world=given, schedule=schedule)
+
+
+def test_robots_read_what_the_simulator_reads(tmp_path, capsys):
+    """Also their beliefs, their network and their number of rounds are those of the trial."""
+    (tmp_path / "five.toml").write_text(study().text)
+    quick = ["--hz", "100", "--json", "--quiet"]
+    run(capsys, tmp_path / "out", "--trial", "2", "--seed", "7", what=str(tmp_path / "five.toml"), quick=quick)
+    [setting] = study().settings()
+    readings = record_readings(setting, 7, 2).reshape(50, 3, 5).sum(axis=1)
+    given = inputs_of(setting, 7, 2)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    pairs = {(r, s) for r, s in zip(given.links.receivers, given.links.senders, strict=True)}
+    assert given.links.mode == LISTED
+    assert {tuple(link) for link in about["links"]} == pairs
+    for k, log in enumerate(logs(tmp_path / "out")):
+        assert log.states[0].b == given.beliefs[0][0, k] == about["robots"][k]["b"]
+        phase = int(10 * air.share(about["chance"]["seed"], air.PHASE, k))
+        rounds = [(tick.clock - phase) // 10 for tick in log.ticks]
+        assert rounds == sorted(set(rounds))
+        assert rounds[-1] < 50
+        assert [tick.blacks for tick in log.ticks] == readings[rounds, k].tolist()
+        assert {h.sender for tick in log.ticks for h in tick.heard} <= {s for r, s in pairs if r == k}
+
+
+def test_what_is_lost_can_be_told_afterwards(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--loss", "0.5", "--duplicate", "0.2")
+    chance = json.loads((tmp_path / "out" / "swarm.json").read_text())["chance"]
+    heard = 0
+    for log in logs(tmp_path / "out"):
+        for message in (m for tick in log.ticks for m in tick.heard):
+            heard += 1
+            drawn = air.share(chance["seed"], air.LOSS, message.sender, message.boot, message.tick, log.number)
+            assert drawn >= chance["loss"]
+    assert heard > 100
+
+
+def test_shares_are_uniform_and_independent_of_order():
+    drawn = np.array([air.share(9, air.LOSS, s, 0, t, r) for s in range(20) for t in range(100) for r in range(20)])
+    assert abs(drawn.mean() - 0.5) < 4 / np.sqrt(12 * drawn.size)
+    counts = np.histogram(drawn, 64, (0, 1))[0]
+    assert ((counts - drawn.size / 64) ** 2 / (drawn.size / 64)).sum() < 63 + 4 * np.sqrt(2 * 63)
+    assert air.share(1, 2, 3, 4, 5, 6) == air.share(1, 2, 3, 4 + 256, 5 + 65536, 6) != air.share(1, 2, 3, 5, 5, 6)
+
+
+def test_a_swarm_bears_all_that_can_happen(tmp_path, capsys):
+    faults = ["0.1s kill 3", "0.3s restart 3", "0.2s stop 0", "0.4s continue 0", "0.3s partition 0-1", "0.5s heal",
+              "0.1s garbage 0-3", "30 restart 2 blank", "0.4s start 1"]  # fmt: skip
+    arguments = [word for fault in faults for word in ("--at", fault)]
+    quick = ["--robots", "4", "--rounds", "100", "--hz", "100", "--message", "ratio16", "--json", "--quiet"]
+    told = run(capsys, tmp_path / "out", "--loss", "0.2", "--delay", "20ms", *arguments, quick=quick)
+    assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
+    boots = [[state.boot for state in log.states if state.starts] for log in logs(tmp_path / "out")]
+    assert boots == [[0], [0], [0, 1], [0, 1]]
+    assert len(logs(tmp_path / "out")[1].ticks) <= 65  # it started late
+    assert not programs(tmp_path)
+
+
+def test_a_partition_parts(tmp_path, capsys):
+    run(capsys, tmp_path / "out", "--topology", "full", "--at", "0s partition 0-1")
+    for log in logs(tmp_path / "out"):
+        late = [m.sender // 2 for tick in log.ticks[10:] for m in tick.heard]
+        assert late
+        assert set(late) == {log.number // 2}
+
+
+def test_a_robot_that_dies_by_itself_is_told_and_the_rest_goes_on(tmp_path):
+    process = started(tmp_path / "out", "--json", rounds=120)
+    [pid] = [line.split()[0] for line in programs(tmp_path, "pid,args") if " robot_1 " in line]
+    os.kill(int(pid), signal.SIGKILL)
+    told = json.loads(process.communicate()[0])
+    assert process.returncode == 0
+    assert told["died"] == {"1": "signal 9"}
+    assert told["at_work"] == 2  # one is stopped
+
+
+def test_liars_are_processes_too(tmp_path, capsys):
+    world = {"topology": "full", "fill_ratio": 0.2, "message": "ratio16"}
+    members = [{"robots": 1, "brain": "forger", "honest": False}]
+    text = Study(
+        name="lied", trials=1, swarm={"robots": 4, "accuracy": 0.9, "brain": "commons"}, world=world,
+        schedule={"rounds": 60, "observations_per_round": 1}, members=members,
+    ).text  # fmt: skip
+    (tmp_path / "lied.toml").write_text(text)
+    quick = ["--hz", "100", "--json", "--quiet"]
+    run(capsys, tmp_path / "out", what=str(tmp_path / "lied.toml"), quick=quick)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    [liar] = [robot for robot in about["robots"] if not robot["honest"]]
+    assert liar["brain"] == "liar-1.py"
+    assert (tmp_path / "out" / "liar-1.py").is_file()
+    honest = next(log for log in logs(tmp_path / "out") if log.number != liar["number"])
+    assert liar["number"] in {m.sender for tick in honest.ticks for m in tick.heard}
+
+
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
+    told = run(capsys, tmp_path / "out", "--precision", precision, what="sure")
+    assert (told["died"], told["undone"]) == ({}, 0)
+    assert logs(tmp_path / "out")[0].states[0].single == (precision == "single")
+    for file in (tmp_path / "out" / "run").glob("*.py"):
+        assert "import swarmcensus" not in file.read_text()
+        assert "from swarmcensus" not in file.read_text()
+
+
+def started(folder, *arguments, rounds=5000):
+    command = [sys.executable, "-m", "swarmcensus", "swarm", "commons", "--robots", "4", "--rounds", str(rounds)]
+    more = ["--hz", "50", "--at", "0.1s stop 2", "--out", str(folder), *arguments]
+    process = subprocess.Popen([*command, *more], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    until = time.monotonic() + 60
+    while time.monotonic() < until and not (
+        (folder / "robot-0.log").exists() and len(read_log(folder / "robot-0.log").ticks) > 30
+    ):
+        time.sleep(0.05)
+    assert len(programs(folder)) == 4
+    return process
+
+
+@pytest.mark.parametrize("by", [signal.SIGINT, signal.SIGKILL, signal.SIGTERM])
+def test_nothing_is_left_behind(tmp_path, by):
+    """Also of a robot that is stopped, and when the command itself is killed."""
+    process = started(tmp_path / "out")
+    os.kill(process.pid, by)
+    process.communicate()
+    until = time.monotonic() + 10
+    while programs(tmp_path) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert not programs(tmp_path)
+    assert process.returncode == (130 if by == signal.SIGINT else -by)
+    assert json.loads((tmp_path / "out" / "swarm.json").read_text())["ended"] is None or by == signal.SIGINT
+    assert len(read_log(tmp_path / "out" / "robot-0.log").ticks) > 30
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("5 kill", "kill names robots, such as 3 or 0-9"),
+        ("soon kill 3", "should be such as"),
+        ("5s kil 3", "did you mean 'kill'"),
+        ("5s kill 20", "should be from 0 to 19"),
+        ("5s kill 9-3", "the lower number first"),
+        ("5s kill 3 blank", "blank goes with restart"),
+        ("5s heal 3", "heal names no robots"),
+        ("5s heal", "nothing is parted then"),
+        ("5s continue 3", "robot 3 runs then"),
+        ("5s partition 0-19", "these are all robots"),
+        ("50s kill 3", "the swarm ends at 50 s"),
+        ("500 rounds kill 3", "the swarm ends at 50 s"),
+    ],
+)
+def test_wrong_faults_are_refused_in_a_sentence(text, says):
+    with pytest.raises(InputError, match=says) as wrong:
+        faults_of([text], 20, 100, 50.0)
+    assert text in str(wrong.value)
+
+
+def test_faults_in_order():
+    texts = ["2 min kill 1", "30 rounds kill 2", "500ms stop 0,4-6", "1s continue 0, 5"]
+    faults = faults_of(texts, 20, 100, 500.0)
+    assert [(f.seconds, f.action, f.robots) for f in faults] == [
+        (0.5, "stop", (0, 4, 5, 6)),
+        (1.0, "continue", (0, 5)),
+        (3.0, "kill", (2,)),
+        (120.0, "kill", (1,)),
+    ]
+    with pytest.raises(InputError, match="robot 1 is killed then"):
+        faults_of(["1s kill 1", "2s stop 1"], 20, 100, 50.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "says"),
+    [
+        (["commons", "--hz", "0"], "--hz 0"),
+        (["commons", "--delay", "5"], "--delay 5"),
+        (["commons", "--loss", "2"], "--loss 2"),
+        (["commons", "--jitter", "-1"], "--jitter -1"),
+        (["commons", "--duplicate", "1"], "--duplicate 1"),
+        (["commons", "--topology", "moving"], "robots that move"),
+        (["commons", "--message", "double"], "has no bytes"),
+        (["commons", "--host", "192.0.2.1"], "--host 192.0.2.1"),
+        (["commons", "--robots", "5000"], "1,000 processes"),
+        (["commons", "--setting", "1"], "--setting goes with a study"),
+        (["oracle"], "is a bound"),
+        (["any.toml", "--robots", "3"], "--robots does not go with a study"),
+    ],
+)
+def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, arguments, says):
+    monkeypatch.chdir(tmp_path)
+    assert main(["swarm", *arguments]) == 2
+    told = capsys.readouterr().err
+    assert says in told
+    assert told.count("\n") == 1
+    assert not [*tmp_path.iterdir()]
+
+
+def test_what_processes_cannot_run_is_refused():
+    moving = {"topology": "moving", "density": 2.0, "fill_ratio": 0.5}
+    swarm = {"robots": 4, "accuracy": 0.8}
+    walk = Study(name="walk", trials=1, swarm=swarm, world=moving, schedule={"ticks": 10})
+    with pytest.raises(InputError, match="robots that move have no fixed neighbours"):
+        plan_of(walk, 0, 0, 0, Air())
+    with pytest.raises(InputError, match="--setting 1: five has 1 setting"):
+        plan_of(study(), 1, 0, 0, Air())
