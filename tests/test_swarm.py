@@ -13,6 +13,7 @@ import pytest
 
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.commands import main
+from swarmcensus.deployment import on_node
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.reliving.logs import read_log
 from swarmcensus.simulation.inputs import inputs_of
@@ -147,6 +148,31 @@ def test_robots_import_nothing_but_python(tmp_path, capsys, precision):
     for file in (tmp_path / "out" / "run").glob("*.py"):
         assert "import swarmcensus" not in file.read_text()
         assert "from swarmcensus" not in file.read_text()
+
+
+@pytest.mark.skipif(on_node.micropython() is None, reason=f"needs {on_node.NEEDED}")
+@pytest.mark.parametrize("precision", ["double", "single"])
+def test_robots_on_micropython_talk_with_the_others(tmp_path, capsys, precision):
+    """Also with messages that come late, and after a restart with the memory that was saved."""
+    faults = ["--at", "1s kill 1", "--at", "1.2s restart 1"]
+    quick = ["--robots", "4", "--rounds", "150", "--hz", "50", "--message", "ratio16", "--json", "--quiet"]
+    arguments = ["--micropython", "2", "--loss", "0.2", "--delay", "10ms", "--precision", precision, *faults]
+    told = run(capsys, tmp_path / "out", *arguments, quick=quick)
+    assert (told["at_work"], told["died"], told["undone"]) == (4, {}, 0)
+    about = json.loads((tmp_path / "out" / "swarm.json").read_text())
+    assert [robot["runs_on"] for robot in about["robots"]] == ["micropython"] * 2 + ["cpython"] * 2
+    first, again, *_ = lived = logs(tmp_path / "out")
+    assert all({m.sender for tick in log.ticks for m in tick.heard} for log in lived)
+    assert [tick.tick for tick in first.ticks] == [*range(1, len(first.ticks) + 1)]
+    assert [state.boot for state in again.states if state.starts] == [0, 1]
+    assert not any(log.gaps for log in lived if log.number != 1)
+    assert max(abs(estimate - 0.55) for estimate in told["estimates"]) < 0.25
+
+
+def test_micropython_that_is_absent_is_told_in_a_sentence(tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(on_node, "micropython", lambda: None)
+    assert main(["swarm", "commons", "--micropython", "2", "--out", str(tmp_path / "out")]) == 2
+    assert "--micropython 2: needs Node and MicroPython" in capsys.readouterr().err
 
 
 def started(folder, *arguments, rounds=5000):

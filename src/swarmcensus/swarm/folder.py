@@ -25,6 +25,8 @@ from swarmcensus.swarm.plans import Member, Plan
 FORMAT = 1
 ROUNDING = "rounding"
 OURS = Path(__file__).parent
+ON_MICROPYTHON = OURS / "on_micropython.mjs"
+BOARD_SOCKETS = OURS / "board_sockets.py"
 PROGRAMS = (OURS / "node.py", OURS / "air.py", OURS / f"{ROUNDING}.py", Path(log.__file__), Path(runtime.__file__))
 RUN = "run"  # the folder in it with what robots run, their readings and memories
 SAVED = 2.0  # seconds from one saving of a memory to the next, or FEWEST ticks if that is longer
@@ -42,6 +44,9 @@ def write_folder(plan: Plan, folder: Path, command_port: int) -> None:
         for member in plan.members:
             texts[f"{_module(member.file)}.py"] = _alone(member.brain.running_source)
         write_texts(run, texts)
+        if any(member.on_micropython for member in plan.members):
+            files = (ON_MICROPYTHON, BOARD_SOCKETS)
+            write_texts(run, {path.name: path.read_text(encoding="utf-8") for path in files})
         for name in texts:  # so that not each robot compiles them
             py_compile.compile(str(run / name), doraise=True)
         write_texts(made, {member.file: member.brain.source for member in plan.members})

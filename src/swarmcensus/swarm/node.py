@@ -76,6 +76,9 @@ class Node:
         self.settings = settings
         self.life = life
         self.robot = None
+        self.reported = 0.0  # when it reported last
+        self.lag = 0  # milliseconds that the next tick comes late
+        self.ended = False
         self.version = 0  # of what the command last told
         self.radio = self._open()
         self.command = self._open()
@@ -106,26 +109,29 @@ class Node:
 
     def run(self):
         """Live until the command ends it, or is gone."""
-        while self.robot is None:
-            self.report()
-            self.rest(KNOCKS)
-        robot, settings = self.robot, self.settings
-        reported, lag, ended = self.now(), 0, False
         while True:
-            wait = since(robot.due, self.clock()) + lag
-            if robot.round() >= settings.ROUNDS:
-                self.air.end()
-                wait = 0 if not ended else REPORTED
-                ended = True
-            elif wait <= 0:
-                wait = robot.poll()
-                drawn = air.share(self.seed, air.JITTER, settings.NUMBER, 0, robot.ticks)
-                lag = int(settings.JITTER * robot.period * drawn)
-                wait += lag
-            if self.now() - reported >= REPORTED or ended:
-                reported = self.now()
-                self.report()
-            self.rest(wait)
+            self.rest(self.step())
+
+    def step(self):
+        """Do what is due; returns the milliseconds until something is."""
+        if self.robot is None:
+            self.report()
+            return KNOCKS
+        robot, settings = self.robot, self.settings
+        wait = since(robot.due, self.clock()) + self.lag
+        if robot.round() >= settings.ROUNDS:
+            self.air.end()
+            wait = REPORTED if self.ended else 0
+            self.ended = True
+        elif wait <= 0:
+            wait = robot.poll()
+            drawn = air.share(self.seed, air.JITTER, settings.NUMBER, 0, robot.ticks)
+            self.lag = int(settings.JITTER * robot.period * drawn)
+            wait += self.lag
+        if self.now() - self.reported >= REPORTED or self.ended:
+            self.reported = self.now()
+            self.report()
+        return wait
 
     def rest(self, wait):
         """Sleep so many milliseconds, or until something is to be heard."""

@@ -10,6 +10,7 @@ from swarmcensus.basics.errors import InputError
 from swarmcensus.basics.formatting import counted
 from swarmcensus.brains import Brain
 from swarmcensus.brains.packing import FORMATS, Format
+from swarmcensus.deployment import on_node
 from swarmcensus.deployment.plans import Plan as DeployedPlan
 from swarmcensus.engine.constants import LISTED
 from swarmcensus.simulation.inputs import Inputs, inputs_of
@@ -83,6 +84,11 @@ class Plan:
         return self.setting.rounds * self.period / 1000.0
 
     @property
+    def on_micropython(self) -> frozenset[int]:
+        """The robots that run MicroPython."""
+        return frozenset(member.number for member in self.members if member.on_micropython)
+
+    @property
     def mark(self) -> int:
         """Of the datagrams of this swarm, also those of its members with other brains."""
         return DeployedPlan(self.setting.brain, "udp", 1.0, 1.0, self.air.hz, None).mark
@@ -138,6 +144,8 @@ def _check(setting: Setting, study: Study, air: Air) -> None:
 def _members(setting: Setting, given: Inputs, micropython: int) -> tuple[Member, ...]:
     if not 0 <= micropython <= setting.robots:
         raise InputError(f"--micropython {micropython}: the swarm has {counted(setting.robots, 'robot')}")
+    if micropython and not on_node.micropython():
+        raise InputError(f"--micropython {micropython}: needs {on_node.NEEDED}")
     group = given.group[0] if given.group.size else np.zeros(setting.robots, np.int64)
     honest = given.honest[0] if given.honest.size else np.ones(setting.robots, np.bool_)
     b, w = (np.broadcast_to(side[0], (setting.robots,)) for side in given.beliefs)

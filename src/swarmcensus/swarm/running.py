@@ -66,7 +66,9 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
     began = time.monotonic()
     with command:
         write_folder(plan, folder, command.getsockname()[1])
-        swarm = Swarm(plan, folder, faults, command, Children(folder), [Known() for _ in plan.members])
+        swarm = Swarm(
+            plan, folder, faults, command, Children(folder, plan.on_micropython), [Known() for _ in plan.members]
+        )
         at = round(time.time() * 1000)
         try:
             _start(swarm)
