@@ -1,6 +1,7 @@
 """Running a swarm: processes are started, told who hears them, disturbed, watched and ended."""
 
 import contextlib
+import itertools
 import random
 import select
 import socket
@@ -31,6 +32,16 @@ FAR = 1 << 20  # bytes of the socket for reports
 
 
 @dataclass
+class Flood:
+    """Garbage that comes to some robots; the same seed sends the same bytes."""
+
+    began: float  # of the clock `time.monotonic`
+    robots: tuple[int, ...]
+    chance: random.Random
+    sent: int = 0  # datagrams to each
+
+
+@dataclass
 class Swarm:
     """A swarm that runs."""
 
@@ -45,7 +56,7 @@ class Swarm:
     version: int = 0
     told: dict[int, float] = field(default_factory=dict)  # when each robot was told something last
     happened: list[str] = field(default_factory=list)
-    floods: list[tuple[float, tuple[int, ...], list[int]]] = field(default_factory=list)
+    floods: list[Flood] = field(default_factory=list)
     memory: int = 0  # bytes, at the peak
     ports: dict[int, int] = field(default_factory=dict)
 
@@ -167,6 +178,8 @@ def _listen(swarm: Swarm, wait: float) -> None:
         known = swarm.robots[report.number]
         if report.life != swarm.children.lives.get(report.number) or report.number not in swarm.children.running:
             continue  # of a process that has ended
+        if known.address not in (None, address):
+            continue  # of somebody else
         known.last = report
         if known.address is None:
             known.address = address
@@ -245,29 +258,30 @@ def _happen(swarm: Swarm, fault: Fault) -> None:
         swarm.cuts.clear()
         _tell_all(swarm)
     elif fault.action == "garbage":
-        swarm.floods.append((time.monotonic(), fault.robots, [0]))
+        chance = random.Random(f"{swarm.plan.chance} {fault.text}")
+        swarm.floods.append(Flood(time.monotonic(), fault.robots, chance))
 
 
 def _flood(swarm: Swarm) -> None:
     """Send what is due of random datagrams, from a socket that no robot knows; some begin as messages do."""
     if not swarm.floods:
         return
-    chance, plan = random.Random(time.monotonic()), swarm.plan
+    plan = swarm.plan
     size = 6 + plan.setting.brain.message_bytes + 2
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as stranger:
         stranger.bind((plan.air.host, 0))
         stranger.setblocking(False)
-        for began, robots, sent in swarm.floods:
-            due = min(FLOODED, int(FLOODED * (time.monotonic() - began) / FLOOD))
-            for _ in range(due - sent[0]):
-                for number in robots:
-                    like = chance.random() < 0.5
-                    noise = chance.randbytes(size if like else chance.randrange(64))
-                    noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
+        for flood in swarm.floods:
+            due = min(FLOODED, int(FLOODED * (time.monotonic() - flood.began) / FLOOD))
+            for _, number in itertools.product(range(due - flood.sent), flood.robots):
+                like = flood.chance.random() < 0.5
+                noise = flood.chance.randbytes(size if like else flood.chance.randrange(64))
+                noise = bytes([plan.mark & 0xFF]) + noise[1:] if like else noise
+                if number in swarm.ports:
                     with contextlib.suppress(OSError):
-                        stranger.sendto(noise, (plan.air.host, swarm.ports.get(number, 9)))
-            sent[0] = due
-    swarm.floods = [flood for flood in swarm.floods if flood[2][0] < FLOODED]
+                        stranger.sendto(noise, (plan.air.host, swarm.ports[number]))
+            flood.sent = due
+    swarm.floods = [flood for flood in swarm.floods if flood.sent < FLOODED]
 
 
 def _bury(swarm: Swarm) -> None:
