@@ -265,6 +265,13 @@ def test_wrong_options_are_refused_in_a_sentence(tmp_path, monkeypatch, capsys, 
     assert not [*tmp_path.iterdir()]
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="0.0.0.0 is sent to as this machine")
+def test_who_can_reach_other_addresses_is_told(tmp_path, capsys):
+    arguments = ["--robots", "2", "--rounds", "20", "--hz", "100", "--host", "0.0.0.0", "--out", str(tmp_path / "out")]
+    assert main(["swarm", "commons", *arguments]) == 0
+    assert "Anyone who can reach 0.0.0.0" in capsys.readouterr().err
+
+
 def test_what_processes_cannot_run_is_refused():
     moving = {"topology": "moving", "density": 2.0, "fill_ratio": 0.5}
     swarm = {"robots": 4, "accuracy": 0.8}

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from swarmcensus.basics.errors import InputError
 from swarmcensus.cli.deploy import number
 from swarmcensus.cli.options import from_zero, positive
-from swarmcensus.cli.output import answer, say, wrote
+from swarmcensus.cli.output import answer, wrote
 
 if TYPE_CHECKING:
     from swarmcensus.studies.study import Study
@@ -82,8 +82,6 @@ def swarm(options: argparse.Namespace) -> int:
     seed = study.seed if options.seed is None else options.seed
     plan = plan_of(study, options.setting or 0, seed, options.trial, air, options.micropython)
     faults = faults_of(options.at, plan.setting.robots, plan.period, plan.seconds)
-    if not options.host.startswith("127."):
-        say(f"Anyone who can reach {options.host} can send messages in the name of any robot.")
     with showing(plan, options) as show:
         outcome = run(plan, faults, folder, show)
     if options.json:

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import logging
 import random
 import select
 import socket
@@ -18,6 +19,8 @@ from swarmcensus.swarm.outcomes import Outcome, outcome_of
 from swarmcensus.swarm.plans import Plan, hearers
 from swarmcensus.swarm.reports import Known, read_report
 
+LOG = logging.getLogger(__name__)
+LOOPBACK = "127."
 AHEAD = 0.3  # seconds from the last robot's first report to the start
 PATIENCE = 30.0  # seconds in which robots must report for the first time, and more for each of them
 A_ROBOT = 0.2
@@ -73,6 +76,8 @@ def run(plan: Plan, faults: Sequence[Fault], folder: Path, show: Callable[[Swarm
     """
     check_system()
     command = _socket(plan.air.host)
+    if not plan.air.host.startswith(LOOPBACK):
+        LOG.info("Anyone who can reach %s can send messages in the name of any robot.", plan.air.host)
     before = seconds_of_children()
     began = time.monotonic()
     with command:
